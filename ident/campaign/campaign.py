@@ -1,0 +1,64 @@
+"""A campaign: the records of one device, and what the user said about them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Mapping
+
+from .device import Device, Platform
+from .record import Record, Sweep, Trace
+
+_EMPTY: Mapping[str, Any] = MappingProxyType({})
+
+
+@dataclass(frozen=True)
+class Prior:
+    """A Gaussian prior on one parameter, SI."""
+
+    mean: float
+    deviation: float
+
+
+@dataclass(frozen=True, eq=False)
+class Campaign:
+    """What the lab measured.
+
+    **Arguments:**
+
+    - `effects`: names of the effects to start with; `effect_files`: the user's own effect files.
+    - `settings`: per effect, the table `[effect.NAME]` (closure, starting values, `fixed = [...]`), values already SI.
+    - `priors`: per full parameter name ("residual-stress.sigma12").
+    - `notes`: what was assumed and what the data checks found, one sentence each, to be printed.
+    - `checksums`: SHA-256 of every file read.
+    """
+
+    title: str
+    records: tuple[Record, ...]
+    device: Device = field(default_factory=Platform)
+    effects: tuple[str, ...] = ()
+    effect_files: tuple[Path, ...] = ()
+    settings: Mapping[str, Mapping[str, Any]] = _EMPTY
+    priors: Mapping[str, Prior] = _EMPTY
+    notes: tuple[str, ...] = ()
+    path: Path | None = None
+    checksums: Mapping[str, str] = _EMPTY
+
+    @property
+    def traces(self) -> tuple[Trace, ...]:
+        return tuple(r for r in self.records if isinstance(r, Trace))
+
+    @property
+    def sweeps(self) -> tuple[Sweep, ...]:
+        return tuple(r for r in self.records if isinstance(r, Sweep))
+
+    @property
+    def fitted(self) -> tuple[Trace, ...]:
+        """The traces that the fit may see."""
+        return tuple(r for r in self.traces if not r.holdout)
+
+    @property
+    def heldout(self) -> tuple[Trace, ...]:
+        """The traces that only judge."""
+        return tuple(r for r in self.traces if r.holdout)

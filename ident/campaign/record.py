@@ -1,0 +1,99 @@
+"""What the lab measured, as frozen values in SI units.
+
+A record is one file: a trace (time, drive, response) or a sweep (frequency, level, amplitude). Numbers are SI inside;
+`Channel.factor` turns them back into the unit in which the file was written.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+Start = Literal["rest", "steady", "unknown"]
+
+
+@dataclass(frozen=True)
+class Channel:
+    """The unit of a column: value in SI = value in the file × `factor`."""
+
+    unit: str
+    factor: float
+
+
+@dataclass(frozen=True)
+class NoiseFloor:
+    """Standard deviation and colour of the measurement noise of one record.
+
+    The noise is modelled as autoregressive: e[k] = Σ_j ar[j] e[k−1−j] + white noise. `ar = ()` is white noise.
+
+    **Arguments:**
+
+    - `sigma`: total standard deviation of the noise (SI).
+    - `ar`: autoregressive coefficients.
+    - `method`: how it was found, in words ("given in the campaign", "repeats of 12 periods", …).
+    - `relative_error`: standard error of `sigma` divided by `sigma`; 0 where the user gave it.
+    """
+
+    sigma: float
+    ar: tuple[float, ...] = ()
+    method: str = ""
+    relative_error: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """A time record, uniformly sampled.
+
+    **Arguments:**
+
+    - `name`: the file as the campaign names it.
+    - `time`: (n,) s, uniform; `drive`: (n,) V; `response`: (n,) m (an oscillator's columns: their own SI-prefixed-free unit).
+    - `start`: "rest" (z = ż = 0 at the first sample), "steady", or "unknown" (initial state is fitted).
+    - `load`: extra mass on the stage, kg.
+    - `skip`: number of leading samples that are simulated but not counted.
+    - `noise`: the noise floor; `period`: samples per period if the drive is periodic over the record, else None.
+    """
+
+    name: str
+    time: np.ndarray
+    drive: np.ndarray
+    response: np.ndarray
+    drive_channel: Channel
+    response_channel: Channel
+    noise: NoiseFloor
+    start: Start = "unknown"
+    holdout: bool = False
+    load: float = 0.0
+    skip: int = 0
+    period: float | None = None
+
+    @property
+    def step(self) -> float:
+        """Sampling interval, s."""
+        return float((self.time[-1] - self.time[0]) / (len(self.time) - 1))
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep:
+    """An amplitude-frequency curve.
+
+    `frequency` (n,) Hz, `level` (n,) drive amplitude in V, `amplitude` (n,) m, `phase` (n,) rad or None, `up` (n,) bool.
+    """
+
+    name: str
+    frequency: np.ndarray
+    level: np.ndarray
+    amplitude: np.ndarray
+    phase: np.ndarray | None
+    up: np.ndarray
+    quantity: Literal["fundamental", "half-peak-to-peak"]
+    drive_channel: Channel
+    response_channel: Channel
+    noise: NoiseFloor
+    holdout: bool = False
+    load: float = 0.0
+
+
+Record = Trace | Sweep

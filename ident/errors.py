@@ -1,0 +1,20 @@
+"""The one exception that a user may meet: a sentence that says what is wrong, where, and what to do."""
+
+from __future__ import annotations
+
+
+class UserError(Exception):
+    """Unusable input. The command line prints it as one line and exits with 2.
+
+    **Arguments:**
+
+    - `what`: what is wrong, in the user's words.
+    - `where`: file, line and column, as far as they are known ("a.csv, line 12, column 3").
+    - `do`: what the user can do about it.
+    """
+
+    def __init__(self, what: str, *, where: str = "", do: str = ""):
+        self.what, self.where, self.do = what, where, do
+        place = f"{where}: " if where else ""
+        advice = f" — {do}" if do else ""
+        super().__init__(" ".join(f"{place}{what}{advice}".split()))
