@@ -1,0 +1,1 @@
+"""Runnable studies. Nothing below `simulator`, `benchmarks` and `hidden_effects` imports `ident`."""

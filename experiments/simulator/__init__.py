@@ -1,0 +1,1 @@
+"""An independent simulator of the platform: NumPy, SciPy and numba only, its own formulas, nothing from `ident`."""
