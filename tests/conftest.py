@@ -1,0 +1,19 @@
+"""What every test relies on: double precision, no display, and examples that repeat in CI."""
+
+from __future__ import annotations
+
+import os
+
+os.environ["MPLBACKEND"] = "Agg"  # before anything imports matplotlib: no test may open a window
+
+from hypothesis import HealthCheck, settings
+
+from ident import runtime
+
+runtime.configure()
+
+# JAX compiles on a test's first example, so neither a deadline nor "too slow" says anything about the code.
+_common = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
+settings.register_profile("explore", **_common)
+settings.register_profile("repeat", derandomize=True, print_blob=True, **_common)
+settings.load_profile("repeat" if os.environ.get("CI") else "explore")
