@@ -1,0 +1,1 @@
+"""ident: find out what physics a measured device obeys."""

@@ -1,0 +1,116 @@
+"""Unit errors in an effect are caught when it is registered, by changing the units of the world.
+
+A formula is right in its dimensions if and only if its result scales as it should when metre, kilogram, second and volt are
+replaced by other units. So the effect is evaluated twice, once in SI and once with every input converted to arbitrary
+units; a force that does not convert like a force has a unit error or a hard-coded number with a hidden unit.
+
+Source: G. I. Barenblatt, Scaling, 1996, §1.1 (covariance of physical laws).
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from ..campaign.device import Device, Platform
+from ..errors import UserError
+from ..units import unit as parse_unit
+from .effect import AbstractEffect, Drive, Parameter, State
+
+_WORLD = {"kg": 1.7, "m": 2.3, "s": 0.6, "V": 3.1}  # one SI unit, measured in the other world's units
+_DISPLACEMENT, _VELOCITY, _VOLTAGE, _TIME = 3e-6, 2e-2, 5.0, 1e-3
+_TOLERANCE = 1e-6
+
+
+@lru_cache(maxsize=256)
+def exponents(unit: str) -> dict[str, int]:
+    """Powers of kg, m, s and V in a unit; electric current is written through the volt (1 A = 1 kg m² s⁻³ V⁻¹)."""
+    m, kg, s, ampere, *rest = parse_unit(unit).dimension
+    if any(rest):
+        raise UserError(f"the unit {unit!r} is not one of mechanics and voltage", do="use kg, m, s, N, Pa, Hz and V")
+    return {"kg": kg + ampere, "m": m + 2 * ampere, "s": s - 3 * ampere, "V": -ampere}
+
+
+def _factor(unit: str) -> float:
+    return float(np.prod([_WORLD[base] ** power for base, power in exponents(unit).items()]))
+
+
+def check_units(effect: type[AbstractEffect], where: str = "") -> None:
+    """Test that each formula of an effect has the dimension of its side.
+
+    **Raises:** UserError naming the formula and the declared units if it has not.
+    """
+    for parameter in effect.parameters:
+        try:
+            exponents(parameter.unit)
+        except UserError as error:
+            raise UserError(f"{effect.name}.{parameter.name}: {error.what}", where=where, do=error.do) from error
+    here, there = _evaluate(effect, scaled=False), _evaluate(effect, scaled=True)
+    for formula, (value, unit) in here.items():
+        expected = value * _factor(unit)
+        if abs(there[formula][0] - expected) > _TOLERANCE * max(abs(expected), 1e-300):
+            declared = ", ".join(f"{p.name} in {p.unit}" for p in effect.parameters)
+            raise UserError(
+                f"the formula {formula} of {effect.name} does not come out in {unit} ({declared})",
+                where=where,
+                do="correct a unit, or declare a number that carries a unit as a parameter",
+            )
+
+
+def _evaluate(effect: type[AbstractEffect], scaled: bool) -> dict[str, tuple[float, str]]:
+    """Value and unit of each formula of the effect, for arbitrary inputs."""
+    to = (lambda value, unit: value * _factor(unit)) if scaled else (lambda value, unit: value)
+    device = _in_other_units(Platform()) if scaled else Platform()
+    instance = _instance(effect, device, to)
+    hidden = tuple(to(_typical(unit), unit) for unit in effect.hidden_units)
+    state = State(to(_DISPLACEMENT, "m"), to(_VELOCITY, "m/s"), hidden)
+    drive = Drive(to(_VOLTAGE, "V"), to(3e3, "V/s"), to(2e3, "1/s"), to(1e-4, "N/V"))
+    t = to(_TIME, "s")
+    found: dict[str, tuple[float, str]] = {}
+    if effect.overrides("force"):
+        found["force"] = (float(instance.force(state, drive, t)), "N")
+    if effect.overrides("drive"):
+        found["drive"] = (float(instance.drive(hidden, drive, t)), "N")
+    if effect.overrides("sensor"):
+        found["sensor"] = (float(instance.sensor(state, drive, t)), "m")
+    if effect.overrides("rate"):
+        for i, (value, unit) in enumerate(zip(instance.rate(state, drive, t), effect.hidden_units, strict=True)):
+            found[f"rate[{i}]"] = (float(value), f"({unit})/s")
+    return found
+
+
+def _instance(effect: type[AbstractEffect], device: Device, to: Any) -> AbstractEffect:
+    instance = effect(device, None, **{p.name: to(_value(p), p.unit) for p in effect.parameters})
+    if effect.needs:
+        from .registry import built_in
+
+        instance = instance.beside(_instance(built_in()[effect.needs], device, to))
+    return instance
+
+
+def _value(parameter: Parameter) -> float:
+    """A value of typical size, so that the formula is tested where it will be used."""
+    if parameter.kind == "amplitude":
+        return parameter.default or 0.7
+    size = {"displacement": 5e-6, "velocity": 3e-2, "voltage": 8.0, "period": 2e-3, "duration": 0.03, "one": 1.0}
+    return parameter.default * size[parameter.scale] or 0.7
+
+
+def _typical(unit: str) -> float:
+    return {"m": _DISPLACEMENT, "m/s": _VELOCITY, "V": 0.3 * _VOLTAGE, "N": 1e-4}.get(unit, 0.3)
+
+
+_FIELD_UNITS = {"modulus": "Pa", "thickness": "m", "width": "m", "length": "m", "mass": "kg", "voltage": "V",
+                "frequency": "Hz", "poisson": "1"}  # fmt: skip
+
+
+def _in_other_units(device: Platform) -> Platform:
+    changed: dict[str, Any] = {"beam_end": tuple(x * _factor("m") for x in device.beam_end)}
+    for field in fields(device):
+        unit = next((u for word, u in _FIELD_UNITS.items() if word in field.name), None)
+        if unit is not None:
+            changed[field.name] = getattr(device, field.name) * _factor(unit)
+    return replace(device, **changed)

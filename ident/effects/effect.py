@@ -1,0 +1,222 @@
+"""An effect is a term of the model that can be switched off by a zero.
+
+It says where it acts and, in one line of scalar code, what it does:
+
+    class CubicStiffness(AbstractEffect):
+        '''Cubic (Duffing) stiffness: restoring force k3 z³.'''
+        name = "cubic-stiffness"
+        k3 = amplitude("N/m^3")
+
+        def force(self, state, drive, t):
+            return -self.k3 * state.z**3
+
+From this one definition come the simulation, its derivatives, the fit, the help page and the test for missing physics.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any, ClassVar, Literal, Mapping, NamedTuple, Self
+
+from ..campaign.device import Device, Platform
+
+Scalar = Any  # a float outside, a traced JAX scalar inside a simulation
+Scale = Literal["displacement", "velocity", "voltage", "period", "duration", "one"]
+
+
+class State(NamedTuple):
+    """State of the stage: displacement `z` (m), velocity `v` (m/s) and the effect's own `hidden` states."""
+
+    z: Scalar
+    v: Scalar
+    hidden: tuple[Scalar, ...] = ()
+
+
+class Drive(NamedTuple):
+    """The measured drive: `V` (V), its `rate` (V/s), the record's own frequency `omega` (rad/s) and `gain` (N/V)."""
+
+    V: Scalar
+    rate: Scalar
+    omega: Scalar
+    gain: Scalar
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of an effect, declared where the physics is.
+
+    An `amplitude` enters so that zero means absent. A `shape` (a gap, a time, a yield) is meaningless while the effect is
+    off; its `grid` lists values to try, in multiples of the data's own `scale`.
+    """
+
+    kind: Literal["amplitude", "shape"]
+    unit: str
+    doc: str
+    default: float
+    positive: bool
+    grid: tuple[float, ...]
+    scale: Scale
+    fitted: bool
+    name: str = ""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        object.__setattr__(self, "name", name)
+
+    def __get__(self, effect: AbstractEffect | None, owner: type) -> Any:
+        return self if effect is None else effect.values[self.name]
+
+
+def amplitude(
+    unit: str, doc: str = "", *, default: float = 0.0, positive: bool = False, fitted: bool = True, grid: tuple = ()
+) -> Any:
+    """Declare a parameter that switches the effect off when it is zero.
+
+    **Arguments:** `unit` ("N/m^3"); `doc`, a few words for the help page; `default`, the value to start a fit from;
+    `positive`, if it cannot be negative; `fitted=False` holds it unless the campaign frees it; `grid`, other values
+    from which a fit should start.
+    """
+    return Parameter("amplitude", unit, doc, default, positive, grid, "one", fitted)
+
+
+def shape(
+    unit: str, doc: str = "", *, grid: tuple[float, ...], scale: Scale = "one", positive: bool = True, fitted: bool = True
+) -> Any:
+    """Declare a parameter that says how an effect looks, not how large it is.
+
+    **Arguments:** `grid`, values worth trying in multiples of the data's `scale` ("displacement": its largest value in
+    the records, likewise "velocity" and "voltage"; "period": 1/f0; "duration" of a record; "one": SI as written).
+    """
+    return Parameter("shape", unit, doc, grid[len(grid) // 2], positive, grid, scale, fitted)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A setting of an effect that is one of a few words; the first is the default."""
+
+    words: tuple[str, ...]
+    name: str = ""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        object.__setattr__(self, "name", name)
+
+    def __get__(self, effect: AbstractEffect | None, owner: type) -> Any:
+        return self if effect is None else effect.settings.get(self.name, self.words[0])
+
+
+def choice(*words: str) -> Any:
+    """Declare a setting that the campaign chooses by a word (`closure = "frame"`)."""
+    return Choice(words)
+
+
+class AbstractEffect:
+    """A term of the equation of motion, of the drive, or of the sensor. Subclasses are final and immutable.
+
+    A subclass sets `name`, declares its parameters, and writes any of
+
+    - `force(state, drive, t)`: force on the stage, N;
+    - `drive(hidden, drive, t)`: force through the actuator, N; sees the drive and its own memory only;
+    - `sensor(state, drive, t)`: what the sensor adds to the true displacement, m;
+    - `state0()` and `rate(state, drive, t)`: hidden states of its own and their time derivatives, in `hidden_units`;
+    - `prepare()`: whatever is constant along a trajectory, computed once and found in `self.prepared`.
+
+    An effect that builds on another names it in `needs`, and finds it in `self.partner`.
+    """
+
+    name: ClassVar[str] = ""
+    equation: ClassVar[str] = ""
+    source: ClassVar[str] = ""
+    mistaken_for: ClassVar[tuple[str, ...]] = ()
+    hidden_units: ClassVar[tuple[str, ...]] = ()
+    platform_only: ClassVar[bool] = False
+    needs: ClassVar[str] = ""
+    acts_on: ClassVar[str] = ""
+
+    parameters: ClassVar[tuple[Parameter, ...]] = ()
+    choices: ClassVar[tuple[Choice, ...]] = ()
+
+    device: Device
+    values: Mapping[str, Scalar]
+    settings: Mapping[str, str]
+    prepared: Any
+    partner: Any
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        cls.parameters = tuple(value for value in vars(cls).values() if isinstance(value, Parameter))
+        cls.choices = tuple(value for value in vars(cls).values() if isinstance(value, Choice))
+        if not cls.acts_on:
+            cls.acts_on = next((side for side in ("sensor", "drive") if cls.overrides(side)), "force")
+
+    def __init__(self, device: Device | None = None, settings: Mapping[str, str] | None = None, **values: Scalar):
+        unknown = set(values) - {p.name for p in self.parameters}
+        if unknown:
+            raise TypeError(f"{type(self).__name__} has no parameter {', '.join(sorted(unknown))}")
+        self._set(
+            device=Platform() if device is None else device,
+            settings=MappingProxyType(dict(settings or {})),
+            values=MappingProxyType({p.name: values.get(p.name, p.default) for p in self.parameters}),
+        )
+        self._set(prepared=self.prepare(), partner=None)
+
+    def _set(self, **fields: Any) -> None:
+        for key, value in fields.items():
+            object.__setattr__(self, key, value)
+
+    def __setattr__(self, key: str, value: Any) -> None:
+        raise AttributeError(f"an effect is a value: use {type(self).__name__}(…, {key}={value!r}) to get a changed one")
+
+    def with_values(self, **values: Scalar) -> Self:
+        """The same effect with other parameter values."""
+        return type(self)(self.device, self.settings, **{**self.values, **values})
+
+    def beside(self, partner: AbstractEffect) -> Self:
+        """The same effect with the partner that it needs."""
+        changed = type(self)(self.device, self.settings, **self.values)
+        changed._set(partner=partner)
+        return changed
+
+    def on(self, device: Device) -> Self:
+        """The same effect on another device."""
+        return type(self)(device, self.settings, **self.values)
+
+    @property
+    def key(self) -> tuple[Any, ...]:
+        """What decides the compiled code: the class, its settings and the device, but not the parameter values."""
+        return (type(self), tuple(sorted(self.settings.items())), self.device)
+
+    @classmethod
+    def overrides(cls, method: str) -> bool:
+        """Whether this effect has physics of its own for `method`."""
+        return getattr(cls, method) is not getattr(AbstractEffect, method)
+
+    def parameter(self, name: str) -> Parameter:
+        """The declaration of one parameter, as this effect's settings have it."""
+        return next(p for p in self.declared() if p.name == name)
+
+    def declared(self) -> tuple[Parameter, ...]:
+        """The parameters that matter with the present settings."""
+        unused = self.unused()
+        return tuple(replace(p, fitted=p.fitted and p.name not in unused) for p in self.parameters)
+
+    def unused(self) -> tuple[str, ...]:
+        """Names of the parameters that the present settings leave without meaning."""
+        return ()
+
+    def prepare(self) -> Any:
+        return None
+
+    def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
+        return 0.0
+
+    def drive(self, hidden: tuple[Scalar, ...], drive: Drive, t: Scalar) -> Scalar:
+        return 0.0
+
+    def sensor(self, state: State, drive: Drive, t: Scalar) -> Scalar:
+        return 0.0
+
+    def state0(self) -> tuple[Scalar, ...]:
+        return ()
+
+    def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
+        return ()

@@ -1,0 +1,23 @@
+"""Dry friction."""
+
+import jax.numpy as jnp
+
+from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+
+
+class CoulombFriction(AbstractEffect):
+    """Friction of constant size against the motion: F = −F_c tanh(ż/v_s), v_s a fiftieth of the largest velocity.
+
+    The smooth step stands for the sign function, which no fixed-step solver follows.
+    """
+
+    name = "coulomb-friction"
+    equation = "F = −F_c tanh(ż/v_s)"
+    source = "Olsson, Åström, Canudas de Wit, Gäfvert, Lischinsky, Friction models and compensation, 1998, Eur. J. Control 4"
+    mistaken_for = ("bouc-wen", "quadratic-damping")
+
+    friction = amplitude("N", "friction force")
+    velocity = shape("m/s", "velocity over which the force turns", grid=(0.02,), scale="velocity", fitted=False)
+
+    def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
+        return -self.friction * jnp.tanh(state.v / self.velocity)

@@ -1,0 +1,17 @@
+"""Cubic (Duffing) stiffness."""
+
+from ..effect import AbstractEffect, Drive, Scalar, State, amplitude
+
+
+class CubicStiffness(AbstractEffect):
+    """Stiffness that grows (or falls) with the square of the displacement: F = −k3 z³."""
+
+    name = "cubic-stiffness"
+    equation = "F = −k3 z³"
+    source = "Nayfeh & Mook, Nonlinear Oscillations, 1979, §4.1"
+    mistaken_for = ("end-stop", "residual-stress", "sensor-nonlinearity")
+
+    k3 = amplitude("N/m^3", "cubic stiffness")
+
+    def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
+        return -self.k3 * state.z**3

@@ -1,0 +1,37 @@
+"""Polynomial hysteresis of the PZT, the paper's Eq. 12."""
+
+from __future__ import annotations
+
+from ...campaign.device import Platform
+from ...mechanics import Scalar, drive_force_coefficient, l_beam, polynomial_strain
+from ..effect import AbstractEffect, Drive, amplitude
+from ..section import device_section
+
+
+class PztHysteresis(AbstractEffect):
+    """Free strain of the PZT with a cubic term and a loop.
+
+    F = K_f [−η E³ + (ζ/ω³) Ė³], E = V/T_p, with K_f from the geometry (1 for a generic oscillator, where E is the drive).
+    It follows one frequency well and transfers badly to others: real PZT needs play operators (`prandtl-ishlinskii`).
+    """
+
+    name = "pzt-hysteresis"
+    equation = "F = K_f [−η E³ + (ζ/ω³) Ė³]"
+    source = "Sensors 2020, 20, 3959, Eq. 12"
+    mistaken_for = ("prandtl-ishlinskii", "bouc-wen-drive", "cubic-stiffness", "drive-lag")
+
+    eta = amplitude("m^3/V^3", "cubic saturation η")
+    zeta = amplitude("m^3/V^3", "loop width ζ")
+
+    def prepare(self) -> tuple[Scalar, Scalar]:
+        device = self.device
+        if not isinstance(device, Platform):
+            return 1.0, 1.0
+        section = device_section(device)
+        beam = l_beam(section, device.length_1, device.length_2)
+        return drive_force_coefficient(section, beam), device.pzt_thickness
+
+    def drive(self, hidden: tuple[Scalar, ...], drive: Drive, t: Scalar) -> Scalar:
+        coefficient, thickness = self.prepared
+        field, rate = drive.V / thickness, drive.rate / thickness
+        return coefficient * polynomial_strain(field, rate, drive.omega, 0.0, self.eta, self.zeta)

@@ -1,0 +1,19 @@
+"""Quadratic damping, as of turbulent flow around the stage."""
+
+import jax.numpy as jnp
+
+from ..effect import AbstractEffect, Drive, Scalar, State, amplitude
+
+
+class QuadraticDamping(AbstractEffect):
+    """Drag that grows with the square of the velocity: F = −c2 ż|ż|."""
+
+    name = "quadratic-damping"
+    equation = "F = −c2 ż|ż|"
+    source = "Nayfeh & Mook, Nonlinear Oscillations, 1979, §3.3.2"
+    mistaken_for = ("cubic-damping", "squeeze-film-damping")
+
+    c2 = amplitude("N*s^2/m^2", "quadratic damping")
+
+    def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
+        return -self.c2 * state.v * jnp.abs(state.v)

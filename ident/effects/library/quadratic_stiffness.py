@@ -1,0 +1,17 @@
+"""Quadratic stiffness: the spring is stiffer on one side."""
+
+from ..effect import AbstractEffect, Drive, Scalar, State, amplitude
+
+
+class QuadraticStiffness(AbstractEffect):
+    """A restoring force that is not odd, as of a curved beam: F = −k2 z². Shifts the mean and makes even harmonics."""
+
+    name = "quadratic-stiffness"
+    equation = "F = −k2 z²"
+    source = "Nayfeh & Mook, Nonlinear Oscillations, 1979, §4.2"
+    mistaken_for = ("residual-stress", "electrostriction", "sensor-nonlinearity")
+
+    k2 = amplitude("N/m^2", "quadratic stiffness")
+
+    def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
+        return -self.k2 * state.z**2

@@ -1,0 +1,17 @@
+"""A constant offset of the sensor."""
+
+from ..effect import AbstractEffect, Drive, Scalar, State, amplitude
+
+
+class SensorOffset(AbstractEffect):
+    """The zero of the sensor is not the rest position: reading = z + z_s."""
+
+    name = "sensor-offset"
+    equation = "reading = z + z_s"
+    source = "metrology"
+    mistaken_for = ("static-force", "sensor-drift")
+
+    offset = amplitude("m", "offset")
+
+    def sensor(self, state: State, drive: Drive, t: Scalar) -> Scalar:
+        return self.offset

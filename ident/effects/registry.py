@@ -1,0 +1,85 @@
+"""Finding effects by name: the built-in library, and the user's own files."""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import importlib.util
+import pkgutil
+import traceback
+from functools import lru_cache
+from pathlib import Path
+from types import ModuleType
+from typing import Iterable, Mapping
+
+from ..errors import UserError
+from .dimensions import check_units
+from .effect import AbstractEffect
+
+Registry = Mapping[str, type[AbstractEffect]]
+
+
+@lru_cache(maxsize=1)
+def built_in() -> Registry:
+    """Every effect of the library, by name; a new file in `effects/library` is found without being listed."""
+    from . import library
+
+    modules = [importlib.import_module(f"{library.__name__}.{m.name}") for m in pkgutil.iter_modules(library.__path__)]
+    return {effect.name: effect for module in modules for effect in _effects_of(module)}
+
+
+def registry(files: Iterable[Path] = ()) -> Registry:
+    """The library and the effects defined in the user's files.
+
+    **Raises:** UserError, naming file and line, if a file cannot be run, defines no effect, takes a name that exists, or
+    defines one whose units do not match.
+    """
+    found = dict(built_in())
+    for file in files:
+        for effect in _load(Path(file)):
+            if effect.name in found:
+                raise UserError(f"the name {effect.name!r} is taken", where=str(file), do="give the effect another name")
+            found[effect.name] = effect
+    return found
+
+
+def find(name: str, known: Registry) -> type[AbstractEffect]:
+    """The effect of that name. **Raises:** UserError with the nearest names."""
+    if name not in known:
+        near = difflib.get_close_matches(name, known, n=3, cutoff=0.4)
+        hint = f"did you mean {' or '.join(near)}?" if near else "`ident effects` lists them"
+        raise UserError(f"there is no effect called {name!r}", do=hint)
+    return known[name]
+
+
+def _effects_of(module: ModuleType) -> list[type[AbstractEffect]]:
+    return [
+        value
+        for value in vars(module).values()
+        if isinstance(value, type) and issubclass(value, AbstractEffect) and value.name
+        and value.__module__ == module.__name__
+    ]  # fmt: skip
+
+
+def _load(file: Path) -> list[type[AbstractEffect]]:
+    if not file.is_file():
+        raise UserError("this effect file does not exist", where=str(file), do="check effect_files in the campaign")
+    spec = importlib.util.spec_from_file_location(f"ident_user_effect_{file.stem}", file)
+    assert spec is not None and spec.loader is not None  # a .py path always has a loader
+    module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except SyntaxError as error:
+        raise UserError(f"not valid Python: {error.msg}", where=f"{file}, line {error.lineno}") from error
+    except Exception as error:  # whatever a user's file does wrong, it is answered with its place in that file
+        lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]
+        where = f"{file}, line {lines[-1]}" if lines else str(file)
+        raise UserError(f"running this effect file failed: {type(error).__name__}: {error}", where=where) from error
+    effects = _effects_of(module)
+    if not effects:
+        raise UserError(
+            "no effect is defined here", where=str(file), do='write a class that inherits AbstractEffect and has a name = "…"'
+        )
+    for effect in effects:
+        check_units(effect, where=str(file))
+    return effects

@@ -1,0 +1,160 @@
+"""Starting values read off the records themselves: resonance, quality factor, drive gain, and the size of everything.
+
+For a trial resonance the response of a linear oscillator to the measured drive is one filter; gain, initial states and an
+offset then follow from linear least squares (variable projection: G. H. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973)
+413). Every record is weighted by its own size, so that a strongly nonlinear one does not rule the others.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple, Sequence
+
+import numpy as np
+from scipy import optimize, signal
+
+from ..campaign.record import Trace
+
+_MOST_SAMPLES = 4000  # of a record: enough to place a resonance, and long records stay cheap
+_QUALITIES = (4.0, 15.0, 60.0)
+_POINTS_PER_OCTAVE = 14
+
+
+class LinearGuess(NamedTuple):
+    """`frequency` (Hz), `quality`, and `gain` ((m/s²)/V) of the linear oscillator nearest to the records; `misfit`,
+    the rms of what it leaves divided by the rms of the records."""
+
+    frequency: float
+    quality: float
+    gain: float
+    misfit: float
+
+
+class DataScales(NamedTuple):
+    """The largest values in the records, by which shape parameters are placed (SI)."""
+
+    displacement: float
+    velocity: float
+    voltage: float
+    period: float
+    duration: float
+    one: float = 1.0
+
+
+def guess_linear(records: Sequence[Trace], nominal_frequency: float | None = None) -> LinearGuess:
+    """The linear oscillator nearest to the records."""
+    pieces = [_piece(record) for record in records]
+    grid = _frequencies(records, nominal_frequency)
+    trials = [(_misfit(pieces, f, q), f, q) for q in _QUALITIES for f in grid]
+    trials.sort()
+    best = trials[0]
+    for start in _distinct(trials)[:3]:
+        found = optimize.minimize(
+            lambda x: _misfit(pieces, math.exp(x[0]), math.exp(x[1])),
+            [math.log(start[1]), math.log(start[2])],
+            method="Nelder-Mead",
+            options={"initial_simplex": _simplex(start[1], start[2]), "xatol": 1e-5, "fatol": 1e-9, "maxiter": 120},
+        )
+        best = min(best, (float(found.fun), math.exp(found.x[0]), math.exp(min(found.x[1], 9.0))))
+    misfit, frequency, quality = best
+    return LinearGuess(frequency, quality, _gain(pieces, frequency, quality), misfit)
+
+
+def data_scales(records: Sequence[Trace], frequency: float) -> DataScales:
+    """Largest displacement, velocity, voltage; period of the resonance; longest duration."""
+    displacement = max(float(np.max(np.abs(r.response - np.mean(r.response)))) for r in records)
+    velocity = 0.0
+    for record in records:
+        window = max(int(0.1 / (frequency * record.step)) // 2 * 2 + 1, 5)
+        if len(record.response) > window:
+            slope = signal.savgol_filter(record.response, window, 2, deriv=1, delta=record.step)
+            velocity = max(velocity, float(np.percentile(np.abs(slope), 99.5)))
+    voltage = max(float(np.max(np.abs(r.drive))) for r in records)
+    duration = max(float(r.time[-1] - r.time[0]) for r in records)
+    return DataScales(displacement, velocity, voltage, 1.0 / frequency, duration)
+
+
+class _Piece(NamedTuple):
+    step: float
+    drive: np.ndarray
+    response: np.ndarray
+    size: float
+    rest: bool
+
+
+def _piece(record: Trace) -> _Piece:
+    n = min(len(record.time), _MOST_SAMPLES)
+    size = float(np.std(record.response[:n])) or 1.0
+    return _Piece(record.step, record.drive[:n], record.response[:n] / size, size, record.start == "rest")
+
+
+def _frequencies(records: Sequence[Trace], nominal: float | None) -> np.ndarray:
+    lowest = min(2.0 / (r.time[-1] - r.time[0]) for r in records)
+    highest = max(0.3 / r.step for r in records)
+    # A signal above a resonance falls with the square of the frequency: nothing is seen far beyond the drive's band.
+    band = max(_highest_content(r) for r in records)
+    highest = min(highest, 8 * band)
+    grid = np.geomspace(lowest, highest, max(int(_POINTS_PER_OCTAVE * math.log2(highest / lowest)), 8))
+    return grid if nominal is None else np.append(grid, nominal)
+
+
+def _highest_content(record: Trace) -> float:
+    """Frequency below which 99.9 % of the drive's and the response's power lies, Hz."""
+    found = 0.0
+    for x in (record.drive, record.response):
+        power = np.abs(np.fft.rfft((x - np.mean(x)) * np.hanning(len(x)))) ** 2
+        index = int(np.searchsorted(np.cumsum(power), 0.999 * np.sum(power)))
+        found = max(found, index / (len(x) * record.step))
+    return found
+
+
+def _columns(piece: _Piece, frequency: float, quality: float) -> tuple[np.ndarray, np.ndarray]:
+    """Response to the drive for unit gain, and the free motions (with a constant) that the start may add."""
+    omega = 2 * math.pi * frequency
+    system = ([1.0], [1.0, omega / quality, omega**2])
+    b, a, _ = signal.cont2discrete(system, piece.step, method="foh")
+    forced = signal.lfilter(np.ravel(b), a, piece.drive)
+    constant = np.ones_like(piece.drive)
+    if piece.rest:
+        return forced, constant[:, None]
+    t = piece.step * np.arange(len(piece.drive))
+    decay = np.exp(-omega / (2 * quality) * t)
+    ring = omega * math.sqrt(max(1 - 1 / (4 * quality**2), 1e-6)) * t
+    return forced, np.stack([constant, decay * np.cos(ring), decay * np.sin(ring)], axis=1)
+
+
+def _projected(pieces: Sequence[_Piece], frequency: float, quality: float) -> tuple[np.ndarray, np.ndarray]:
+    forced, measured = [], []
+    for piece in pieces:
+        column, free = _columns(piece, frequency, quality)
+        basis, _ = np.linalg.qr(free)
+        forced.append((column - basis @ (basis.T @ column)) / piece.size)
+        measured.append(piece.response - basis @ (basis.T @ piece.response))
+    return np.concatenate(forced), np.concatenate(measured)
+
+
+def _misfit(pieces: Sequence[_Piece], frequency: float, quality: float) -> float:
+    x, y = _projected(pieces, frequency, quality)
+    power = float(x @ x)
+    if not np.isfinite(power) or power == 0.0:
+        return 1.0
+    left = float(y @ y) - float(x @ y) ** 2 / power
+    return math.sqrt(max(left, 0.0) / float(y @ y))
+
+
+def _gain(pieces: Sequence[_Piece], frequency: float, quality: float) -> float:
+    x, y = _projected(pieces, frequency, quality)
+    return float(x @ y) / float(x @ x)
+
+
+def _distinct(trials: list[tuple[float, float, float]]) -> list[tuple[float, float, float]]:
+    kept: list[tuple[float, float, float]] = []
+    for trial in trials:
+        if all(abs(math.log(trial[1] / other[1])) > 0.1 for other in kept):
+            kept.append(trial)
+    return kept
+
+
+def _simplex(frequency: float, quality: float) -> np.ndarray:
+    x, y = math.log(frequency), math.log(quality)
+    return np.array([[x, y], [x + 0.03, y], [x, y + 0.4]])

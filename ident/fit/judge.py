@@ -1,0 +1,46 @@
+"""The error of a model on records, in the records' unit and in units of their noise floors."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Sequence
+
+import numpy as np
+
+from ..campaign.record import Trace
+
+
+class RecordScore(NamedTuple):
+    """Error on one record: `rmse` and `noise_rmse` in SI, `error_over_noise` = rms of (measured − model)/σ."""
+
+    name: str
+    holdout: bool
+    n: int
+    rmse: float
+    noise_rmse: float
+    error_over_noise: float
+
+
+class Score(NamedTuple):
+    """Error on several records together; the fields of `RecordScore`, samples of all records counted alike."""
+
+    n: int
+    rmse: float
+    noise_rmse: float
+    error_over_noise: float
+
+
+def score_record(record: Trace, reading: np.ndarray) -> RecordScore:
+    """Judge a model's `reading` (n,) of a record over its counted samples."""
+    difference = (record.response - reading)[record.skip :]
+    rmse = float(np.sqrt(np.mean(difference**2)))
+    sigma = record.noise.sigma
+    return RecordScore(record.name, record.holdout, len(difference), rmse, sigma, rmse / sigma)
+
+
+def combine(scores: Sequence[RecordScore]) -> Score | None:
+    """Pool records; None if there are none."""
+    if not scores:
+        return None
+    n = np.array([s.n for s in scores], float)
+    pool = lambda name: float(np.sqrt(np.sum(n * np.array([getattr(s, name) for s in scores]) ** 2) / np.sum(n)))
+    return Score(int(np.sum(n)), pool("rmse"), pool("noise_rmse"), pool("error_over_noise"))

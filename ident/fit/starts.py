@@ -1,0 +1,49 @@
+"""Where a fit starts: the linear guess from the records, the grids of the shape parameters, and random ones on request."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Sequence
+
+import numpy as np
+
+from ..model import Model, ModelParameter
+from .guess import DataScales, LinearGuess
+
+
+def base_values(model: Model, guess: LinearGuess, scales: DataScales) -> np.ndarray:
+    """Starting value of every parameter of the model, SI."""
+    linear, told = model.linear, dict(model.start)
+    found = {
+        f"{linear.prefix}.frequency": guess.frequency,
+        f"{linear.prefix}.quality": guess.quality,
+        f"{linear.prefix}.{linear.gain_name}": guess.gain * linear.mass / linear.force_per_gain,
+    }
+    return np.array(
+        [
+            told.get(p.name, found.get(p.name, p.value * getattr(scales, p.scale)))
+            for p in model.parameters
+        ]
+    )  # fmt: skip
+
+
+def starting_points(model: Model, base: np.ndarray, scales: DataScales, limit: int = 24) -> list[np.ndarray]:
+    """The base start and every combination of the grids of the fitted parameters, at most `limit` of them."""
+    grids = [(i, np.array(p.grid) * getattr(scales, p.scale)) for i, p in _gridded(model.parameters)]
+    points = [base]
+    for combination in itertools.islice(itertools.product(*(g for _, g in grids)), limit if grids else 0):
+        point = base.copy()
+        point[[i for i, _ in grids]] = combination
+        points.append(point)
+    return points
+
+
+def _gridded(parameters: Sequence[ModelParameter]) -> list[tuple[int, ModelParameter]]:
+    return [(i, p) for i, p in enumerate(parameters) if p.grid and p.fitted]
+
+
+def random_points(model: Model, base: np.ndarray, count: int, spread: float, seed: int) -> list[np.ndarray]:
+    """`count` starts with every fitted parameter moved by up to ±`spread` of itself."""
+    fitted = np.array([p.fitted for p in model.parameters])
+    moves = np.random.default_rng(seed).uniform(1 - spread, 1 + spread, (count, len(base)))
+    return [np.where(fitted, base * move, base) for move in moves]

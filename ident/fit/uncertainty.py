@@ -1,0 +1,99 @@
+"""Covariance of the fitted parameters, with a reason wherever it cannot be given.
+
+The fit weighs every sample by 1/σ. Noise that is correlated in time makes neighbouring samples say the same thing twice,
+so the covariance is the sandwich (JᵀJ)⁻¹ Jᵀ R J (JᵀJ)⁻¹ with R the correlation of the noise; for white noise R = 1.
+Initial states are eliminated record by record (a Schur complement).
+
+Source: H. White, Asymptotic Theory for Econometricians, 2001, §4.2; C. R. Rao, Linear Statistical Inference, 1973, §4a.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Sequence
+
+import numpy as np
+from scipy import signal
+
+from ..campaign.record import NoiseFloor, Trace
+from ..response.groups import Layout
+from .problem import Blocks
+
+
+class Linearisation(NamedTuple):
+    """The fit seen as a linear regression, after the initial states are projected out.
+
+    **Arguments:** `jacobian`, (n, p), `residual`, (n,), both in units of the noise floor, counted samples only;
+    `spread`, (p, p), the matrix Jᵀ R J of the noise.
+    """
+
+    jacobian: np.ndarray
+    residual: np.ndarray
+    spread: np.ndarray
+
+
+def linearise(found: Blocks, layout: Layout, records: Sequence[Trace]) -> Linearisation:
+    """Collect the Jacobian of all records, initial states projected out, and the spread that their noise causes."""
+    rows, residuals = [], []
+    p = found.by_x[0].shape[0]
+    spread = np.zeros((p, p))
+    for record, (group, lane, n) in zip(records, layout.places, strict=True):
+        counted = slice(record.skip, n)
+        jacobian = np.asarray(found.by_x[group][:, lane, counted]).T
+        residual = np.asarray(found.residuals[group][lane, counted])
+        if record.start != "rest":
+            basis, _ = np.linalg.qr(np.asarray(found.by_start[group][:, lane, counted]).T)
+            jacobian = jacobian - basis @ (basis.T @ jacobian)
+            residual = residual - basis @ (basis.T @ residual)
+        rows.append(jacobian)
+        residuals.append(residual)
+        spread += _spread(jacobian, record.noise)
+    return Linearisation(np.concatenate(rows), np.concatenate(residuals), spread)
+
+
+def _spread(jacobian: np.ndarray, noise: NoiseFloor) -> np.ndarray:
+    """Jᵀ R J: filter every column with the noise's own shape, scaled to unit variance."""
+    if not noise.ar:
+        return jacobian.T @ jacobian
+    # Running the shaping filter backwards over a column gives Aᵀ J, where A A ᵀ = R is the filter's own covariance.
+    denominator = np.concatenate([[1.0], -np.asarray(noise.ar)])
+    settle = min(20 * len(jacobian), 200_000)
+    impulse = signal.lfilter([1.0], denominator, np.eye(1, settle)[0])
+    shaped = signal.lfilter([1.0 / np.linalg.norm(impulse)], denominator, jacobian[::-1], axis=0)
+    return shaped.T @ shaped
+
+
+class Covariance(NamedTuple):
+    """Covariance of the unbounded coordinates and what it leaves undetermined.
+
+    **Arguments:**
+
+    - `matrix`: (p, p), the null directions left out.
+    - `null`: (p, k) unit vectors (in coordinates scaled to unit columns of J) along which the data say nothing.
+    - `lengths`: (p,) column lengths of J by which the coordinates were scaled.
+    - `singular_values`: of the scaled Jacobian, largest first; `directions`: (p, p) the matching right vectors, columns.
+    """
+
+    matrix: np.ndarray
+    null: np.ndarray
+    lengths: np.ndarray
+    singular_values: np.ndarray
+    directions: np.ndarray
+
+
+# Below this ratio to the largest singular value the Jacobian's own rounding and step errors decide, not the data.
+_NULL = 1e-6
+
+
+def covariance(linear: Linearisation, prior_weight: np.ndarray) -> Covariance:
+    """Covariance matrix of the fitted coordinates; `prior_weight` (p,) is 1/deviation in the same coordinates."""
+    gram = linear.jacobian.T @ linear.jacobian + np.diag(prior_weight**2)
+    lengths = np.sqrt(np.diag(gram))
+    safe = np.where(lengths > 0, lengths, 1.0)
+    stacked = np.concatenate([linear.jacobian, np.diag(prior_weight)]) / safe
+    _, singular, vt = np.linalg.svd(np.linalg.qr(stacked, mode="r"))
+    seen = singular > _NULL * singular[0]
+    v = vt[seen].T / singular[seen] ** 2
+    inverse = v @ vt[seen]
+    middle = (linear.spread + np.diag(prior_weight**2)) / np.outer(safe, safe)
+    matrix = inverse @ middle @ inverse / np.outer(safe, safe)
+    return Covariance(matrix, vt[~seen].T, lengths, singular, vt.T)

@@ -1,0 +1,10 @@
+"""Linear platform (or oscillator) + effects = equation of motion and sensor, and the list of their parameters."""
+
+from .. import runtime
+
+runtime.configure()
+
+from .linear import LinearPart as LinearPart  # noqa: E402  (JAX is configured first)
+from .linear import linear_part as linear_part  # noqa: E402
+from .model import Model as Model  # noqa: E402
+from .parameters import ModelParameter as ModelParameter  # noqa: E402

@@ -1,0 +1,54 @@
+"""The linear part that every model starts from: one resonance, driven by a voltage.
+
+    (M + m) z̈ + (M ω0/Q) ż + M ω0² z = G V + Σ forces of the effects
+
+For the platform M is the stage's mass, m the record's load and G = K_f d31/T_p; for a generic oscillator M = 1, m = 0 and
+G is called the gain. ω0 and Q are those of the unloaded stage.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache, partial
+
+import jax
+
+from ..campaign.device import Device, Platform
+from ..effects.section import device_section
+from ..mechanics import drive_force_coefficient, l_beam, stage_stiffness
+
+
+@dataclass(frozen=True)
+class LinearPart:
+    """Numbers of the linear part that do not change in a fit.
+
+    **Arguments:**
+
+    - `prefix`: "platform" or "oscillator"; `gain_name`, `gain_unit`: its drive parameter.
+    - `mass`: kg (1 for an oscillator); `force_per_gain`: N/V for a unit of the drive parameter.
+    - `nominal_frequency`: Hz, from the geometry; None where nothing is known beforehand.
+    """
+
+    prefix: str
+    gain_name: str
+    gain_unit: str
+    mass: float
+    force_per_gain: float
+    nominal_frequency: float | None
+
+
+@lru_cache(maxsize=32)
+def linear_part(device: Device) -> LinearPart:
+    """The linear part of a device; K_f of the platform from its geometry (Sensors 2020, 20, 3959, Eq. 13)."""
+    if not isinstance(device, Platform):
+        return LinearPart("oscillator", "gain", "N/V", 1.0, 1.0, None)
+    actuator, stiffness = (float(x) for x in _actuator_and_stiffness(device))
+    frequency = math.sqrt(stiffness / device.stage_mass) / (2 * math.pi)
+    return LinearPart("platform", "d31", "m/V", device.stage_mass, actuator / device.pzt_thickness, frequency)
+
+
+@partial(jax.jit, static_argnums=0)  # one small program instead of a hundred single operations, each compiled alone
+def _actuator_and_stiffness(device: Platform) -> tuple[jax.Array, jax.Array]:
+    beam = l_beam(device_section(device), device.length_1, device.length_2)
+    return drive_force_coefficient(device_section(device), beam), stage_stiffness(beam, 0.0, 0.0)

@@ -1,0 +1,103 @@
+"""A model is a device and a tuple of effects. `model + CubicStiffness()` is a model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ..campaign.device import Device, Platform
+from ..effects.effect import AbstractEffect
+from ..errors import UserError
+from .linear import LinearPart, linear_part
+from .parameters import ModelParameter
+
+
+@dataclass(frozen=True)
+class Model:
+    """A device with its effects; a value, changed only by making another one.
+
+    **Arguments:**
+
+    - `device`: what was measured; `effects`: the terms beyond the linear part, in order.
+    - `start`: starting values of single parameters by full name (SI), as the campaign or a parent fit gave them.
+    - `held`: full names of parameters that a fit must not move; `freed`: of those that it must.
+    """
+
+    device: Device
+    effects: tuple[AbstractEffect, ...] = ()
+    start: tuple[tuple[str, float], ...] = ()
+    held: frozenset[str] = frozenset()
+    freed: frozenset[str] = frozenset()
+
+    def __post_init__(self) -> None:
+        for effect in self.effects:
+            if effect.platform_only and not isinstance(self.device, Platform):
+                raise UserError(
+                    f"the effect {effect.name} needs the geometry of the platform, but the device is an oscillator",
+                    do="leave it out, or describe the platform in the device table",
+                )
+            if effect.needs and effect.needs not in self.names:
+                raise UserError(f"the effect {effect.name} builds on {effect.needs}", do=f"add {effect.needs} too")
+        object.__setattr__(self, "effects", tuple(effect.on(self.device) for effect in self.effects))
+
+    def __add__(self, effect: AbstractEffect) -> Model:
+        if effect.name in self.names:
+            raise UserError(f"the model has the effect {effect.name} already", do="add each effect once")
+        return replace(self, effects=(*self.effects, effect))
+
+    def __sub__(self, name: str) -> Model:
+        if name not in self.names:
+            raise UserError(f"the model has no effect {name}", do=f"it has: {', '.join(self.names) or 'none'}")
+        return replace(self, effects=tuple(e for e in self.effects if e.name != name))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(effect.name for effect in self.effects)
+
+    @property
+    def linear(self) -> LinearPart:
+        return linear_part(self.device)
+
+    @property
+    def key(self) -> tuple[Any, ...]:
+        """What decides the compiled code."""
+        return (self.device, tuple(effect.key for effect in self.effects))
+
+    @property
+    def parameters(self) -> tuple[ModelParameter, ...]:
+        """Every parameter of the model: frequency (Hz), quality factor and drive gain first, then effect by effect."""
+        linear = self.linear
+        own = [
+            ModelParameter(f"{linear.prefix}.frequency", "Hz", linear.nominal_frequency or 1.0, True, kind="linear",
+                           doc="natural frequency of the unloaded linear part"),
+            ModelParameter(f"{linear.prefix}.quality", "1", 30.0, True, kind="linear", doc="quality factor"),
+            ModelParameter(f"{linear.prefix}.{linear.gain_name}", linear.gain_unit, 1e-12, False, kind="linear",
+                           doc="drive gain"),
+        ]  # fmt: skip
+        for effect in self.effects:
+            own += [
+                ModelParameter(f"{effect.name}.{p.name}", p.unit, p.default, p.positive, p.fitted, p.kind,
+                               p.grid, p.scale, p.doc)
+                for p in effect.declared()
+            ]  # fmt: skip
+        start = dict(self.start)
+        return tuple(self._as_told(parameter, start) for parameter in own)
+
+    def _as_told(self, parameter: ModelParameter, start: dict[str, float]) -> ModelParameter:
+        if parameter.name in start:
+            parameter = replace(parameter, value=start[parameter.name], scale="one", grid=())
+        if parameter.name in self.held:
+            parameter = replace(parameter, fitted=False)
+        elif parameter.name in self.freed:
+            parameter = replace(parameter, fitted=True)
+        return parameter
+
+    def bind(self, values: Any) -> tuple[tuple[Any, Any, Any], tuple[AbstractEffect, ...]]:
+        """Split a parameter vector into (frequency, quality, gain) and the effects carrying their own values."""
+        linear, rest, bound = tuple(values[:3]), 3, []
+        for effect in self.effects:
+            names = [p.name for p in effect.parameters]
+            bound.append(effect.with_values(**{n: values[rest + i] for i, n in enumerate(names)}))
+            rest += len(names)
+        by_name = {effect.name: effect for effect in bound}
+        return linear, tuple(e.beside(by_name[e.needs]) if e.needs else e for e in bound)

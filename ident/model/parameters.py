@@ -1,0 +1,41 @@
+"""The parameters of a model: full name, unit, start, bound, prior; and the map to the coordinates of the optimiser."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..effects.effect import Scale
+
+
+@dataclass(frozen=True)
+class ModelParameter:
+    """One number of a model.
+
+    **Arguments:**
+
+    - `name`: "effect.parameter"; `unit`: of the SI value.
+    - `value`: where a fit starts (SI); for a shape it is a multiple of the data's `scale` until the data are known.
+    - `positive`: the value is fitted through its logarithm, so it cannot reach or cross zero.
+    - `fitted`: whether a fit moves it; `grid`: other starting values.
+    """
+
+    name: str
+    unit: str
+    value: float
+    positive: bool = False
+    fitted: bool = True
+    kind: str = "amplitude"
+    grid: tuple[float, ...] = ()
+    scale: Scale = "one"
+    doc: str = field(default="", compare=False)
+
+    @property
+    def effect(self) -> str:
+        return self.name.rpartition(".")[0]
+
+
+def to_free(values: np.ndarray, positive: np.ndarray) -> np.ndarray:
+    """Coordinates without bounds: ln p for positive parameters, p for the others."""
+    return np.where(positive, np.log(np.where(positive, values, 1.0)), values)

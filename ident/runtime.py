@@ -1,0 +1,64 @@
+"""The only place that configures JAX: double precision, one XLA flag, the compilation cache.
+
+XLA runs each pass of a loop as a separate dispatch (about 0.6 µs) unless it may compile the whole loop into one kernel,
+which by default it does for tiny bodies only. The flag below lifts that limit; it must be set before the backend starts.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from pathlib import Path
+
+_LOOP_FLAG = "--xla_backend_extra_options=xla_cpu_small_while_loop_byte_threshold=1000000000"
+_CACHE_SWITCH = "IDENT_CACHE"
+
+
+def configure() -> None:
+    """Set up JAX for this process; called once by `import ident.model` and safe to call again.
+
+    The compilation cache lives in the user's cache folder; `IDENT_CACHE=off` switches it off, any other value of the
+    variable names another folder.
+    """
+    _append_loop_flag()
+    import jax
+
+    jax.config.update("jax_enable_x64", True)
+    folder = _cache_folder()
+    if folder is not None and jax.config.jax_compilation_cache_dir is None:
+        jax.config.update("jax_compilation_cache_dir", str(folder))
+        # Zero and −1 mean "cache everything": our programs are small and compile in under a second each.
+        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
+        jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
+
+
+def _append_loop_flag() -> None:
+    flags = os.environ.get("XLA_FLAGS", "")
+    if "xla_cpu_small_while_loop_byte_threshold" in flags:
+        return
+    if _backend_started():
+        warnings.warn(
+            "JAX was already running when ident was imported: simulations will be 4 to 10 times slower. "
+            "Import ident before using jax, or set XLA_FLAGS=" + _LOOP_FLAG,
+            RuntimeWarning,
+            stacklevel=3,
+        )
+        return
+    os.environ["XLA_FLAGS"] = f"{flags} {_LOOP_FLAG}".strip()
+
+
+def _backend_started() -> bool:
+    bridge = sys.modules.get("jax._src.xla_bridge")
+    return bool(bridge is not None and getattr(bridge, "_backends", None))
+
+
+def _cache_folder() -> Path | None:
+    switch = os.environ.get(_CACHE_SWITCH, "")
+    if switch.lower() == "off":
+        return None
+    if switch:
+        return Path(switch)
+    from platformdirs import user_cache_path
+
+    return user_cache_path("ident")
