@@ -1,0 +1,1 @@
+"""Speed ratios against other ways of doing the same thing, timed in the same process."""
