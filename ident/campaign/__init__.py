@@ -1,0 +1,1 @@
+"""What the lab measured: frozen records, and the reading of tables."""
