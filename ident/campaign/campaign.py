@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
+
 from typing import Any, Mapping
 
 from .device import Device, Platform
 from .record import Record, Sweep, Trace
 
-_EMPTY: Mapping[str, Any] = MappingProxyType({})
+
 
 
 @dataclass(frozen=True)
@@ -39,11 +39,11 @@ class Campaign:
     device: Device = field(default_factory=Platform)
     effects: tuple[str, ...] = ()
     effect_files: tuple[Path, ...] = ()
-    settings: Mapping[str, Mapping[str, Any]] = _EMPTY
-    priors: Mapping[str, Prior] = _EMPTY
+    settings: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    priors: Mapping[str, Prior] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     path: Path | None = None
-    checksums: Mapping[str, str] = _EMPTY
+    checksums: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def traces(self) -> tuple[Trace, ...]:

@@ -78,7 +78,7 @@ def _evaluate(effect: type[AbstractEffect], scaled: bool) -> dict[str, tuple[flo
         found["sensor"] = (float(instance.sensor(state, drive, t)), "m")
     if effect.overrides("rate"):
         for i, (value, unit) in enumerate(zip(instance.rate(state, drive, t), effect.hidden_units, strict=True)):
-            found[f"rate[{i}]"] = (float(value), f"({unit})/s")
+            found[f"rate[{i}]"] = (float(value), f"{unit}/s" if unit != "1" else "1/s")
     return found
 
 

@@ -7,6 +7,7 @@ offset then follow from linear least squares (variable projection: G. H. Golub, 
 
 from __future__ import annotations
 
+import cmath
 import math
 from typing import NamedTuple, Sequence
 
@@ -48,12 +49,12 @@ def guess_linear(records: Sequence[Trace], nominal_frequency: float | None = Non
     trials = [(_misfit(pieces, f, q), f, q) for q in _QUALITIES for f in grid]
     trials.sort()
     best = trials[0]
-    for start in _distinct(trials)[:3]:
+    for start in _distinct(trials)[:2]:
         found = optimize.minimize(
             lambda x: _misfit(pieces, math.exp(x[0]), math.exp(x[1])),
             [math.log(start[1]), math.log(start[2])],
             method="Nelder-Mead",
-            options={"initial_simplex": _simplex(start[1], start[2]), "xatol": 1e-5, "fatol": 1e-9, "maxiter": 120},
+            options={"initial_simplex": _simplex(start[1], start[2]), "xatol": 1e-5, "fatol": 1e-9, "maxiter": 80},
         )
         best = min(best, (float(found.fun), math.exp(found.x[0]), math.exp(min(found.x[1], 9.0))))
     misfit, frequency, quality = best
@@ -108,12 +109,30 @@ def _highest_content(record: Trace) -> float:
     return found
 
 
+def oscillator_filter(frequency: float, quality: float, step: float) -> tuple[np.ndarray, np.ndarray]:
+    """Digital filter (b, a) of z̈ + (ω0/Q) ż + ω0² z = u, exact for an input that is linear between samples.
+
+    The response to one triangle of input is the second difference of the response p(t) to a ramp; the poles are those of
+    the oscillator, so three terms of that response fix the numerator.
+
+    Source: K. J. Åström, B. Wittenmark, Computer-Controlled Systems, 1997, §2.3 (first-order hold).
+    """
+    omega = 2 * math.pi * frequency
+    decay = omega / (2 * quality)
+    ringing = cmath.sqrt(omega**2 - decay**2) or 1e-9 * omega
+    t = step * np.arange(4)
+    slope = (2 * decay**2 - omega**2) / (omega**4 * ringing)
+    swing = (2 * decay / omega**4 * np.cos(ringing * t) + slope * np.sin(ringing * t)) * np.exp(-decay * t)
+    p = np.real(t / omega**2 - 2 * decay / omega**4 + swing)
+    a = np.array([1.0, -2 * math.exp(-decay * step) * cmath.cos(ringing * step).real, math.exp(-2 * decay * step)])
+    g = np.array([p[1], p[2] - 2 * p[1], p[3] - 2 * p[2] + p[1]]) / step
+    return np.array([g[0], g[1] + a[1] * g[0], g[2] + a[1] * g[1] + a[2] * g[0]]), a
+
+
 def _columns(piece: _Piece, frequency: float, quality: float) -> tuple[np.ndarray, np.ndarray]:
     """Response to the drive for unit gain, and the free motions (with a constant) that the start may add."""
     omega = 2 * math.pi * frequency
-    system = ([1.0], [1.0, omega / quality, omega**2])
-    b, a, _ = signal.cont2discrete(system, piece.step, method="foh")
-    forced = signal.lfilter(np.ravel(b), a, piece.drive)
+    forced = signal.lfilter(*oscillator_filter(frequency, quality, piece.step), piece.drive)
     constant = np.ones_like(piece.drive)
     if piece.rest:
         return forced, constant[:, None]

@@ -67,7 +67,7 @@ def physical(static: Static, data: Data, x: Array) -> Array:
     """All parameters of the model in SI, (m,), from the unknowns x (p,)."""
     coordinates = x * data.scale + data.anchor
     values = jnp.where(data.positive, jnp.exp(jnp.where(data.positive, coordinates, 0.0)), coordinates)
-    return data.template.at[jnp.array(static.free, int)].set(values)
+    return jnp.asarray(data.template).at[jnp.array(static.free, int)].set(values)
 
 
 def predict(static: Static, data: Data, unknowns: Unknowns) -> tuple[Array, ...]:

@@ -46,9 +46,9 @@ def evaluate(static: Static, data: Data, unknowns: Unknowns) -> Blocks:
 
 
 @eqx.filter_jit
-def readings(static: Static, data: Data, unknowns: Unknowns) -> tuple[Array, ...]:
-    """Model readings per group, compiled."""
-    return problem.predict(static, data, unknowns)
+def readings(static: Static, data: Data, unknowns: Unknowns) -> tuple[Array, tuple[Array, ...]]:
+    """All parameters in SI, and the model's readings per group, compiled."""
+    return problem.physical(static, data, unknowns.x), problem.predict(static, data, unknowns)
 
 
 def rescale(static: Static, data: Data, unknowns: Unknowns) -> tuple[Data, Unknowns]:

@@ -31,24 +31,29 @@ class Group(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """Where each record went: `substeps` per group, and (group, lane, samples) per record."""
+    """Where each record went: `substeps` per group; `places`, (group, lane, samples) per record."""
 
     substeps: tuple[int, ...]
     places: tuple[tuple[int, int, int], ...]
+
+    @property
+    def per_record(self) -> list[int]:
+        """Substeps of each record."""
+        return [self.substeps[group] for group, _, _ in self.places]
 
 
 _LONGEST_PADDING = 1.5  # a record is padded to at most this multiple of its own length
 
 
 def make_groups(
-    records: Sequence[Trace], frequency: float, quality: float, refine: int = 1
+    records: Sequence[Trace], frequency: float, quality: float, substeps: Sequence[int] | None = None
 ) -> tuple[tuple[Group, ...], Layout]:
     """Pack records into batches with a solver step small enough for their noise floors.
 
-    **Arguments:** `frequency` (Hz) and `quality` of the resonance, roughly; `refine`, a further division of the step,
-    by which the discretisation error is checked.
+    **Arguments:** `frequency` (Hz) and `quality` of the resonance, roughly; `substeps`, solver steps per sample of
+    each record, if they are to be other than that.
     """
-    substeps = [refine * _substeps(record, frequency, quality) for record in records]
+    substeps = substeps or [_substeps(record, frequency, quality) for record in records]
     order = sorted(range(len(records)), key=lambda i: (substeps[i], len(records[i].time)))
     bins: list[list[int]] = []
     for i in order:

@@ -1,0 +1,54 @@
+"""From a model and records to the arrays that the compiled code works on."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..campaign.campaign import Campaign
+from ..model import Model
+from ..response import Equation, Group
+from ..response.groups import Layout
+from .problem import Data, Static, Unknowns
+
+
+def assemble(
+    model: Model, campaign: Campaign, groups: tuple[Group, ...], layout: Layout, values: np.ndarray, robust: bool = False
+) -> tuple[Static, Data]:
+    """The arrays of a fit whose unknowns are the model's fitted parameters, at `values` (m,) SI."""
+    parameters = model.parameters
+    free = tuple(i for i, p in enumerate(parameters) if p.fitted)
+    positive = np.array([parameters[i].positive for i in free])
+    priors = [campaign.priors.get(parameters[i].name) for i in free]
+    data = Data(
+        groups,
+        np.asarray(values, float),
+        positive,
+        np.ones(len(free)),
+        np.zeros(len(free)),
+        np.array([0.0 if p is None else p.mean for p in priors]),
+        np.array([0.0 if p is None else 1.0 / p.deviation for p in priors]),
+    )
+    static = Static(Equation(model), layout.substeps, free, robust)
+    return static, at_values(data, static, np.asarray(values, float))
+
+
+def at_values(data: Data, static: Static, values: np.ndarray) -> Data:
+    """The same fit with x = 0 at `values`."""
+    chosen = values[list(static.free)]
+    anchor = np.where(data.positive, np.log(np.where(data.positive, np.maximum(chosen, 1e-300), 1.0)), chosen)
+    scale = np.where(data.positive, 1.0, np.where(chosen == 0, 1.0, np.abs(chosen)))
+    return data._replace(template=values, anchor=anchor, scale=scale)
+
+
+def begin(groups: tuple[Group, ...], static: Static) -> Unknowns:
+    return Unknowns(np.zeros(len(static.free)), tuple(_measured_start(group) for group in groups))
+
+
+def _measured_start(group: Group) -> np.ndarray:
+    """Displacement and velocity read off the first samples, in units of the group's scale."""
+    stride = max(1, round((group.lanes.voltage.shape[1] - 1) / 2 / (group.response.shape[1] - 1)))
+    step = np.asarray(group.lanes.step) * stride
+    few = min(5, group.response.shape[1])
+    line = np.polynomial.polynomial.polyfit(np.arange(few), group.response[:, :few].T, min(2, few - 1))
+    start = np.stack([line[0], line[1] / step], axis=1)
+    return start / group.start_scale * group.free

@@ -1,0 +1,96 @@
+"""What a fit returns: the model with its values, their uncertainties, and its reading of every record."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from ..campaign.campaign import Campaign
+from ..campaign.record import Trace
+from ..model import Model
+from .guess import DataScales
+from .identifiability import Combination
+from .judge import RecordScore, Score, combine
+from .reading import read
+from .uncertainty import Covariance, Linearisation
+
+SigmaChoice = Literal["known", "scaled", "fitted"]
+_TRUSTED = 1.1  # error over noise floor above which error bars are said to be untrustworthy
+
+
+class Start(NamedTuple):
+    """One start of a fit: the error over noise where it began and ended, steps taken, whether it converged."""
+
+    begin: float
+    end: float
+    steps: int
+    converged: bool
+
+
+class Estimate(NamedTuple):
+    """One parameter as reported; `standard_error` is None where none can be given, and `flags` say why."""
+
+    name: str
+    value: float
+    standard_error: float | None
+    unit: str
+    fitted: bool
+    flags: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A model fitted to a campaign; a value, changed only by fitting again.
+
+    **Arguments:**
+
+    - `values`: (m,) SI, in the order of `model.parameters`; `estimates`: the same with uncertainties and flags.
+    - `free`: positions of the fitted parameters; `covariance`: (p, p) of their physical values.
+    - `combinations`: what is determined of the parameters that are not determined one by one.
+    - `readings`: model reading of each trace of the campaign, in the campaign's order, m.
+    - `starts`: every start and where it ended; `sigma`: which standard deviation the error bars stand on.
+    - `step_error`: largest discretisation error of any fitted record, in units of its noise floor.
+    - `linear`: the fit as a linear regression, for diagnosis.
+    """
+
+    model: Model
+    campaign: Campaign
+    values: np.ndarray
+    estimates: tuple[Estimate, ...]
+    free: tuple[int, ...]
+    covariance: np.ndarray
+    combinations: tuple[Combination, ...]
+    readings: tuple[np.ndarray, ...]
+    scores: tuple[RecordScore, ...]
+    starts: tuple[Start, ...]
+    sigma: SigmaChoice
+    converged: bool
+    step_error: float
+    scales: DataScales
+    spectrum: Covariance
+    linear: Linearisation
+
+    @property
+    def fitted(self) -> Score:
+        score = combine([s for s in self.scores if not s.holdout])
+        assert score is not None  # a fit has at least one fitted record
+        return score
+
+    @property
+    def holdout(self) -> Score | None:
+        return combine([s for s in self.scores if s.holdout])
+
+    @property
+    def trusted(self) -> bool:
+        """Whether the model describes the records well enough for its error bars to mean anything."""
+        return self.converged and self.fitted.error_over_noise <= _TRUSTED
+
+    def value(self, name: str) -> float:
+        """Value of one parameter by its full name, SI."""
+        return float(self.values[[p.name for p in self.model.parameters].index(name)])
+
+    def predict(self, record: Trace) -> np.ndarray:
+        """Reading of the fitted model for any record, (n,) m; the initial state is fitted unless it starts at rest."""
+        return read(self.model, self.values, [record])[0]
