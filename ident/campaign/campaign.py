@@ -11,8 +11,6 @@ from .device import Device, Platform
 from .record import Record, Sweep, Trace
 
 
-
-
 @dataclass(frozen=True)
 class Prior:
     """A Gaussian prior on one parameter, SI."""

@@ -1,0 +1,174 @@
+"""Tables in binary files: .mat, .h5/.nc, .parquet, .tdms. The libraries for the last four are an extra."""
+
+from __future__ import annotations
+
+import importlib
+import zipfile
+import zlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ident.errors import UserError
+
+from .table import Column, Table, split_header, with_unit_row
+
+Pair = tuple[str, np.ndarray, str]
+"""Name, values, unit ("" if the file states none)."""
+
+
+def _library(module: str, name: str) -> Any:
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        do = 'install the extra: pip install "ident[files]" (or export the record as CSV)'
+        raise UserError(f"this kind of file needs the library {module.split('.')[0]}", where=name, do=do) from None
+
+
+def _unreadable(name: str, kind: str, error: Exception) -> UserError:
+    return UserError(f"not a readable {kind} file ({error})"[:200], where=name, do="export the record again, or as CSV")
+
+
+def _numeric(values: Any) -> np.ndarray | None:
+    array = np.asarray(values)
+    if array.dtype.kind not in "fiub" or array.size < 2:
+        return None
+    array = np.squeeze(array)
+    return array if array.ndim in (1, 2) else None
+
+
+def _columns(name: str, values: Any, unit: str = "") -> Iterator[Pair]:
+    array = _numeric(values)
+    if array is None:
+        return
+    if array.ndim == 1:
+        yield name, array, unit
+        return
+    array = array if array.shape[0] >= array.shape[1] else array.T
+    for k in range(min(array.shape[1], 50)):
+        yield f"{name}:{k + 1}", array[:, k], unit
+
+
+def _table(name: str, pairs: list[Pair]) -> Table:
+    """The columns of the most common length; the others cannot belong to the record."""
+    lengths = [len(values) for _, values, _ in pairs]
+    if not lengths:
+        raise UserError("no columns of numbers in this file", where=name, do="a record needs time, drive and response")
+    length = max(set(lengths), key=lambda one: (min(lengths.count(one), 3), one))
+    columns = []
+    for header, values, unit in pairs:
+        if len(values) == length:
+            stem, own, doubtful = split_header(
+                header.rsplit("/", 1)[-1] if "/" in header and "(" not in header else header
+            )
+            column = Column(name, header, stem, own, len(columns) + 1, values.astype(float), (), ".", doubtful)
+            columns.append(with_unit_row(column, unit))
+    return Table(name, tuple(columns))
+
+
+def read_mat(path: Path, name: str) -> Table:
+    """MATLAB files: scipy up to version 7, h5py for version 7.3."""
+    if path.read_bytes()[:512].startswith(b"MATLAB 7.3") or path.read_bytes()[512:520] == b"\x89HDF\r\n\x1a\n":
+        return read_hdf(path, name)
+    from scipy.io import loadmat
+    from scipy.io.matlab import MatReadError
+
+    try:
+        content = loadmat(path, squeeze_me=True, struct_as_record=False)
+    except (
+        MatReadError,
+        ValueError,
+        TypeError,
+        NotImplementedError,
+        OSError,
+        KeyError,
+        IndexError,
+        zlib.error,
+    ) as error:
+        raise _unreadable(name, "MATLAB", error) from None
+    except (EOFError, MemoryError, OverflowError, AttributeError, UnicodeDecodeError, AssertionError) as error:
+        raise _unreadable(name, "MATLAB", error) from None
+    pairs: list[Pair] = []
+    for key, value in content.items():
+        if not key.startswith("__"):
+            pairs += _mat_value(key, value, 0)
+    return _table(name, pairs)
+
+
+def _mat_value(key: str, value: Any, depth: int) -> Iterator[Pair]:
+    fields = getattr(value, "_fieldnames", None)
+    if fields is not None and depth < 4:
+        for one in fields:
+            yield from _mat_value(one, getattr(value, one), depth + 1)
+    elif isinstance(value, np.ndarray):
+        yield from _columns(key, value)
+
+
+def read_hdf(path: Path, name: str) -> Table:
+    """HDF5 and netCDF-4: every data set of numbers, with its "units" attribute."""
+    h5py = _library("h5py", name)
+    pairs: list[Pair] = []
+
+    def visit(key: str, item: Any) -> None:
+        if isinstance(item, h5py.Dataset) and not key.startswith("#"):
+            unit = item.attrs.get("units", item.attrs.get("unit", ""))
+            unit = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else unit
+            pairs.extend(_columns(key, item[()], unit if isinstance(unit, str) else ""))
+
+    try:
+        with h5py.File(path, "r") as file:
+            file.visititems(visit)
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
+        raise _unreadable(name, "HDF5", error) from None
+    return _table(name, pairs)
+
+
+def read_parquet(path: Path, name: str) -> Table:
+    """Apache Parquet, by pyarrow; a field's metadata may hold its "unit"."""
+    parquet, arrow = _library("pyarrow.parquet", name), _library("pyarrow", name)
+    try:
+        content = parquet.read_table(path)
+        pairs: list[Pair] = []
+        for index, header in enumerate(content.column_names):
+            metadata = content.schema.field(index).metadata or {}
+            unit = metadata.get(b"unit", metadata.get(b"units", b"")).decode("utf-8", "replace")
+            pairs += _columns(header, content.column(index).to_numpy(), unit)
+    except (arrow.ArrowException, OSError, ValueError, TypeError, NotImplementedError) as error:
+        raise _unreadable(name, "Parquet", error) from None
+    return _table(name, pairs)
+
+
+def read_tdms(path: Path, name: str) -> Table:
+    """LabVIEW TDMS, by npTDMS; time from the waveform properties where there is no time channel."""
+    nptdms = _library("nptdms", name)
+    pairs: list[Pair] = []
+    increment = None
+    try:
+        for group in nptdms.TdmsFile.read(path).groups():
+            for channel in group.channels():
+                properties = channel.properties
+                unit = properties.get("unit_string", properties.get("NI_UnitDescription", ""))
+                pairs += _columns(channel.name, channel[:], unit if isinstance(unit, str) else "")
+                increment = properties.get("wf_increment", increment)
+    except (OSError, ValueError, TypeError, KeyError, IndexError, EOFError, AttributeError, OverflowError) as error:
+        raise _unreadable(name, "TDMS", error) from None
+    except (MemoryError, NotImplementedError, zipfile.BadZipFile, AssertionError) as error:
+        raise _unreadable(name, "TDMS", error) from None
+    has_time = any(
+        header.lower().startswith(("time", "t_", "t ", "t(")) or header.lower() == "t" for header, _, _ in pairs
+    )
+    if increment and not has_time and pairs:
+        pairs.insert(0, ("time", float(increment) * np.arange(len(pairs[0][1])), "s"))
+    return _table(name, pairs)
+
+
+READERS: dict[str, Callable[[Path, str], Table]] = {
+    ".mat": read_mat,
+    ".h5": read_hdf,
+    ".hdf5": read_hdf,
+    ".nc": read_hdf,
+    ".parquet": read_parquet,
+    ".tdms": read_tdms,
+}

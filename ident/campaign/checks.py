@@ -1,0 +1,199 @@
+"""Checks of the data alone. What makes a record unusable is a `UserError`; the rest is a sentence in the notes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from ident.errors import UserError
+from ident.units import format_quantity
+
+from .device import Device, Oscillator
+from .table import Column
+
+
+def uniform_time(column: Column, factor: float, notes: list[str]) -> np.ndarray:
+    """(n,) the uniform grid that the time column means, s; a `UserError` where it means none.
+
+    Printed times are rounded: deviations from a uniform grid that the printed digits explain are accepted.
+    """
+    printed = column.numbers()
+    n = len(printed)
+    if n < 20:
+        raise UserError(f"{n} samples are too few", where=column.file, do="a record needs at least 20 samples")
+    steps = np.diff(printed)
+    step = float(np.median(steps))
+    resolution = _resolution(column)
+    if not step > 0:
+        step = float((printed[-1] - printed[0]) / (n - 1))
+    index = np.arange(n)
+    if step > 0:
+        slope, origin = np.polyfit(index, printed - printed[0], 1)
+        origin += printed[0]
+        worst = float(np.max(np.abs(printed - (origin + slope * index))))
+    else:
+        slope, origin, worst = step, printed[0], math.inf
+    if slope > 0 and worst <= 0.75 * resolution:  # rounding in print, and nothing else
+        if worst > 0.05 * slope:
+            what = f"printed times are rounded by up to {worst / slope:.0%} of the sampling interval"
+            notes.append(f"{column.file}: {what}; a uniform grid is assumed.")
+        return factor * (origin + slope * index)
+    back = np.flatnonzero(steps <= 0)
+    if len(back):
+        row = int(back[0]) + 1
+        word = "repeats" if steps[back[0]] == 0 else "runs backwards"
+        more = f" (and {len(back) - 1} more times)" if len(back) > 1 else ""
+        do = (
+            "delete the repeated rows"
+            if word == "repeats"
+            else "sort the rows, or split the file where it starts again"
+        )
+        raise UserError(f"time {word}{more}", where=column.place(row), do=do)
+    gaps = np.flatnonzero(steps > 1.6 * step)
+    if len(gaps) and len(gaps) < 0.05 * n + 2:
+        row = int(gaps[0]) + 1
+        size = format_quantity(float(steps[gaps[0]]) * factor, "s")
+        more = f" (and {len(gaps) - 1} more)" if len(gaps) > 1 else ""
+        do = "give the parts before and after as two records, or resample"
+        raise UserError(
+            f"a gap of {size} in a record sampled every {step * factor:.6g} s{more}", where=column.place(row), do=do
+        )
+    jitter = worst / slope if slope > 0 else math.inf
+    if jitter > 0.2:
+        row = int(np.argmax(np.abs(printed - (origin + slope * index))))
+        do = "resample the record on uniform times (for example with scipy.interpolate.CubicSpline)"
+        what = f"sampling is not uniform: a sample is {jitter:.0%} of an interval off the uniform grid"
+        raise UserError(what, where=column.place(row), do=do)
+    if jitter > 0.01:
+        notes.append(
+            f"{column.file}: the sampling times jitter by up to {jitter:.1%} of an interval; taken as uniform."
+        )
+    return factor * (origin + slope * index)
+
+
+def _resolution(column: Column) -> float:
+    """What one unit in the last printed digit of the largest time is worth, in the unit of the file.
+
+    The longest number tells how many digits are printed; printers that drop trailing zeros hide it in the others.
+    """
+    cells = column.cells
+    if isinstance(cells, np.ndarray):
+        return float(np.max(np.abs(cells))) * float(np.finfo(cells.dtype).eps) if cells.dtype.kind == "f" else 0.0
+    texts = [cell.strip().lower().partition("e")[0] for cell in cells[:: max(1, len(cells) // 500)]]
+    digits = max(len(text.strip("+-").replace(column.decimal, "").lstrip("0")) for text in texts)
+    largest = max(abs(float(cell.replace(",", "."))) for cell in (cells[0], cells[-1]))
+    return 10.0 ** (math.floor(math.log10(largest)) + 1 - max(digits, 1)) if largest > 0 else 0.0
+
+
+def check_plausible(
+    time: np.ndarray,
+    drive: np.ndarray,
+    response: np.ndarray,
+    columns: Mapping[str, Column],
+    device: Device,
+    notes: list[str],
+) -> None:
+    """Numbers that no platform can have are a slip of the unit."""
+    step = float(time[1] - time[0])
+    file = columns["response"].file
+    if isinstance(device, Oscillator):
+        return
+    size = float(np.max(np.abs(response - np.median(response))))
+    advice = 'state its unit, in the header or with units = { %s = "%s" }'
+    if size > 1e-3:
+        what = f"a displacement of {size:.3g} m cannot be right for a platform"
+        raise UserError(what, where=f'{file}, column "{columns["response"].header}"', do=advice % ("response", "um"))
+    if 0 < size < 1e-12:
+        what = f"a displacement of only {size:.3g} m cannot be right"
+        raise UserError(what, where=f'{file}, column "{columns["response"].header}"', do=advice % ("response", "um"))
+    peak = float(np.max(np.abs(drive)))
+    if peak > 1e3:
+        what = f"a drive of {peak:.3g} V cannot be right for a platform"
+        raise UserError(what, where=f'{file}, column "{columns["drive"].header}"', do=advice % ("drive", "mV"))
+    if peak > 1.05 * device.max_voltage:
+        notes.append(f"{file}: the drive reaches {peak:.3g} V, more than the {device.max_voltage:g} V of the device.")
+    if 0 < peak < 1e-3:
+        notes.append(f"{file}: the drive is below {format_quantity(peak, 'V')}; is its unit right?")
+    if not 1e-9 < step < 1.0:
+        what = f"a sample every {step:.3g} s cannot be right for a platform"
+        where = f'{file}, column "{columns["time"].header}"' if "time" in columns else file
+        raise UserError(what, where=where, do=advice % ("time", "ms"))
+    if not 1e-7 < step < 1e-3:
+        what = (
+            f"a sampling rate of {format_quantity(1 / step, 'Hz')} is unusual for a platform that vibrates near 500 Hz"
+        )
+        notes.append(f"{file}: {what}; is the unit of time right?")
+
+
+def clipped_fraction(signal: np.ndarray) -> float:
+    """Share of samples that stick to the largest or smallest value, as a saturated amplifier or converter leaves them.
+
+    A limit counts if it is reached in at least two runs of three or more equal samples and is far more crowded than
+    the values next to it (the top of a coarsely quantised sine is a few samples wide, but so are its neighbours).
+    """
+    levels, counts = np.unique(signal, return_counts=True)
+    if len(levels) < 8:
+        return 0.0
+    share = 0.0
+    for limit, own, near in ((levels[-1], counts[-1], counts[-6:-1]), (levels[0], counts[0], counts[1:6])):
+        at_limit = np.concatenate(([0], (signal == limit).astype(int), [0]))
+        edges = np.flatnonzero(np.diff(at_limit))
+        lengths = edges[1::2] - edges[::2]
+        inner = (edges[::2] > 0) & (edges[1::2] < len(signal))
+        long = np.sum((lengths >= 3) & inner)
+        if long >= 2 and own > 4 * np.max(near):
+            share += own / len(signal)
+    return float(share)
+
+
+def check_response(column: Column, response: np.ndarray, notes: list[str]) -> None:
+    """A response that never changes is unusable; one that clips is noted."""
+    if np.ptp(response) == 0:
+        do = "is this the right column, and was the sensor on?"
+        raise UserError("the response never changes", where=f'{column.file}, column "{column.header}"', do=do)
+    levels = len(np.unique(response))
+    if levels < 8:
+        notes.append(f"{column.file}: the response has only {levels} different values; its resolution limits the fit.")
+    clipped = clipped_fraction(response)
+    if clipped > 0:
+        what = f"{clipped:.1%} of the response sticks to its largest or smallest value; it seems clipped"
+        notes.append(f"{column.file}: {what}, and a fit will take the flat tops for physics.")
+
+
+def check_drive(file: str, drive: np.ndarray, response: np.ndarray, start: str, notes: list[str]) -> None:
+    """A drive that never changes can only belong to a free decay; a start at rest begins quietly."""
+    if np.ptp(drive) == 0:
+        if start in ("rest", "steady"):
+            what = f'the drive never changes, so nothing happens after start = "{start}"'
+            raise UserError(
+                what, where=file, do='name the right drive column, or write start = "unknown" for a free decay'
+            )
+        notes.append(f"{file}: the drive is constant; the record is taken as a free decay.")
+    if start == "rest":
+        first = abs(float(response[0] - np.median(response[:3])))
+        size = float(np.std(response))
+        offset = abs(float(np.mean(response[:2]) - np.mean(response)))
+        if offset > 1.5 * size and first < size:
+            notes.append(
+                f'{file}: start = "rest", but the record does not begin near its mean; is it cut from a longer one?'
+            )
+
+
+def check_sampling(file: str, time: np.ndarray, drive: np.ndarray, period: float | None, notes: list[str]) -> None:
+    """Enough samples per period of the drive."""
+    from .drive import drive_rate
+
+    if np.ptp(drive) == 0:
+        return
+    per_period = 2 * math.pi / drive_rate(drive)
+    if period is not None:
+        per_period = min(per_period, period)
+    if per_period < 3:
+        what = f"{per_period:.1f} samples per period of the drive are too few"
+        raise UserError(
+            what, where=file, do="record with at least 8, better 20, samples per period; or is the drive noise?"
+        )
+    if per_period < 8:
+        notes.append(f"{file}: only {per_period:.1f} samples per period of the drive; 20 or more are better.")

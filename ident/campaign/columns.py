@@ -1,0 +1,243 @@
+"""Which column is which: by the name of the column, by its unit, and by what the campaign says.
+
+A column that is named exactly like its role ("drive", "u") is preferred to one whose name contains the word ("drive
+monitor"), and that one to a weaker hint ("voltage"). Two columns of equal claim are an ambiguity, never a guess.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from ident.errors import UserError
+from ident.units import FREQUENCY, LENGTH, NUMBER, TIME, VOLTAGE, Dimension, base_unit, find_unit
+
+from .table import Column, Table, peak_unit
+
+
+@dataclass(frozen=True)
+class Role:
+    """What a column can be: its names in decreasing order of claim, and the dimension it must have."""
+
+    name: str
+    exact: frozenset[str]
+    strong: frozenset[str]
+    weak: frozenset[str] = frozenset()
+    dimension: Dimension | None = None
+    own_unit: str = ""
+    needed: bool = True
+
+    def accepts(self, unit: str | None) -> bool:
+        """Whether a column in this unit can play the role."""
+        if unit is None or self.dimension is None and not self.own_unit:
+            return True
+        if self.own_unit:
+            return unit == self.own_unit
+        found = find_unit(peak_unit(unit)[0])
+        return found is not None and found.dimension == self.dimension
+
+
+def _words(text: str) -> frozenset[str]:
+    return frozenset(word.strip() for word in text.split(","))
+
+
+_TIME = _words(
+    "t, time, times, zeit, timestamp, time stamp, x axis, x value, second, seconds, sec, elapsed time, temps"
+)
+_DRIVE = _words(
+    "u, drive, drv, input, excitation, vin, v in, u in, uin, stimulus, command, actuation, drive voltage, drive signal, "
+    "input voltage, driving voltage, excitation voltage, source, v drive, drive v, u drive, anregung"
+)
+_DRIVE_STRONG = _words("drive, driving, input, excitation, stimulus, command, actuation, actuator, vin, uin, anregung")
+_DRIVE_WEAK = _words("v, voltage, volt, volts, u, spannung, in, source")
+_RESPONSE = _words(
+    "y, z, displacement, disp, deflection, output, response, position, y out, vout, v out, z stage, "
+    "stage displacement, weg, auslenkung, out of plane displacement"
+)
+_RESPONSE_STRONG = _words(
+    "displacement, disp, deflection, output, response, position, vibrometer, ldv, motion, travel, vout, weg, auslenkung"
+)
+_RESPONSE_WEAK = _words("y, z, x, sensor, measured, measurement, laser, out, reading")
+_FREQUENCY = _words("f, freq, frequency, frequenz, drive frequency, excitation frequency, w, omega")
+_FREQUENCY_STRONG = _words("freq, frequency, frequenz, omega, hz")
+_AMPLITUDE = _words("a, amp, amplitude, mag, magnitude, r, amplitude z, z amplitude, z amp, amplitude response")
+_AMPLITUDE_STRONG = _words("amp, amplitude, mag, magnitude")
+_LEVEL = _DRIVE | _words(
+    "level, drive level, drive amplitude, voltage amplitude, v, voltage, drive amp, amplitude drive"
+)
+_PHASE = _words("phase, phi, phase lag, phase angle, theta, arg")
+_DIRECTION = _words("direction, dir, sweep, sweep dir, sweep direction, up")
+
+
+def trace_roles(drive: Dimension, response: Dimension, own_units: tuple[str, str] = ("", "")) -> tuple[Role, ...]:
+    """Time, drive and response of a time record."""
+    return (
+        Role("time", _TIME, _words("time, zeit"), dimension=TIME),
+        Role("drive", _DRIVE, _DRIVE_STRONG, _DRIVE_WEAK, drive, own_units[0]),
+        Role("response", _RESPONSE, _RESPONSE_STRONG, _RESPONSE_WEAK, response, own_units[1]),
+    )
+
+
+def sweep_roles(drive: Dimension, response: Dimension, own_units: tuple[str, str] = ("", "")) -> tuple[Role, ...]:
+    """Frequency, drive level, amplitude, and where they were measured phase and direction, of a sweep."""
+    strong = _DRIVE_STRONG | {"level"}
+    return (
+        Role("frequency", _FREQUENCY, _FREQUENCY_STRONG, dimension=FREQUENCY),
+        Role("phase", _PHASE, _words("phase"), dimension=NUMBER, needed=False),
+        Role("direction", _DIRECTION, _words("direction, dir"), dimension=NUMBER, needed=False),
+        Role("level", _LEVEL, strong, _DRIVE_WEAK, drive, own_units[0], needed=False),
+        Role("amplitude", _AMPLITUDE, _AMPLITUDE_STRONG, _RESPONSE | _RESPONSE_STRONG, response, own_units[1]),
+    )
+
+
+def _claim(column: Column, role: Role) -> int:
+    stem = re.sub(r"([a-z])([A-Z])", r"\1 \2", column.stem) if not column.stem.isupper() else column.stem
+    words = re.sub(r"[^a-z0-9]+", " ", stem.lower()).split()
+    if " ".join(words) in role.exact or "".join(words) in role.exact:
+        return 3
+    if role.strong.intersection(words):
+        return 2
+    return 1 if role.weak.intersection(words) else 0
+
+
+def _example(roles: tuple[Role, ...], chosen: Mapping[str, Column], table: Table) -> str:
+    """The TOML line that would settle the table."""
+    left = [column for column in table.columns if column not in chosen.values()]
+    parts = []
+    for role in roles:
+        if role.needed or role.name in chosen:
+            fits = [column for column in left if role.accepts(column.unit)] or left or list(table.columns)
+            column = chosen.get(role.name, fits[0])
+            left = [other for other in left if other is not column]
+            parts.append(f'{role.name} = "{column.header}"')
+    return "columns = { " + ", ".join(parts) + " }"
+
+
+def match_columns(
+    table: Table,
+    roles: tuple[Role, ...],
+    given: Mapping[str, str | int],
+    units: Mapping[str, str],
+    *,
+    where: str = "",
+) -> dict[str, Column]:
+    """The column of each role, each with its unit; a `UserError` if a role is open or a unit cannot be right.
+
+    **Arguments:**
+
+    - `given`: per role, the header (or its part before the unit, or the number of the column from 1).
+    - `units`: per role or header, the unit; it overrides the header.
+    - `where`: the place in the campaign file, for errors about `given` and `units`.
+    """
+    table = Table(table.name, tuple(_with_given_unit(c, units) for c in table.columns), table.notes)
+    known = {role.name for role in roles} | {c.header for c in table.columns} | {c.stem for c in table.columns}
+    for name in units:
+        if name not in known:
+            what = f'units for "{name}", which is neither a role nor a column; the columns are {table.found}'
+            raise UserError(what, where=where or table.name, do=f'write units = {{ {roles[-1].name} = "um" }}')
+    chosen: dict[str, Column] = {}
+    for role in roles:
+        if role.name in given:
+            chosen[role.name] = _given_column(table, role, given[role.name], where)
+    for claim in (3, 2, 1, 0):
+        for role in roles:
+            if role.name in chosen or (claim == 0 and not role.needed and role.name != "level"):
+                continue
+            free = [column for column in table.columns if column not in chosen.values()]
+            fits = [c for c in free if _claim(c, role) >= claim and role.accepts(units.get(role.name, c.unit))]
+            if claim == 0:  # no name helps: only the unit can tell
+                fits = [c for c in fits if c.unit is not None and not any(_claim(c, r) >= 2 for r in roles)]
+                fits = fits if role.dimension not in (None, NUMBER) and _tells(role, roles, free) else []
+            if len(fits) > 1:
+                raise _ambiguous(table, roles, chosen, role, fits)
+            if fits:
+                chosen[role.name] = fits[0]
+    for role in roles:
+        if role.name not in chosen and role.needed:
+            raise _missing(table, roles, chosen, role)
+    return {name: _checked(column, _role(roles, name), units, where) for name, column in chosen.items()}
+
+
+def _role(roles: tuple[Role, ...], name: str) -> Role:
+    return next(role for role in roles if role.name == name)
+
+
+def _tells(role: Role, roles: tuple[Role, ...], free: list[Column]) -> bool:
+    """Whether the unit alone can tell the role: no other role that is still open takes the same unit."""
+    return all(other is role or other.dimension != role.dimension or other.own_unit != role.own_unit for other in roles)
+
+
+def _with_given_unit(column: Column, units: Mapping[str, str]) -> Column:
+    unit = units.get(column.header, units.get(column.stem))
+    return column if unit is None else replace(column, unit=unit, doubtful="")
+
+
+def _given_column(table: Table, role: Role, wanted: str | int, where: str) -> Column:
+    if isinstance(wanted, int):
+        fits = [column for column in table.columns if column.position == wanted]
+    else:
+        name = wanted.strip()
+        fits = [column for column in table.columns if column.header == name]
+        fits = fits or [column for column in table.columns if column.stem == name]
+        fits = fits or [c for c in table.columns if name.lower() in (c.header.lower(), c.stem.lower())]
+    if len(fits) == 1:
+        return fits[0]
+    what = f'{role.name} = "{wanted}" fits {"no column" if not fits else f"{len(fits)} columns"} of {table.name}'
+    do = "name one of its columns" if not fits else "give the number of the column instead, counted from 1"
+    raise UserError(f"{what}; its columns are {table.found}", where=where or table.name, do=do)
+
+
+def _ambiguous(table: Table, roles: tuple[Role, ...], chosen: dict[str, Column], role: Role, fits: list[Column]):
+    names = " or ".join(f'"{column.header}"' for column in fits)
+    example = _example(roles, {**chosen, role.name: fits[0]}, table)
+    return UserError(
+        f"the {role.name} can be {names}; the columns are {table.found}",
+        where=table.name,
+        do=f"say which in the [[record]] of the campaign: {example}",
+    )
+
+
+def _missing(table: Table, roles: tuple[Role, ...], chosen: dict[str, Column], role: Role) -> UserError:
+    for column in table.columns:  # the name fits, the unit does not: that is the better message
+        if column not in chosen.values() and _claim(column, role) >= 2:
+            return _wrong_unit(column, column.unit or "", role, "")
+    if len(table.columns) < sum(r.needed for r in roles):
+        what = f"{len(table.columns)} columns where {' and '.join(r.name for r in roles if r.needed)} are needed"
+        return UserError(f"{what}; found {table.found}", where=table.name, do="export all of them into one file")
+    return UserError(
+        f"no column is recognised as the {role.name}; the columns are {table.found}",
+        where=table.name,
+        do=f"say which in the [[record]] of the campaign: {_example(roles, chosen, table)}",
+    )
+
+
+def _wrong_unit(column: Column, unit: str, role: Role, where: str) -> UserError:
+    needed = role.own_unit or (base_unit(role.dimension) if role.dimension is not None else "")
+    what = f'the {role.name} "{column.header}" is in {unit or "no unit"}, which is not a unit of {role.name}'
+    do = f"give it in {needed} or a multiple of it, or name another column"
+    if role.name in ("response", "amplitude") and role.dimension == LENGTH:
+        do += '; for a thing that is no platform write device = { kind = "oscillator", output = "V" }'
+    if role.name in ("drive", "level") and role.dimension == VOLTAGE:
+        do += "; the drive of a platform is a voltage"
+    return UserError(what, where=where or f"{column.file}, column {column.position}", do=do)
+
+
+def _checked(column: Column, role: Role, units: Mapping[str, str], where: str) -> Column:
+    unit = units.get(role.name, column.unit)
+    if unit is None:
+        if column.doubtful and not role.own_unit and role.dimension != NUMBER and not _label(column.doubtful):
+            raise UserError(
+                f'"{column.doubtful}" is not a unit',
+                where=f'{column.file}, column {column.position} ("{column.header}")',
+                do=f'correct the header, or write units = {{ {role.name} = "…" }} in the [[record]] of the campaign',
+            )
+        return column
+    if not role.accepts(unit):
+        raise _wrong_unit(column, unit, role, where if role.name in units else "")
+    return replace(column, unit=unit)
+
+
+def _label(text: str) -> bool:
+    """Whether a text in brackets is a name ("CH1", "measured"), not a unit that was misspelt."""
+    return bool(re.match(r"(ch|ai|ao|in|out|raw|meas|set|dev|input|chan)", text.lower())) or len(text) > 8

@@ -1,0 +1,162 @@
+"""The measured drive between its samples, and its rate of change.
+
+Effects that act on the drive need V and dV/dt at the inner points of the integrator's steps. V goes exactly through its
+samples; dV/dt must not amplify the noise of the drive column.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.interpolate import CubicSpline, make_interp_spline
+from scipy.linalg import solveh_banded
+
+from .period import find_period, fourier_basis, least_squares
+from .record import Trace
+
+__all__ = ["drive_frequency", "drive_rate", "find_period", "half_step_drive"]
+
+
+def drive_frequency(record: Trace) -> float:
+    """Drive frequency of a record for any waveform, ω = rms(V̇)/rms(V − mean V), rad/s; 0 for a constant drive.
+
+    Source: MODEL.md §5; exact for a sine over whole periods.
+    """
+    return drive_rate(record.drive, record.period) / record.step
+
+
+def drive_rate(drive: np.ndarray, period: float | None = None) -> float:
+    """rms(dV/dk)/rms(V − mean V) per sample; over whole periods if the drive is periodic."""
+    if np.ptp(drive) == 0:
+        return 0.0
+    if period is not None and _has_series(period):
+        weights, order = _fourier_series(drive, period)
+        power = np.abs(weights) ** 2
+        return float(2 * np.pi / period * np.sqrt(np.sum(order**2 * power) / np.sum(power)))
+    slope = _slope(drive, 1, None)[::2]
+    return float(np.sqrt(np.mean(slope**2) / np.var(drive)))
+
+
+def _has_series(period: float) -> bool:
+    """Whether the Fourier series is cheap: by FFT for whole samples, by least squares for a short period."""
+    return period == round(period) or period <= 200
+
+
+def half_step_drive(record: Trace, substeps: int = 1) -> tuple[np.ndarray, np.ndarray]:
+    """The drive and its derivative on the half-step grid of a Runge-Kutta solver with `substeps` steps per sample.
+
+    V is the not-a-knot cubic spline through the samples. V̇ is the derivative of the Fourier series of the drive if it is
+    periodic, otherwise of a smoothing spline that leaves out what the noise of the drive column hides.
+
+    **Returns:** V (2 (n−1) `substeps` + 1,) in V, V̇ of the same shape in V/s.
+
+    Source: C. de Boor, A Practical Guide to Splines, 1978, ch. IV; P. H. C. Eilers, "A perfect smoother",
+    Anal. Chem. 75 (2003) 3631, doi:10.1021/ac034173t.
+    """
+    n = len(record.drive)
+    index = np.arange(n, dtype=float)
+    grid = np.arange(2 * (n - 1) * substeps + 1) / (2 * substeps)
+    voltage = CubicSpline(index, record.drive, bc_type="not-a-knot")(grid)
+    voltage[:: 2 * substeps] = record.drive
+    return voltage, _slope(record.drive, substeps, record.period) / record.step
+
+
+def _slope(drive: np.ndarray, substeps: int, period: float | None) -> np.ndarray:
+    """(2 (n−1) substeps + 1,) derivative of the drive per sample interval."""
+    n = len(drive)
+    grid = np.arange(2 * (n - 1) * substeps + 1) / (2 * substeps)
+    if np.ptp(drive) == 0:
+        return np.zeros(len(grid))
+    if period is not None and _has_series(period):
+        return _fourier_slope(drive, period, grid)
+    smooth = _smoothed(drive)
+    return make_interp_spline(np.arange(n, dtype=float), smooth, k=5).derivative()(grid)
+
+
+def _fourier_series(drive: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
+    """(weights, orders) of the Fourier series Σ Re(w exp(2πi k x/P)), k ≥ 1; harmonics within the noise are left out."""
+    n = len(drive)
+    if period == round(period):
+        size = int(period)
+        whole = n // size
+        folded = drive[: whole * size].reshape(whole, size)
+        mean = folded.mean(axis=0)
+        noise = float(np.sum((folded - mean) ** 2) / (max(whole - 1, 1) * size)) / whole
+        weights = 2.0 * np.fft.rfft(mean)[1 : (size + 1) // 2] / size  # the highest of an even number has no phase
+        variance = 4.0 * noise / size
+    else:
+        count = max(1, int(period / 2 - 0.5))
+        basis = fourier_basis(n, period, count)
+        fitted = least_squares(basis, drive)
+        residual = float(np.sum((drive - basis @ fitted) ** 2)) / max(n - basis.shape[1], 1)
+        weights = fitted[1::2] - 1j * fitted[2::2]
+        variance = 4.0 * residual / n
+    size2 = np.abs(weights) ** 2
+    keep = (size2 > 8.0 * variance) & (size2 > 1e-26 * np.max(size2))
+    keep[np.argmax(size2)] = True
+    return weights[keep], (np.arange(len(weights)) + 1)[keep]
+
+
+def _fourier_slope(drive: np.ndarray, period: float, grid: np.ndarray) -> np.ndarray:
+    """Derivative of the Fourier series of a periodic drive."""
+    weights, order = _fourier_series(drive, period)
+    rates = 2 * np.pi / period * order
+    if period == round(period):  # the grid meets the same phases in every period
+        per_sample = round(1.0 / (grid[1] - grid[0]))
+        one = _series(weights * 1j * rates, rates, np.arange(int(period) * per_sample) / per_sample)
+        return np.resize(one, len(grid))
+    return _series(weights * 1j * rates, rates, grid)
+
+
+def _series(weights: np.ndarray, rates: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Σ Re(w exp(i r x)); by FFT where the points are one period, evenly spaced."""
+    base = 2 * np.pi / (len(points) * (points[1] - points[0]))
+    order = np.round(rates / base).astype(int)
+    if np.allclose(order * base, rates, rtol=1e-9, atol=0.0) and np.max(order) < len(points) // 2:
+        spectrum = np.zeros(len(points) // 2 + 1, dtype=complex)
+        spectrum[order] = 0.5 * weights * len(points)
+        return np.fft.irfft(spectrum, len(points))
+    total = np.zeros(len(points))
+    for weight, rate in zip(weights, rates, strict=True):
+        total += (weight * np.exp(1j * rate * points)).real
+    return total
+
+
+def _smoothed(drive: np.ndarray) -> np.ndarray:
+    """The drive smoothed by a third-order difference penalty whose weight minimises the expected error of the slope.
+
+    A penalty λ passes the frequency θ (rad per sample) with H = 1/(1 + λ (2 sin θ/2)⁶). With the spectrum S of the drive
+    above its noise floor N the error of the slope is Σ θ² ((1 − H)² S + H² N).
+    """
+    n = len(drive)
+    if n < 32:
+        return drive
+    window = np.hanning(n + 2)[1:-1]
+    trend = np.polyval(np.polyfit(np.arange(n), drive, 1), np.arange(n))
+    power = np.abs(np.fft.rfft((drive - trend) * window)) ** 2 / np.sum(window**2)
+    theta = np.linspace(0.0, np.pi, len(power))
+    floor = float(np.median(power[int(0.75 * len(power)) :])) / np.log(2.0)
+    signal = np.where(power > 4.0 * floor, power - floor, 0.0)
+    stiffness = (2 * np.sin(theta / 2)) ** 6
+    best, best_error = 0.0, float(np.sum(theta**2 * floor))
+    for weight in np.logspace(-8, 12, 81):
+        passed = 1.0 / (1.0 + weight * stiffness)
+        error = float(np.sum(theta**2 * ((1 - passed) ** 2 * signal + passed**2 * floor)))
+        if error < best_error:
+            best, best_error = float(weight), error
+    if best == 0.0 or floor < 1e-20 * float(np.max(power)):
+        return drive
+    return _penalised(drive, best)
+
+
+def _penalised(values: np.ndarray, weight: float) -> np.ndarray:
+    """Solution of (1 + λ DᵀD) s = v with third differences D, in O(n)."""
+    n = len(values)
+    stencil = np.array([-1.0, 3.0, -3.0, 1.0])
+    bands = np.zeros((4, n))  # upper form: bands[3 − k, j] is the k-th off-diagonal of column j
+    for shift in range(4):
+        for first in range(4 - shift):
+            second = first + shift
+            columns = np.arange(n - 3) + second
+            np.add.at(bands[3 - shift], columns, weight * stencil[first] * stencil[second])
+    bands[3] += 1.0
+    return solveh_banded(bands, values)

@@ -1,0 +1,60 @@
+"""What kind of device a set of data files comes from, when no campaign says so."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ident.errors import UserError
+from ident.units import CURRENT, LENGTH, NUMBER, VOLTAGE, Dimension, base_unit, find_unit
+
+from .columns import match_columns, sweep_roles, trace_roles
+from .device import Device, Oscillator, Platform
+from .table import Table, peak_unit
+
+# What a sensor of an oscillator may read; a "response" in kg is a slip, not an oscillator.
+_READINGS: tuple[Dimension, ...] = (
+    VOLTAGE,
+    CURRENT,
+    NUMBER,
+    (1, 0, -1, 0, 0, 0, 0),
+    (1, 0, -2, 0, 0, 0, 0),
+    (1, 1, -2, 0, 0, 0, 0),
+    (-1, 1, -2, 0, 0, 0, 0),
+)
+
+
+def guess_kind(table: Table) -> str:
+    """ "sweep" for a table with a frequency but no time, otherwise "trace"."""
+    roles = [replace(role, needed=False) for role in trace_roles(VOLTAGE, LENGTH)]
+    time = match_any(table, (roles[0],))
+    frequency = match_any(table, (replace(sweep_roles(VOLTAGE, LENGTH)[0], needed=False),))
+    return "sweep" if frequency and not time else "trace"
+
+
+def match_any(table: Table, roles: tuple) -> dict:
+    """The columns of those roles that can be told, none of them needed; empty if they are ambiguous."""
+    try:
+        return match_columns(table, roles, {}, {})
+    except UserError:
+        return {}
+
+
+def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
+    """A platform, unless every response is in one unit that is no length; and a sentence that says so."""
+    outputs, inputs = set(), set()
+    for table in tables:
+        kind = guess_kind(table)
+        roles = (sweep_roles if kind == "sweep" else trace_roles)(VOLTAGE, LENGTH)
+        found = match_any(table, tuple(replace(role, dimension=None, needed=False) for role in roles))
+        for names, units in ((("response", "amplitude"), outputs), (("drive", "level"), inputs)):
+            for name in names:
+                unit = found[name].unit if name in found else None
+                known = find_unit(peak_unit(unit)[0]) if unit else None
+                if known is not None:
+                    units.add(known.dimension)
+    if len(outputs) == 1 and (reading := outputs.pop()) in _READINGS:
+        output = base_unit(reading)
+        source = base_unit(inputs.pop()) if len(inputs) == 1 else "V"
+        what = f'The response is in {output}, so the device is taken as an oscillator (output = "{output}", input = "{source}").'
+        return Oscillator(output, source), [what]
+    return Platform(), ["No device given: the nominal platform is assumed."]

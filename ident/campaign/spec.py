@@ -1,0 +1,160 @@
+"""What a campaign file says about one record, validated and in SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from ident.errors import UserError
+from ident.units import FREQUENCY, LENGTH, MASS, TIME, VOLTAGE, Dimension, find_unit, parse_quantity, to_si
+
+from .device import Device, Oscillator
+from .document import Section, shown
+
+_TRACE_ROLES = ("time", "drive", "response")
+_SWEEP_ROLES = ("frequency", "level", "amplitude", "phase", "direction")
+_SYNONYMS = {"drive": "level", "response": "amplitude"}
+
+
+@dataclass(frozen=True)
+class RecordSpec:
+    """One `[[record]]`. `noise` and `level` are SI, `skip` is seconds (float) or samples (int), `rate` is Hz."""
+
+    file: str
+    path: Path
+    where: str = ""
+    kind: Literal["trace", "sweep", ""] = ""
+    start: Literal["rest", "steady", "unknown", ""] = ""
+    holdout: bool = False
+    load: float = 0.0
+    noise: float | None = None
+    skip: float | int = 0
+    rate: float | None = None
+    level: float | None = None
+    direction: str = ""
+    quantity: Literal["fundamental", "half-peak-to-peak"] = "fundamental"
+    columns: Mapping[str, str | int] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+
+
+def signal_units(device: Device) -> tuple[tuple[str, Dimension | None], tuple[str, Dimension | None]]:
+    """(base unit, dimension) of the drive and of the response; the dimension is None for a unit of the user's own."""
+    if isinstance(device, Oscillator):
+        drive, response = find_unit(device.input), find_unit(device.output)
+        return (device.input, drive.dimension if drive else None), (
+            device.output,
+            response.dimension if response else None,
+        )
+    return ("V", VOLTAGE), ("m", LENGTH)
+
+
+def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
+    """The record that a `[[record]]` table describes; a `UserError` for anything in it that cannot be right."""
+    file = section.text("file")
+    if not file:
+        raise UserError("a [[record]] without a file", where=section.where(), do='add file = "a.csv"')
+    path = folder / file
+    if "\0" in file or not path.is_file():
+        raise section.error("file", f'there is no file "{file}" in {folder}', "correct the name")
+    (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device)
+    kind = section.choice("kind", ("trace", "sweep"), "") if "kind" in section.values else ""
+    section.used.add("kind")
+    start = section.choice("start", ("rest", "steady", "unknown"), "unknown") if "start" in section.values else ""
+    section.used.add("start")
+    spec = RecordSpec(
+        file=file,
+        path=path,
+        where=section.where(),
+        kind=kind,  # type: ignore[arg-type]
+        start=start,  # type: ignore[arg-type]
+        holdout=section.flag("holdout"),
+        load=_load(section, device),
+        noise=_amount(section, "noise", response_unit, response_dimension, "12 nm"),
+        skip=_skip(section),
+        rate=_amount(section, "rate", "Hz", FREQUENCY, "10 kHz"),
+        level=_amount(section, "level", drive_unit, drive_dimension, "3 V"),
+        direction=section.text("direction"),
+        quantity=section.choice("quantity", ("fundamental", "half-peak-to-peak"), "fundamental"),  # type: ignore[arg-type]
+        columns=_columns(section, kind),
+        units=_units(section, device),
+    )
+    section.check_keys()
+    for key in ("direction", "quantity", "level") if kind == "trace" else ():
+        if key in section.values:
+            raise section.error(
+                key, "belongs to a sweep, and this record is a trace", 'remove it, or write kind = "sweep"'
+            )
+    for key in ("start", "skip", "rate") if kind == "sweep" else ():
+        if key in section.values:
+            raise section.error(
+                key, "belongs to a trace, and this record is a sweep", 'remove it, or write kind = "trace"'
+            )
+    return spec
+
+
+def _load(section: Section, device: Device) -> float:
+    load = section.quantity("load", MASS, "40 mg")
+    if load is None:
+        return 0.0
+    if load < 0 or load > 1:
+        raise section.error(
+            "load", f"{shown(section.values['load'])} is no mass that a stage can carry", 'write "40 mg"'
+        )
+    if load > 0 and isinstance(device, Oscillator):
+        raise section.error("load", "an oscillator has no stage mass to compare a load with", "remove the load")
+    return load
+
+
+def _amount(section: Section, key: str, unit: str, dimension: Dimension | None, example: str) -> float | None:
+    """A positive number with its unit, SI. For a unit of the user's own: "3 counts"."""
+    text = section.get(key, str, f'a number with its unit ("{example}")')
+    if text is None:
+        return None
+    where = section.where(key)
+    own = dimension is None and text.strip().endswith(unit)
+    value = parse_quantity(text.strip().removesuffix(unit) if own else text, None if own else dimension, where=where)
+    if not value > 0:
+        raise section.error(key, f'"{text}" is not positive', f'write for example "{example}"')
+    return value
+
+
+def _skip(section: Section) -> float | int:
+    value = section.get("skip", (str, int), 'a time ("20 ms") or a number of samples (200)', 0)
+    if isinstance(value, int):
+        if value < 0:
+            raise section.error("skip", f"{value} is negative", 'write "20 ms" or a number of samples')
+        return value
+    time = parse_quantity(value, TIME, where=section.where("skip"))
+    if time < 0:
+        raise section.error("skip", f'"{value}" is negative', 'write "20 ms" or a number of samples')
+    return time
+
+
+def _columns(section: Section, kind: str) -> dict[str, str | int]:
+    table = section.section("columns")
+    roles = _TRACE_ROLES if kind == "trace" else _SWEEP_ROLES + ("drive", "response") if kind == "sweep" else ()
+    roles = roles or _TRACE_ROLES + _SWEEP_ROLES
+    found: dict[str, str | int] = {}
+    for role in roles:
+        value = table.get(role, (str, int), 'the header of a column ("CH1") or its number')
+        if value is not None:
+            found[_SYNONYMS.get(role, role) if kind == "sweep" else role] = value
+    table.check_keys()
+    if len(set(found.values())) < len(found):
+        do = "each role needs a column of its own"
+        raise section.error("columns", f"{shown(dict(found))} names one column twice", do)
+    return found
+
+
+def _units(section: Section, device: Device) -> dict[str, str]:
+    table = section.section("units")
+    found: dict[str, str] = {}
+    for key in table.values:
+        unit = table.text(key).strip()
+        own = isinstance(device, Oscillator) and unit in (device.output, device.input)
+        if not own:
+            to_si(1.0, unit.removesuffix("pp").removesuffix("rms"), where=table.where(key))
+        found[key] = unit
+    return found

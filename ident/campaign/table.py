@@ -1,0 +1,151 @@
+"""A table as it lies in a file: named columns, each with the unit that its header states."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ident.errors import UserError
+from ident.units import find_unit
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """One column of a table.
+
+    **Arguments:**
+
+    - `header`: as written in the file; `stem`: the header without its unit; `unit`: the unit, or None if none is stated.
+    - `doubtful`: what stands in brackets in the header but is no unit.
+    - `position`: 1 for the first column; `cells`: (n,) texts or numbers; `lines`: (n,) line of each cell in the file.
+    """
+
+    file: str
+    header: str
+    stem: str
+    unit: str | None
+    position: int
+    cells: Sequence[str] | np.ndarray
+    lines: Sequence[int] = ()
+    decimal: str = "."
+    doubtful: str = ""
+
+    def place(self, row: int) -> str:
+        """Where a cell is, for an error message."""
+        line = f"line {self.lines[row]}" if row < len(self.lines) else f"row {row + 1}"
+        return f'{self.file}, {line}, column {self.position} ("{self.header}")'
+
+    def numbers(self) -> np.ndarray:
+        """(n,) the cells as finite numbers, in the unit of the file; a `UserError` at the first cell that is none."""
+        if isinstance(self.cells, np.ndarray):
+            values = np.asarray(self.cells, dtype=float)
+        else:
+            cells = self.cells if self.decimal == "." else [cell.replace(",", ".") for cell in self.cells]
+            try:
+                values = np.array([float(cell) for cell in cells])
+            except ValueError:
+                row = next(row for row, cell in enumerate(cells) if not is_number(cell))
+                raise self._bad_cell(row) from None
+        bad = np.flatnonzero(~np.isfinite(values))
+        if len(bad):
+            raise self._bad_cell(int(bad[0]), len(bad))
+        return values
+
+    def _bad_cell(self, row: int, count: int = 1) -> UserError:
+        cell = str(self.cells[row]).strip()
+        what = f'"{cell}" is not a number' if cell else "the cell is empty"
+        if is_number(cell) or cell.lower() in ("nan", "inf", "-inf", "+inf"):
+            what = f'"{cell}" is not a finite number'
+        if count > 1:
+            what += f" (and {count - 1} more like it)"
+        advice = "correct the cell, or cut the record there: a record needs a number in every row"
+        return UserError(what, where=self.place(row), do=advice)
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """The columns of one file; `name` is the file as the campaign names it, `notes` what was assumed in reading it."""
+
+    name: str
+    columns: tuple[Column, ...]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def found(self) -> str:
+        """The columns in words, for error messages."""
+        return ", ".join(f'"{column.header}"' for column in self.columns)
+
+
+def is_number(cell: str) -> bool:
+    """Whether a text is a number as Python reads it."""
+    try:
+        return not math.isnan(float(cell))
+    except ValueError:
+        return False
+
+
+_SUFFIX_UNITS = frozenset(
+    "s ms us ns min V mV uV kV m mm um nm pm micron Hz kHz MHz rad deg A mA uA N mN uN Pa kPa MPa K C kg mg Vpp Vrms "
+    "volt volts second seconds hertz m/s mm/s rad/s m/s^2".split()
+)
+
+
+def _usual(text: str) -> str:
+    return text.replace("µ", "u").replace("μ", "u")
+
+
+def peak_unit(text: str) -> tuple[str, float]:
+    """A unit of amplitude without "pp" or "rms", and what turns such a number into an amplitude."""
+    match = re.fullmatch(r"\s*(.*?[VmAN])\s*[_-]?(pp|p-p|pk-pk|rms|pk|peak)\s*", text, re.IGNORECASE)
+    if match is None or find_unit(match[1]) is None:
+        return text, 1.0
+    suffix = match[2].lower()
+    return match[1], {"rms": math.sqrt(2.0), "pk": 1.0, "peak": 1.0}.get(suffix, 0.5)
+
+
+def is_unit(text: str, rare: bool = True) -> bool:
+    """Whether a text is a unit, or one of amplitudes ("Vpp")."""
+    return find_unit(peak_unit(text)[0], rare) is not None
+
+
+def split_header(header: str, own_unit: str = "") -> tuple[str, str | None, str]:
+    """A header as (stem, unit or None, doubtful text): "z [um]" is ("z", "um", "").
+
+    `own_unit` is a unit that exists for this campaign only (an oscillator's "counts").
+    """
+    text = header.strip().strip("\"'").strip()
+
+    def known(name: str, rare: bool = False) -> bool:
+        return is_unit(name, rare) or (own_unit != "" and name == own_unit)
+
+    match = re.fullmatch(r"(.*?)[\s_,]*[(\[{<]\s*([^()\[\]{}<>]*?)\s*[)\]}>]", text)
+    if match and match[2]:
+        unit = match[2].removeprefix("in ").strip()
+        return (match[1].strip(), unit, "") if known(unit, True) else (match[1].strip(), None, unit)
+    for pattern in (r"(.*\S)\s+in\s+(\S+)", r"(.*\S)\s*/\s*(\S+)", r"(.*\S)\s*,\s*(\S+)"):
+        match = re.fullmatch(pattern, text)
+        if match and known(match[2]):
+            return match[1].strip(), match[2], ""
+    match = re.fullmatch(r"(.+)([_ .:-])([^\s_.:-]+)", text)
+    if match and (match[2] != " " or len(match[3]) > 1 or match[3] in "sV"):  # "Channel A" is not in amperes
+        stem, _, unit = match.groups()
+        if _usual(unit) in _SUFFIX_UNITS or unit == own_unit:
+            return stem.strip(" _"), unit, ""
+        if text.isupper() and unit.lower() in _SUFFIX_UNITS:  # TIME_MS, DRIVE_MV
+            lower = unit.lower()
+            return stem.strip(" _"), {"v": "V", "mv": "mV", "uv": "uV", "kv": "kV", "hz": "Hz"}.get(lower, lower), ""
+        if text.isupper() and unit in ("MV", "UV", "HZ", "KHZ", "KV"):
+            return stem.strip(" _"), {"MV": "mV", "UV": "uV", "HZ": "Hz", "KHZ": "kHz", "KV": "kV"}[unit], ""
+    return text, None, ""
+
+
+def with_unit_row(column: Column, unit: str) -> Column:
+    """The column with the unit that a separate row of units states."""
+    unit = unit.strip().strip("\"'").strip(" ()[]{}")
+    if not unit or column.unit is not None:
+        return column
+    return replace(column, unit=unit) if is_unit(unit) else replace(column, doubtful=unit)

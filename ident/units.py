@@ -1,0 +1,250 @@
+"""Units at the boundary: "12 nm" comes in, 1.2e-08 goes on. Inside the package every number is a plain SI float.
+
+The units of a laboratory (s, V, m, Pa, N/m^3, … with their prefixes) are in a small table; any other name is looked up
+in pint, which is imported only then because its import costs more than reading a campaign.
+
+Source: BIPM, The International System of Units, 9th edition, 2019, §§2.3 and 3.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from ident.errors import UserError
+
+Dimension = tuple[int, int, int, int, int, int, int]
+"""Exponents of m, kg, s, A, K, mol, cd."""
+
+
+def _dimension(m: int = 0, kg: int = 0, s: int = 0, ampere: int = 0, kelvin: int = 0) -> Dimension:
+    return (m, kg, s, ampere, kelvin, 0, 0)
+
+
+NUMBER = _dimension()
+LENGTH = _dimension(m=1)
+MASS = _dimension(kg=1)
+TIME = _dimension(s=1)
+FREQUENCY = _dimension(s=-1)
+CURRENT = _dimension(ampere=1)
+VOLTAGE = _dimension(2, 1, -3, -1)
+PRESSURE = _dimension(-1, 1, -2)
+
+_PREFIXES = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
+_PREFIX_WORDS = {"pico": "p", "nano": "n", "micro": "u", "milli": "m", "kilo": "k", "mega": "M", "giga": "G"}
+# symbol: (factor, dimension, word)
+_PREFIXED: dict[str, tuple[float, Dimension, str]] = {
+    "m": (1.0, LENGTH, "meter"),
+    "g": (1e-3, MASS, "gram"),
+    "s": (1.0, TIME, "second"),
+    "A": (1.0, _dimension(ampere=1), "ampere"),
+    "V": (1.0, VOLTAGE, "volt"),
+    "Hz": (1.0, FREQUENCY, "hertz"),
+    "N": (1.0, _dimension(1, 1, -2), "newton"),
+    "Pa": (1.0, PRESSURE, "pascal"),
+    "J": (1.0, _dimension(2, 1, -2), "joule"),
+    "W": (1.0, _dimension(2, 1, -3), "watt"),
+    "C": (1.0, _dimension(s=1, ampere=1), "coulomb"),
+    "rad": (1.0, NUMBER, "radian"),
+}
+_PLAIN: dict[str, tuple[float, Dimension]] = {
+    "1": (1.0, NUMBER),
+    "%": (1e-2, NUMBER),
+    "deg": (math.pi / 180, NUMBER),
+    "degree": (math.pi / 180, NUMBER),
+    "°": (math.pi / 180, NUMBER),
+    "K": (1.0, _dimension(kelvin=1)),
+    "F": (1.0, _dimension(-2, -1, 4, 2)),
+    "min": (60.0, TIME),
+    "h": (3600.0, TIME),
+    "sec": (1.0, TIME),
+    "cm": (1e-2, LENGTH),
+    "micron": (1e-6, LENGTH),
+    "bar": (1e5, PRESSURE),
+}
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit: value in SI = value × `factor`; `dimension` is its exponents of the base units."""
+
+    name: str
+    factor: float
+    dimension: Dimension
+
+
+@cache
+def _simple_units() -> dict[str, tuple[float, Dimension]]:
+    units = dict(_PLAIN)
+    for symbol, (factor, dimension, word) in _PREFIXED.items():
+        units[symbol] = units[word] = (factor, dimension)
+        for prefix, power in _PREFIXES.items():
+            units[prefix + symbol] = (factor * power, dimension)
+        for prefix_word, prefix in _PREFIX_WORDS.items():
+            units[prefix_word + word] = (factor * _PREFIXES[prefix], dimension)
+    return units
+
+
+@cache
+def _registry() -> Any:
+    import pint
+
+    return pint.UnitRegistry(cache_folder=None)
+
+
+@cache
+def _one(name: str, rare: bool) -> tuple[float, Dimension] | None:
+    """Factor and dimension of a unit name without operators, or None."""
+    units = _simple_units()
+    word = name.lower().replace("metre", "meter") if len(name) > 3 else name
+    for form in (name, word, word.removesuffix("s") if len(word) > 4 else word):
+        if form in units:
+            return units[form]
+    if not rare or not re.fullmatch(r"[A-Za-zΩÅ_]{1,30}", name):
+        return None
+    import pint
+
+    registry = _registry()
+    try:
+        quantity = registry.Quantity(1.0, name).to_base_units()
+        origin = registry.Quantity(0.0, name).to_base_units()
+    except (pint.PintError, AttributeError, ValueError, TypeError, SyntaxError, KeyError):
+        return None
+    if origin.magnitude != 0.0:  # °C and the like: a factor cannot convert them
+        return None
+    bases = ("meter", "kilogram", "second", "ampere", "kelvin", "mole", "candela")
+    exponents = dict(quantity.unit_items())
+    exponents.pop("radian", None)
+    if set(exponents) - set(bases) or any(power != int(power) for power in exponents.values()):
+        return None
+    dimension = tuple(int(exponents.get(base, 0)) for base in bases)
+    return float(quantity.magnitude), dimension  # type: ignore[return-value]
+
+
+def _normal(text: str) -> str:
+    """One spelling: both micro signs are "u", products "*", powers "^"."""
+    text = text.strip().replace("µ", "u").replace("μ", "u").replace("**", "^").replace("⁻", "-")
+    for raised, digit in zip("¹²³⁴⁵⁶", "123456", strict=True):
+        text = text.replace(raised, digit)
+    text = re.sub(r"\s*([*/·⋅×])\s*", r"\1", text)
+    return re.sub(r"[·⋅×\s]+", "*", text)
+
+
+@cache
+def find_unit(name: str, rare: bool = True) -> Unit | None:
+    """The unit called `name` ("um", "N/m^3", "µm", "millivolt"), or None if there is none.
+
+    `rare`: whether to ask pint for a name that is not among the units of a laboratory.
+    """
+    normal = _normal(name)
+    if not normal or len(normal) > 40:
+        return None
+    factor, dimension = 1.0, [0] * 7
+    for operator, part in re.findall(r"(^|[*/])([^*/]*)", normal):
+        match = re.fullmatch(r"(1|%|°|[^\W\d]+)(?:\^\(?([+-]?[1-9])\)?|([2-4]|-[1-4]))?", part)
+        if match is None or (match[1] == "1" and (match[2] or match[3])):
+            return None
+        found = _one(match[1], rare)
+        if found is None:
+            return None
+        power = int(match[2] or match[3] or 1) * (-1 if operator == "/" else 1)
+        factor *= found[0] ** power
+        dimension = [total + power * one for total, one in zip(dimension, found[1], strict=True)]
+    a, b, c, d, e, f, g = dimension
+    return Unit(name.strip(), factor, (a, b, c, d, e, f, g))
+
+
+def unit(name: str, *, where: str = "") -> Unit:
+    """The unit called `name`; a `UserError` if there is none."""
+    found = find_unit(name)
+    if found is None:
+        raise UserError(
+            f'"{name}" is not a unit', where=where, do='write for example "um", "ms", "mV", "MPa" or "N/m^3"'
+        )
+    return found
+
+
+def _kind(dimension: Dimension) -> str:
+    words = {LENGTH: "a length", MASS: "a mass", TIME: "a time", FREQUENCY: "a frequency", VOLTAGE: "a voltage"}
+    words |= {PRESSURE: "a stress or modulus", NUMBER: "a number without unit"}
+    return words.get(dimension, "in " + base_unit(dimension))
+
+
+def base_unit(dimension: Dimension) -> str:
+    """The SI unit of a dimension, without prefix: "m", "V", "N/m", "kg/m/s^3"."""
+    for symbol, (factor, known, _) in _PREFIXED.items():
+        if known == dimension and factor == 1.0 and symbol != "rad":
+            return symbol
+    parts = [
+        f"{name}^{power}" if power != 1 else name
+        for name, power in zip(("m", "kg", "s", "A", "K", "mol", "cd"), dimension, strict=True)
+        if power > 0
+    ]
+    under = [
+        f"/{name}^{-power}" if power != -1 else f"/{name}"
+        for name, power in zip(("m", "kg", "s", "A", "K", "mol", "cd"), dimension, strict=True)
+        if power < 0
+    ]
+    return "*".join(parts or ["1"]) + "".join(under)
+
+
+def to_si(value: float, name: str, dimension: Dimension | None = None, *, where: str = "") -> float:
+    """A value in the unit `name`, as a plain SI float; a `UserError` if the unit has another dimension."""
+    found = unit(name, where=where)
+    if dimension is not None and found.dimension != dimension:
+        raise UserError(
+            f'"{name}" is {_kind(found.dimension)}, but {_kind(dimension)} is needed here',
+            where=where,
+            do=f"give it in {base_unit(dimension)} or a multiple of it",
+        )
+    converted = float(value) * found.factor
+    if not math.isfinite(converted):
+        raise UserError(f"{value} {name} is not a finite number", where=where, do="correct the number")
+    return converted
+
+
+_QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
+
+
+def looks_like_quantity(text: str) -> bool:
+    """Whether a text starts with a number, as "80 MPa" does and "axial-force" does not."""
+    return _QUANTITY.fullmatch(text) is not None
+
+
+def parse_quantity(text: str, dimension: Dimension | None = None, *, where: str = "") -> float:
+    """A number with its unit ("12 nm", "40 mg", "20 ms", "1.5"), as a plain SI float."""
+    match = _QUANTITY.fullmatch(text)
+    if match is None:
+        raise UserError(f'"{text}" is not a number with a unit', where=where, do='write for example "12 nm"')
+    number, name = match.groups()
+    if not name and dimension not in (None, NUMBER):
+        raise UserError(
+            f'"{text}" has no unit',
+            where=where,
+            do=f'write for example "{text.strip()} {base_unit(dimension or NUMBER)}"',
+        )
+    return to_si(float(number), name or "1", dimension, where=where)
+
+
+_SHOWN = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p"))
+
+
+def format_quantity(value: float, name: str = "", digits: int = 4) -> str:
+    """An SI value for people: `format_quantity(1.2e-8, "m")` is "12 nm".
+
+    Simple units get a prefix; compound units ("N/m^3") and numbers without unit are printed as they are.
+    """
+    if name in ("", "1") or not math.isfinite(value):
+        return f"{value:.{digits}g}" + (f" {name}" if name not in ("", "1") else "")
+    scale, symbol = (1e3, "g") if name == "kg" else (1.0, name)
+    if symbol not in _PREFIXED or symbol == "rad" or value == 0.0:
+        return f"{value:.{digits}g} {name}"
+    size = abs(value * scale)
+    for power, prefix in _SHOWN:
+        if size >= power * (1 - 0.5 * 10.0**-digits):
+            return f"{value * scale / power:.{digits}g} {prefix}{symbol}"
+    power, prefix = _SHOWN[-1]
+    return f"{value * scale / power:.{digits}g} {prefix}{symbol}"
