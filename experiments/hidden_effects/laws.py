@@ -64,7 +64,7 @@ LAWS: tuple[Law, ...] = (
     Law("end-stop", "force", ("z",), _flag(0.45, 0.75)),
     Law("static-force", "force", ("1",), alike=("sensor-offset",)),
     Law("second-mode", "force", ("history",), lambda rng, own: (rng.uniform(1.8, 3.2), rng.uniform(15, 60), 0.0)),
-    Law("viscoelastic-support", "force", ("z", "history"), _flag(2.0, 30.0)),
+    Law("viscoelastic-support", "force", ("z", "history"), _flag(1.5, 8.0)),
     Law("coulomb-friction", "force", ("v",), lambda rng, own: (0.004 if own else 0.02, 0.0, 0.0)),
     Law("quadratic-damping", "force", ("v",), _one(0.03, 0.1, 0.0)),
     Law("cubic-damping", "force", ("v",), _one(0.05, 0.15, 0.0)),
