@@ -30,23 +30,54 @@ class FrameLaw(NamedTuple):
     rise: Scalar
 
 
-def _mismatch(a: jax.Array, b: jax.Array, length_1: Scalar, length_2: Scalar) -> jax.Array:
-    """Symmetric bilinear form of the end mismatch (e_x, e_y, e_ψ), so that e(v) = form(v, v); a, b = (w, D, b1, b2)."""
+def _mismatch(length_1: Scalar, length_2: Scalar) -> jax.Array:
+    """Quadratic forms (3, 4, 4) of the end mismatch: e(v) = vᵀ E v, v = (w, D, b1, b2), e = (e_x, e_y, e_ψ).
 
-    def mixed(i: int, j: int) -> jax.Array:
-        return (a[i] * b[j] + a[j] * b[i]) / 2
-
-    w, d, slope_1, slope_2 = range(4)
+    e_x = −[3w²/(5 l2) − w b2/10 + l2 b2²/15] − [l1 b1 w/l2 + b2 D − (5/6) l1 b1 b2]
+    e_y = −[3D²/(5 l1) − D b1/10 + l1 b1²/15] − l2 b1 b2/6
+    e_ψ = b1 w/l2 + b2 D/l1 − b1 b2
+    """
     l1, l2 = length_1, length_2
-    return jnp.stack(
+    return jnp.array(
         [
-            -(3 / 5 * mixed(w, w) / l2 - mixed(w, slope_2) / 10 + l2 * mixed(slope_2, slope_2) / 15)
-            - (mixed(slope_1, w) * l1 / l2 + mixed(slope_2, d) - 5 / 6 * l1 * mixed(slope_1, slope_2)),
-            -(3 / 5 * mixed(d, d) / l1 - mixed(d, slope_1) / 10 + l1 * mixed(slope_1, slope_1) / 15)
-            - l2 / 6 * mixed(slope_1, slope_2),
-            mixed(slope_1, w) / l2 + mixed(slope_2, d) / l1 - mixed(slope_1, slope_2),
+            [
+                [-3 / (5 * l2), 0, -l1 / (2 * l2), 1 / 20],
+                [0, 0, 0, -1 / 2],
+                [-l1 / (2 * l2), 0, 0, 5 * l1 / 12],
+                [1 / 20, -1 / 2, 5 * l1 / 12, -l2 / 15],
+            ],
+            [
+                [0, 0, 0, 0],
+                [0, -3 / (5 * l1), 1 / 20, 0],
+                [0, 1 / 20, -l1 / 15, -l2 / 12],
+                [0, 0, -l2 / 12, 0],
+            ],
+            [
+                [0, 0, 1 / (2 * l2), 0],
+                [0, 0, 0, 1 / (2 * l1)],
+                [1 / (2 * l2), 0, 0, -1 / 2],
+                [0, 1 / (2 * l1), -1 / 2, 0],
+            ],
         ]
     )
+
+
+def _equilibrium(c0: Scalar, c1: Scalar, c2: Scalar, c3: Scalar, least_slope: Scalar) -> Scalar:
+    """Root of c0 + c1 Z + c2 Z² + c3 Z³ near zero, by a fixed count of Newton steps.
+
+    Only the last two steps are differentiated: at the root each doubles the order to which derivatives are right, so
+    that they are exact to third order at a quarter of the work.
+    """
+
+    def step(z: Scalar, coefficients: tuple[Scalar, ...]) -> Scalar:
+        a0, a1, a2, a3 = coefficients
+        slope = a1 + z * (2 * a2 + 3 * a3 * z)
+        # Near buckling the slope may vanish: the floor keeps the step finite and leaves the root where it is.
+        return z - (a0 + z * (a1 + z * (a2 + z * a3))) / jnp.maximum(slope, least_slope)
+
+    frozen = jax.lax.stop_gradient((c0, c1, c2, c3))
+    z: Scalar = jax.lax.fori_loop(0, NEWTON_STEPS - 2, lambda _, z: step(z, frozen), jnp.zeros_like(jnp.asarray(c0)))
+    return step(step(jax.lax.stop_gradient(z), (c0, c1, c2, c3)), (c0, c1, c2, c3))
 
 
 def end_stiffness(flexibility: jax.Array, in_plane: InPlane, beam_end: tuple[float, float] = (0.0, 0.0)) -> jax.Array:
@@ -65,13 +96,15 @@ def end_stiffness(flexibility: jax.Array, in_plane: InPlane, beam_end: tuple[flo
     if in_plane == "clamped":
         return stiffness
     if in_plane == "yaw":
-        free = jnp.array([[-beam_end[1]], [beam_end[0]], [1.0]])
+        free = [jnp.array([-beam_end[1], beam_end[0], 1.0])]
     elif in_plane == "translation":
-        free = jnp.eye(3)[:, :2]
+        free = [jnp.array([1.0, 0.0, 0.0]), jnp.array([0.0, 1.0, 0.0])]
     else:
         raise ValueError(f"unknown in-plane freedom {in_plane!r}: choose yaw, clamped, free or translation")
-    resisted = stiffness @ free
-    return stiffness - resisted @ jnp.linalg.solve(free.T @ resisted, resisted.T)
+    for direction in free:  # one after the other: what is left resists no direction already free
+        resisted = stiffness @ direction
+        stiffness = stiffness - jnp.outer(resisted, resisted) / (direction @ resisted)
+    return stiffness
 
 
 def frame_law(
@@ -103,10 +136,9 @@ def frame_law(
     bend_1, bend_2 = (6 * r / (1 + 4 * r) for r in (beam.spring_1, beam.spring_2))
     elastic = vector(beam.share_2, beam.share_1, beam.share_1 * bend_1 / length_1, beam.share_2 * bend_2 / length_2)
     residual = vector(shape.rise_2, shape.rise_1, 2 * shape.rise_1 / length_1, 2 * shape.rise_2 / length_2)
-    p = _mismatch(elastic, elastic, length_1, length_2)
-    q = 2 * _mismatch(residual, elastic, length_1, length_2)
-    stretch = force / section.axial * vector(length_2, length_1, 0.0)
-    e0 = _mismatch(residual, residual, length_1, length_2) - stretch
+    mismatch = _mismatch(length_1, length_2)
+    p, q = mismatch @ elastic @ elastic, 2 * (mismatch @ elastic @ residual)
+    e0 = mismatch @ residual @ residual - force / section.axial * vector(length_2, length_1, 0.0)
     flexibility = in_plane_flexibility(section, length_1, length_2, shape.rise_1, shape.rise_2, shear=shear, arch=arch)
     g = end_stiffness(flexibility, in_plane, beam_end)
 
@@ -116,9 +148,5 @@ def frame_law(
     )
     unstressed = linear_1 * linear_2 / (linear_1 + linear_2)
     c0, c1, c2, c3 = q @ g @ e0, unstressed + q @ g @ q + 2 * (p @ g @ e0), 3 * (p @ g @ q), 2 * (p @ g @ p)
-    z: Scalar = jnp.zeros_like(c0)
-    for _ in range(NEWTON_STEPS):
-        slope = c1 + z * (2 * c2 + 3 * c3 * z)
-        # Near buckling the slope may vanish: the floor keeps the step finite and leaves the root where it is.
-        z = z - (c0 + z * (c1 + z * (c2 + z * c3))) / jnp.maximum(slope, 0.02 * unstressed)
+    z = _equilibrium(c0, c1, c2, c3, 0.02 * unstressed)
     return FrameLaw(k1=c1 + z * (2 * c2 + 3 * c3 * z), k2=c2 + 3 * c3 * z, k3=c3, rise=shape.rise_1 + shape.rise_2 + z)

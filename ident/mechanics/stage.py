@@ -78,10 +78,11 @@ def series_stiffness(x1: Scalar, x2: Scalar, r1: Scalar, r2: Scalar, scale_1: Sc
     """
     n1, d1 = stiffness_fraction(x1, r1)
     n2, d2 = stiffness_fraction(x2, r2)
-    k1, k2, common = scale_1 * n1 * d2, scale_2 * n2 * d1, d1 * d2  # stiffnesses times the common denominator
+    top_1, top_2 = scale_1 * n1, scale_2 * n2
+    k1, k2 = top_1 * d2, top_2 * d1  # the stiffnesses times d1 d2
     regular = (2 * k1 + k2 > 0) & (k1 + 2 * k2 > 0)
-    numerator = jnp.where(regular, k1 * k2, -jnp.maximum(jnp.maximum(k1, k2), 0.0))
-    return numerator / jnp.where(regular, (k1 + k2) * common, common)
+    numerator = jnp.where(regular, top_1 * top_2, -jnp.maximum(jnp.maximum(k1, k2), 0.0))
+    return numerator / jnp.where(regular, k1 + k2, d1 * d2)
 
 
 def _series_rule(primals: Any, tangents: Any) -> tuple[Scalar, Scalar]:

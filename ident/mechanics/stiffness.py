@@ -49,42 +49,37 @@ def _parts(x: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
 
 
 def stiffness_fraction(x: Scalar, r: Scalar) -> tuple[Scalar, Scalar]:
-    """Numerator and denominator of K l³/EI, both divided by 1 + r; the denominator is positive.
+    """Numerator and denominator of K l³/EI = x + 4 Q T/(B T + c Q²), T = Q + c s B, c = r/(1 + r).
 
-    Kept apart so that segments in series need one division in all. Arguments as in `segment_stiffness`.
+    The form of `segment_stiffness` with q = 1 + s g put in, g = B/Q. The denominator is positive. Kept apart so that
+    segments in series need one division in all. Arguments as in `segment_stiffness`.
     """
-    s, _, b, q_scaled = _parts(x)
-    share = 1 / (1 + r)
-    spring = r * share
-    r_scaled = q_scaled + s * b  # q = R/Q
-    mixed = share * q_scaled + spring * r_scaled
-    square = spring * q_scaled * q_scaled
-    return 4 * (r_scaled * mixed + s * square), b * mixed + square
+    s, _, b, q = _parts(x)
+    spring = 1 - 1 / (1 + r)  # r/(1 + r), and right even where r overflows
+    t = q + spring * (s * b)
+    bottom = b * t + spring * q * q
+    return 4 * (q * t + s * bottom), bottom
 
 
 def stiffness_slopes(x: Scalar, r: Scalar) -> tuple[Scalar, Scalar]:
-    """Derivatives of K l³/EI with respect to x and to r.
+    """Derivatives of K l³/EI = 4 s + 4 y/(g y + c), y = 1 + c s g, c = r/(1 + r), with respect to x and to r.
 
-    q' = (1 − q g)/2,   g' = g (h − g)/2  (derivatives in s = x/4, from the Riccati equation of tanh),
-    K_x = (n' m − n m')/m²,   K_r = −4/(g + r (q g + 1))²,   n = q + r q² + r s,   m = g (1 + r q) + r
+    K_x = 1 + (c y' − g' y²)/(g y + c)²,   K_r = −4/((1 + r)² (g y + c)²),
+    y' = c (1 − q g)/2,   g' = g (h − g)/2   (derivatives in s = x/4, from the Riccati equation of tanh)
 
-    An ordinary rational function, so that it can be differentiated again. Zero outside SMALLEST..LARGEST.
+    An ordinary rational function, so that it can be differentiated again. K_x is zero outside SMALLEST..LARGEST.
     """
     s, a, b, q_scaled = _parts(x)
     inside = (x > SMALLEST) & (x < LARGEST)
     inverse = 1 / q_scaled
     g = b * inverse
-    q = 1 + s * g
     slope_g = (a * inverse - g * g) / 2
-    slope_q = (1 - q * g) / 2
     share = 1 / (1 + r)
-    spring = r * share
-    corner = share + spring * q
-    n, m = q * corner + spring * s, g * corner + spring
-    slope_n = slope_q * (share + 2 * spring * q) + spring
-    slope_m = slope_g * corner + g * spring * slope_q
-    inverse_square = 1 / (m * m)
-    slope_x = jnp.where(inside, (slope_n * m - n * slope_m) * inverse_square, 0.0)
+    spring = 1 - share
+    y = 1 + spring * s * g
+    slope_y = spring * (1 - g - s * g * g) / 2
+    inverse_square = 1 / (g * y + spring) ** 2
+    slope_x = jnp.where(inside, 1 + (spring * slope_y - slope_g * y * y) * inverse_square, 0.0)
     return slope_x, -4 * share * share * inverse_square
 
 

@@ -23,7 +23,7 @@ critical = jax.jit(critical_reduced_force)
 @given(st.floats(0.0, 1e6))
 def test_the_stiffness_is_zero_there_and_positive_above(r):
     x = float(critical(r))
-    assert -np.pi**2 * (1 + 1e-12) <= x <= -(np.pi**2) / 4 * (1 - 1e-12)
+    assert -(np.pi**2) * (1 + 1e-12) <= x <= -(np.pi**2) / 4 * (1 - 1e-12)
     assert float(segment_stiffness(x, r)) == pytest.approx(0.0, abs=1e-12)
     for above in np.linspace(x, 1.0, 20)[1:]:
         assert float(segment_stiffness(above, r)) > 0

@@ -13,7 +13,7 @@ FORCES = (-0.4, -0.1, 0.4, 2.0)
 
 
 def _solved(segment: int, force: float) -> paper.Coefficients:
-    """Table 1 from the boundary conditions alone: a linear system for C1, C2 and C3 (once for f = 1, once for z(l) = 1)."""
+    """Table 1 from the boundary conditions alone: a linear system for C1 and C2, then C3 from z(0) = 0."""
     length, torsion = SEGMENTS[segment]
     alpha, spring = force / EI, EI / torsion
     u = np.sqrt(abs(alpha))
@@ -27,12 +27,10 @@ def _solved(segment: int, force: float) -> paper.Coefficients:
     root_slope, tip_slope = shapes(0, 1), shapes(length, 1)
     if segment == 1:  # root on a spring, guided tip
         first, second = root_slope - spring * shapes(0, 2), tip_slope
-        right = [-1 / alpha, -1 / alpha]
     else:  # clamped root, tip on a spring
         first, second = root_slope, tip_slope + spring * shapes(length, 2)
-        right = [-1 / alpha, -1 / alpha]
-    c1, c2 = np.linalg.solve(np.array([first, second]), right)
-    # z(0) = 0 gives C3 = α (C1 + C2 or C1) f − f l + α z(l)
+    c1, c2 = np.linalg.solve(np.array([first, second]), [-1 / alpha, -1 / alpha])
+    # C3 = α f (C1 or C1 + C2) − f l + α z(l)
     return paper.Coefficients(c1, c2, alpha * (shapes(0, 0) @ [c1, c2]) - length, alpha)
 
 

@@ -140,7 +140,7 @@ def test_finite_for_any_finite_displacement_and_drive(device, closure):
 
 
 def test_arch_force_is_what_the_secant_stiffness_leaves_out(device):
-    # Virtual work: N_i dΔ_i/dz of both parts; the quadratic part of Δ is the geometric stiffness, the rest the arch term.
+    # Virtual work N_i dΔ_i/dz: the quadratic part of Δ is the geometric stiffness, the rest the arch term.
     beam, shape, z = device.beam, device.shape, 5e-6
     forces = axial_forces(_constants(device, PARAMETERS, "axial-force").law, z)
     work = 0.0
