@@ -4,7 +4,9 @@ from .. import runtime
 
 runtime.configure()
 
-from .linear import LinearPart as LinearPart  # noqa: E402  (JAX is configured first)
+from .build import build_model as build_model  # noqa: E402  (JAX is configured first)
+from .build import make_effect as make_effect  # noqa: E402
+from .linear import LinearPart as LinearPart  # noqa: E402
 from .linear import linear_part as linear_part  # noqa: E402
 from .model import Model as Model  # noqa: E402
 from .parameters import ModelParameter as ModelParameter  # noqa: E402

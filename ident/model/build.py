@@ -1,0 +1,70 @@
+"""From what a campaign says about its model to the model: effects by name, their settings and starting values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+from ..campaign.campaign import Campaign
+from ..effects.effect import AbstractEffect
+from ..effects.registry import Registry, find, registry
+from ..errors import UserError
+from .model import Model
+from .settings import LISTS, check_priors, check_settings, check_starts, listed, parameter_names, place_of
+
+
+def build_model(campaign: Campaign, effects: Sequence[str] | None = None) -> Model:
+    """The model with which a campaign is to be fitted.
+
+    Every `[effect.NAME]` of the campaign counts, also of an effect that is not in the model yet: its starting values
+    and its `fixed` and `free` parameters wait in the model, its words in `make_effect`.
+
+    **Arguments:** `effects`: names of the effects, instead of those of the campaign; () is the plain linear part.
+
+    **Raises:** UserError, naming the line, for an effect, a setting or a prior that does not exist.
+    """
+    known = registry(campaign.effect_files)
+    names = campaign.effects if effects is None else tuple(effects)
+    where = place_of(campaign, "model", "effects") if effects is None else ""
+    check_settings(campaign, known)
+    check_priors(campaign, known)
+    try:
+        model = Model(campaign.device)
+        for name in _needed_first(names, known):
+            model = model + make_effect(campaign, name, known)
+        order = {name: position for position, name in enumerate(names)}
+        model = replace(model, effects=tuple(sorted(model.effects, key=lambda effect: order[effect.name])))
+    except UserError as error:
+        raise UserError(error.what, where=error.where or where, do=error.do) from None
+    start, held, freed = _told(campaign, known)
+    model = replace(model, start=start, held=held, freed=freed)
+    check_starts(campaign, model)
+    return model
+
+
+def make_effect(campaign: Campaign, name: str, known: Registry | None = None) -> AbstractEffect:
+    """One effect as a campaign wants it: with the words of `[effect.NAME]`, ready for `model + effect`.
+
+    **Arguments:** `known`: the effects to choose from; if not given, the library and the campaign's own files.
+    """
+    effect = find(name, registry(campaign.effect_files) if known is None else known)
+    words = {c.name for c in effect.choices}
+    settings = campaign.settings.get(name, {})
+    return effect(campaign.device, {key: value for key, value in settings.items() if key in words})
+
+
+def _needed_first(names: Iterable[str], known: Registry) -> list[str]:
+    """The names in an order in which every effect follows the one that it builds on."""
+    return sorted(names, key=lambda name: bool(find(name, known).needs))
+
+
+def _told(campaign: Campaign, known: Registry) -> tuple[tuple[tuple[str, float], ...], frozenset[str], frozenset[str]]:
+    """Starting values, held and freed parameters by full name, of all settings."""
+    start: list[tuple[str, float]] = []
+    named: dict[str, list[str]] = {key: [] for key in LISTS}
+    for owner, settings in campaign.settings.items():
+        parameters = parameter_names(campaign, known, owner) or ()
+        start += [(f"{owner}.{key}", float(value)) for key, value in settings.items() if key in parameters]
+        for key in LISTS:
+            named[key] += [f"{owner}.{name}" for name in listed(settings, key)]
+    return tuple(start), frozenset(named["fixed"]), frozenset(named["free"])

@@ -1,0 +1,125 @@
+"""Whether what a campaign says about effects exists: names, words, parameters and priors, each error with its line."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from ..campaign.campaign import Campaign
+from ..campaign.document import read_document
+from ..effects.effect import Choice
+from ..effects.registry import Registry
+from ..errors import UserError
+from .linear import linear_part
+from .model import Model
+
+LISTS = ("fixed", "free")
+"""Settings that name parameters instead of giving them values."""
+
+
+def place_of(campaign: Campaign, *keys: str) -> str:
+    """File and line of a key of the campaign file, as far as they can be found."""
+    if campaign.path is None or not campaign.path.is_file():
+        return ""
+    section = read_document(campaign.path, campaign.path.name)
+    for key in keys[:-1]:
+        values = section.values.get(key)
+        if not isinstance(values, dict):
+            return section.where(key)
+        section = section.inside(key, values)
+    return section.where(keys[-1])
+
+
+def _nearest(name: str, names: Iterable[str]) -> str:
+    names = sorted(names)
+    near = difflib.get_close_matches(name, names, 1, 0.5)
+    return f"did you mean {near[0]!r}?" if near else f"it has: {', '.join(names) or 'none'}"
+
+
+def _linear_names(campaign: Campaign) -> tuple[str, tuple[str, ...]]:
+    linear = linear_part(campaign.device)
+    return linear.prefix, ("frequency", "quality", linear.gain_name)
+
+
+def parameter_names(campaign: Campaign, known: Registry, owner: str) -> tuple[str, ...] | None:
+    """Names of the parameters of an effect or of the linear part; None if there is no such thing."""
+    prefix, linear = _linear_names(campaign)
+    if owner == prefix:
+        return linear
+    return tuple(p.name for p in known[owner].parameters) if owner in known else None
+
+
+def check_settings(campaign: Campaign, known: Registry) -> None:
+    """Every `[effect.NAME]` names an effect or the linear part, and every key in it a choice, a parameter or a list."""
+    prefix, _ = _linear_names(campaign)
+    for owner, settings in campaign.settings.items():
+        parameters = parameter_names(campaign, known, owner)
+        if parameters is None:
+            place = place_of(campaign, "effect", owner)
+            raise UserError(f"there is no effect called {owner!r}", where=place, do=_nearest(owner, [*known, prefix]))
+        choices = {} if owner == prefix else {c.name: c for c in known[owner].choices}
+        for key, value in settings.items():
+            try:
+                _check_setting(owner, key, value, parameters, choices)
+            except UserError as error:
+                raise UserError(error.what, where=place_of(campaign, "effect", owner, key), do=error.do) from None
+        both = set(listed(settings, "fixed")) & set(listed(settings, "free"))
+        if both:
+            what = f"[effect.{owner}]: {', '.join(sorted(both))} cannot be both fixed and free"
+            raise UserError(what, where=place_of(campaign, "effect", owner, "free"), do="name it once")
+
+
+def _check_setting(owner: str, key: str, value: Any, parameters: Sequence[str], choices: Mapping[str, Choice]) -> None:
+    if key in choices:
+        words = choices[key].words
+        if value not in words:
+            do = "write one of " + ", ".join(f'"{word}"' for word in words)
+            raise UserError(f"[effect.{owner}] {key}: {value!r} is not known", do=do)
+    elif key in LISTS:
+        for name in listed({key: value}, key):
+            if name not in parameters:
+                what = f"[effect.{owner}] {key}: {owner} has no parameter {name!r}"
+                raise UserError(what, do=_nearest(str(name), parameters))
+    elif key not in parameters:
+        near = _nearest(key, [*parameters, *choices, *LISTS])
+        raise UserError(f"[effect.{owner}]: {owner} has no setting {key!r}", do=near)
+    elif not isinstance(value, float) or isinstance(value, bool):
+        do = 'write a number in SI units or a quantity ("80 MPa")'
+        raise UserError(f"[effect.{owner}] {key}: {value!r} is not a number", do=do)
+
+
+def listed(settings: Mapping[str, Any], key: str) -> tuple[str, ...]:
+    """The names under `fixed` or `free`; a single word counts as a list of one."""
+    value = settings.get(key, ())
+    return value if isinstance(value, tuple) else (value,)
+
+
+def check_priors(campaign: Campaign, known: Registry) -> None:
+    """Every prior is on a parameter that exists, in the model or in an effect that may be added."""
+    for full in campaign.priors:
+        owner, _, name = full.rpartition(".")
+        parameters = parameter_names(campaign, known, owner)
+        if parameters is None or name not in parameters:
+            prefix, linear = _linear_names(campaign)
+            every = [f"{prefix}.{one}" for one in linear]
+            every += [f"{effect.name}.{p.name}" for effect in known.values() for p in effect.parameters]
+            near = difflib.get_close_matches(full, every, 1, 0.5)
+            do = f"did you mean {near[0]!r}?" if near else 'write "effect.parameter"; `ident effects` lists them'
+            raise UserError(
+                f"[priors]: there is no parameter {full!r}", where=place_of(campaign, "priors", full), do=do
+            )
+
+
+def check_starts(campaign: Campaign, model: Model) -> None:
+    """What can only be judged with the model made: signs of starting values, and parameters without meaning."""
+    told = dict(model.start)
+    meaningless = {f"{effect.name}.{name}" for effect in model.effects for name in effect.unused()}
+    for parameter in model.parameters:
+        owner, _, name = parameter.name.rpartition(".")
+        if parameter.name in model.freed & meaningless:
+            what = f"[effect.{owner}] free: {name} has no meaning with the other settings"
+            raise UserError(what, where=place_of(campaign, "effect", owner, "free"), do="take it off the list")
+        if parameter.positive and parameter.fitted and told.get(parameter.name, 1.0) <= 0:
+            what = f"[effect.{owner}] {name}: {told[parameter.name]:g} is not positive"
+            raise UserError(what, where=place_of(campaign, "effect", owner, name), do="start from a positive value")
