@@ -1,8 +1,9 @@
 """Unit errors in an effect are caught when it is registered, by changing the units of the world.
 
-A formula is right in its dimensions if and only if its result scales as it should when metre, kilogram, second and volt are
-replaced by other units. So the effect is evaluated twice, once in SI and once with every input converted to arbitrary
-units; a force that does not convert like a force has a unit error or a hard-coded number with a hidden unit.
+A formula is right in its dimensions if and only if its result scales as it should when metre, kilogram, second and
+volt are replaced by other units. So the effect is evaluated twice, once in SI and once with every input converted to
+arbitrary units; a force that does not convert like a force has a unit error or a hard-coded number with a hidden
+unit.
 
 Source: G. I. Barenblatt, Scaling, 1996, §1.1 (covariance of physical laws).
 """
@@ -11,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 from functools import lru_cache
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -23,6 +25,7 @@ from .effect import AbstractEffect, Drive, Parameter, State
 _WORLD = {"kg": 1.7, "m": 2.3, "s": 0.6, "V": 3.1}  # one SI unit, measured in the other world's units
 _DISPLACEMENT, _VELOCITY, _VOLTAGE, _TIME = 3e-6, 2e-2, 5.0, 1e-3
 _TOLERANCE = 1e-6
+_MOTIONS = (1.0, -4.0)  # times the typical state: a contact or a slip shows on one side, or far out, only
 
 
 @lru_cache(maxsize=256)
@@ -39,7 +42,7 @@ def _factor(unit: str) -> float:
 
 
 def check_units(effect: type[AbstractEffect], where: str = "") -> None:
-    """Test that each formula of an effect has the dimension of its side.
+    """Test that each formula of an effect has the dimension of its side, for every choice of its settings.
 
     **Raises:** UserError naming the formula and the declared units if it has not.
     """
@@ -48,10 +51,16 @@ def check_units(effect: type[AbstractEffect], where: str = "") -> None:
             exponents(parameter.unit)
         except UserError as error:
             raise UserError(f"{effect.name}.{parameter.name}: {error.what}", where=where, do=error.do) from error
-    here, there = _evaluate(effect, scaled=False), _evaluate(effect, scaled=True)
+    names = [setting.name for setting in effect.choices]
+    for words, motion in product(product(*(setting.words for setting in effect.choices)), _MOTIONS):
+        _check_formulas(effect, dict(zip(names, words, strict=True)), motion, where)
+
+
+def _check_formulas(effect: type[AbstractEffect], settings: dict[str, str], motion: float, where: str) -> None:
+    here, there = (_evaluate(effect, settings, motion, scaled) for scaled in (False, True))
     for formula, (value, unit) in here.items():
         expected = value * _factor(unit)
-        if abs(there[formula][0] - expected) > _TOLERANCE * max(abs(expected), 1e-300):
+        if not abs(there[formula][0] - expected) <= _TOLERANCE * max(abs(expected), 1e-300):  # so that NaN is caught
             declared = ", ".join(f"{p.name} in {p.unit}" for p in effect.parameters)
             raise UserError(
                 f"the formula {formula} of {effect.name} does not come out in {unit} ({declared})",
@@ -60,14 +69,16 @@ def check_units(effect: type[AbstractEffect], where: str = "") -> None:
             )
 
 
-def _evaluate(effect: type[AbstractEffect], scaled: bool) -> dict[str, tuple[float, str]]:
+def _evaluate(
+    effect: type[AbstractEffect], settings: dict[str, str], motion: float, scaled: bool
+) -> dict[str, tuple[float, str]]:
     """Value and unit of each formula of the effect, for arbitrary inputs."""
     to = (lambda value, unit: value * _factor(unit)) if scaled else (lambda value, unit: value)
     device = _in_other_units(Platform()) if scaled else Platform()
-    instance = _instance(effect, device, to)
-    hidden = tuple(to(_typical(unit), unit) for unit in effect.hidden_units)
-    state = State(to(_DISPLACEMENT, "m"), to(_VELOCITY, "m/s"), hidden)
-    drive = Drive(to(_VOLTAGE, "V"), to(3e3, "V/s"), to(2e3, "1/s"), to(1e-4, "N/V"))
+    instance = _instance(effect, settings, device, to)
+    hidden = tuple(to(motion * _typical(unit), unit) for unit in effect.hidden_units)
+    state = State(to(motion * _DISPLACEMENT, "m"), to(motion * _VELOCITY, "m/s"), hidden)
+    drive = Drive(to(motion * _VOLTAGE, "V"), to(3e3, "V/s"), to(2e3, "1/s"), to(1e-4, "N/V"))
     t = to(_TIME, "s")
     found: dict[str, tuple[float, str]] = {}
     if effect.overrides("force"):
@@ -77,17 +88,24 @@ def _evaluate(effect: type[AbstractEffect], scaled: bool) -> dict[str, tuple[flo
     if effect.overrides("sensor"):
         found["sensor"] = (float(instance.sensor(state, drive, t)), "m")
     if effect.overrides("rate"):
-        for i, (value, unit) in enumerate(zip(instance.rate(state, drive, t), effect.hidden_units, strict=True)):
+        rates = instance.rate(state, drive, t)
+        if not len(rates) == len(instance.state0()) == len(effect.hidden_units):
+            raise UserError(
+                f"{effect.name} has {len(instance.state0())} hidden states, {len(rates)} rates and "
+                f"{len(effect.hidden_units)} hidden_units",
+                do="give every hidden state one of each",
+            )
+        for i, (value, unit) in enumerate(zip(rates, effect.hidden_units, strict=True)):
             found[f"rate[{i}]"] = (float(value), f"{unit}/s" if unit != "1" else "1/s")
     return found
 
 
-def _instance(effect: type[AbstractEffect], device: Device, to: Any) -> AbstractEffect:
-    instance = effect(device, None, **{p.name: to(_value(p), p.unit) for p in effect.parameters})
+def _instance(effect: type[AbstractEffect], settings: dict[str, str], device: Device, to: Any) -> AbstractEffect:
+    instance = effect(device, settings, **{p.name: to(_value(p), p.unit) for p in effect.parameters})
     if effect.needs:
         from .registry import built_in
 
-        instance = instance.beside(_instance(built_in()[effect.needs], device, to))
+        instance = instance.beside(_instance(built_in()[effect.needs], {}, device, to))
     return instance
 
 

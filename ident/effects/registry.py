@@ -38,7 +38,9 @@ def registry(files: Iterable[Path] = ()) -> Registry:
     for file in files:
         for effect in _load(Path(file)):
             if effect.name in found:
-                raise UserError(f"the name {effect.name!r} is taken", where=str(file), do="give the effect another name")
+                raise UserError(
+                    f"the name {effect.name!r} is taken", where=str(file), do="give the effect another name"
+                )
             found[effect.name] = effect
     return found
 
@@ -72,14 +74,25 @@ def _load(file: Path) -> list[type[AbstractEffect]]:
     except SyntaxError as error:
         raise UserError(f"not valid Python: {error.msg}", where=f"{file}, line {error.lineno}") from error
     except Exception as error:  # whatever a user's file does wrong, it is answered with its place in that file
-        lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]
-        where = f"{file}, line {lines[-1]}" if lines else str(file)
-        raise UserError(f"running this effect file failed: {type(error).__name__}: {error}", where=where) from error
+        raise _failure(error, file) from error
     effects = _effects_of(module)
     if not effects:
         raise UserError(
-            "no effect is defined here", where=str(file), do='write a class that inherits AbstractEffect and has a name = "…"'
+            "no effect is defined here",
+            where=str(file),
+            do='write a class that inherits AbstractEffect and has a name = "…"',
         )
     for effect in effects:
-        check_units(effect, where=str(file))
+        try:
+            check_units(effect, where=str(file))
+        except UserError as error:
+            raise UserError(error.what, where=error.where or str(file), do=error.do) from error
+        except Exception as error:  # as above: the formulas are the user's too
+            raise _failure(error, file) from error
     return effects
+
+
+def _failure(error: Exception, file: Path) -> UserError:
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]
+    where = f"{file}, line {lines[-1]}" if lines else str(file)
+    return UserError(f"running this effect file failed: {type(error).__name__}: {error}", where=where)

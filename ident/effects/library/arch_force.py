@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from ...mechanics import Scalar, axial_forces
 from ...mechanics import arch_force as arch
+from ...mechanics.frame import FrameLaw
 from ..effect import AbstractEffect, Drive, State, amplitude
 
 
 class ArchForce(AbstractEffect):
     """Out-of-plane component of the axial forces along the initial slope of the beams.
 
-    F = −4 a Σ N_i z0_i s_i/l_i, with the axial forces N of `residual-stress`; a = 1 is what the geometry says.
+    F = −4 a Σ N_i z0_i s_i/l_i, with the axial forces N of `residual-stress`; a = 1 is what the geometry says. The
+    closure "frame" of `residual-stress` contains the arch already, so there this effect adds nothing.
     """
 
     name = "arch-force"
@@ -24,5 +26,7 @@ class ArchForce(AbstractEffect):
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         law = self.partner.prepared.law
+        if isinstance(law.law, FrameLaw):
+            return 0.0
         n1, n2 = axial_forces(law.law, state.z, drive.V)
         return -self.share * arch(law.beam, law.shape, n1, n2)

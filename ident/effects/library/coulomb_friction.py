@@ -13,7 +13,9 @@ class CoulombFriction(AbstractEffect):
 
     name = "coulomb-friction"
     equation = "F = −F_c tanh(ż/v_s)"
-    source = "Olsson, Åström, Canudas de Wit, Gäfvert, Lischinsky, Friction models and compensation, 1998, Eur. J. Control 4"
+    source = (
+        "Olsson, Åström, Canudas de Wit, Gäfvert, Lischinsky, Friction models and compensation, 1998, Eur. J. Control 4"
+    )
     mistaken_for = ("bouc-wen", "quadratic-damping")
 
     friction = amplitude("N", "friction force")

@@ -9,7 +9,7 @@ class CubicStiffness(AbstractEffect):
     name = "cubic-stiffness"
     equation = "F = −k3 z³"
     source = "Nayfeh & Mook, Nonlinear Oscillations, 1979, §4.1"
-    mistaken_for = ("end-stop", "residual-stress", "sensor-nonlinearity")
+    mistaken_for = ("end-stop", "residual-stress", "sensor-nonlinearity", "pzt-hysteresis")
 
     k3 = amplitude("N/m^3", "cubic stiffness")
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import jax.numpy as jnp
+
 from ...campaign.device import Platform
 from ...mechanics import Scalar, drive_force_coefficient, l_beam, polynomial_strain
 from ..effect import AbstractEffect, Drive, amplitude
@@ -11,8 +13,9 @@ from ..section import device_section
 class PztHysteresis(AbstractEffect):
     """Free strain of the PZT with a cubic term and a loop.
 
-    F = K_f [−η E³ + (ζ/ω³) Ė³], E = V/T_p, with K_f from the geometry (1 for a generic oscillator, where E is the drive).
-    It follows one frequency well and transfers badly to others: real PZT needs play operators (`prandtl-ishlinskii`).
+    F = K_f [−η E³ + (ζ/ω³) Ė³], E = V/T_p, with K_f from the geometry (1 for a generic oscillator, where E is the
+    drive). It follows one frequency well and transfers badly to others: real PZT needs play operators
+    (`prandtl-ishlinskii`).
     """
 
     name = "pzt-hysteresis"
@@ -34,4 +37,5 @@ class PztHysteresis(AbstractEffect):
     def drive(self, hidden: tuple[Scalar, ...], drive: Drive, t: Scalar) -> Scalar:
         coefficient, thickness = self.prepared
         field, rate = drive.V / thickness, drive.rate / thickness
-        return coefficient * polynomial_strain(field, rate, drive.omega, 0.0, self.eta, self.zeta)
+        omega = jnp.where(drive.omega > 0, drive.omega, jnp.inf)  # a constant drive has no loop
+        return coefficient * polynomial_strain(field, rate, omega, 0.0, self.eta, self.zeta)

@@ -10,8 +10,8 @@ class QuadraticDamping(AbstractEffect):
 
     name = "quadratic-damping"
     equation = "F = −c2 ż|ż|"
-    source = "Nayfeh & Mook, Nonlinear Oscillations, 1979, §3.3.2"
-    mistaken_for = ("cubic-damping", "squeeze-film-damping")
+    source = "Nayfeh & Mook, Nonlinear Oscillations, 1979, ch. 3"
+    mistaken_for = ("cubic-damping", "squeeze-film-damping", "coulomb-friction")
 
     c2 = amplitude("N*s^2/m^2", "quadratic damping")
 

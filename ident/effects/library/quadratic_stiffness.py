@@ -9,7 +9,9 @@ class QuadraticStiffness(AbstractEffect):
     name = "quadratic-stiffness"
     equation = "F = −k2 z²"
     source = "Nayfeh & Mook, Nonlinear Oscillations, 1979, §4.2"
-    mistaken_for = ("residual-stress", "electrostriction", "sensor-nonlinearity")
+    mistaken_for = (
+        "residual-stress", "arch-force", "voltage-stiffness", "electrostriction", "end-stop", "sensor-nonlinearity",
+    )  # fmt: skip
 
     k2 = amplitude("N/m^2", "quadratic stiffness")
 

@@ -8,8 +8,8 @@ import jax.numpy as jnp
 
 from ...campaign.device import Platform
 from ...mechanics import Restoring, Scalar, restoring, restoring_stiffness, stage_stiffness
-from ..section import device_section
 from ..effect import AbstractEffect, Drive, State, amplitude, choice, shape
+from ..section import device_section
 
 
 class Stressed(NamedTuple):
@@ -33,7 +33,7 @@ class ResidualStress(AbstractEffect):
     name = "residual-stress"
     equation = "F = −[K(N(z, V)) − K(0)] z"
     source = "Sensors 2020, 20, 3959, Eqs. 1-11"
-    mistaken_for = ("quadratic-stiffness", "cubic-stiffness", "voltage-stiffness")
+    mistaken_for = ("quadratic-stiffness", "cubic-stiffness", "voltage-stiffness", "arch-force")
     platform_only = True
 
     closure = choice("axial-force", "sign-change", "frame")

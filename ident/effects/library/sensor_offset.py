@@ -8,7 +8,7 @@ class SensorOffset(AbstractEffect):
 
     name = "sensor-offset"
     equation = "reading = z + z_s"
-    source = "metrology"
+    source = "JCGM 200:2012, International vocabulary of metrology, §4.28 (zero error)"
     mistaken_for = ("static-force", "sensor-drift")
 
     offset = amplitude("m", "offset")

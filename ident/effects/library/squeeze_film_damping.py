@@ -1,4 +1,4 @@
-"""Squeeze-film damping: gas pressed out of the gap under the stage."""
+"""Squeeze-film damping: gas pressed out of the gap beside the stage."""
 
 import jax.numpy as jnp
 
@@ -8,15 +8,22 @@ _CLOSEST = 0.1  # of the gap: a trial simulation may cross the wall, and must st
 
 
 class SqueezeFilmDamping(AbstractEffect):
-    """Damping that grows as the gap closes: F = −c [(1 − z/g)⁻³ − 1] ż, the constant part being the linear damping."""
+    """Damping that grows as the gap closes: F = −c [(1 − z/g)⁻³ − 1] ż, the constant part being the linear damping.
+
+    g > 0 is a wall above the stage, g < 0 one below it; the sign of z is the sensor's choice, so a fit tries both.
+    Valid for films much wider than thick and for slow motion (small squeeze number: no gas spring). Typical: gaps of
+    1.5-10 times the travel; c is at most the damping of the whole stage.
+    """
 
     name = "squeeze-film-damping"
     equation = "F = −c [(1 − z/g)⁻³ − 1] ż"
-    source = "Bao & Yang, Squeeze film air damping in MEMS, 2007, Sens. Actuators A 136, §2"
+    source = "Bao & Yang, Squeeze film air damping in MEMS, 2007, Sens. Actuators A 136, 3, §2"
     mistaken_for = ("cubic-damping", "quadratic-damping")
 
-    damping = amplitude("N*s/m", "damping in the open gap")
-    gap = shape("m", "gap under the stage", grid=(1.5, 2.5, 6.0), scale="displacement")
+    damping = amplitude("N*s/m", "damping by the film in the open gap, c")
+    gap = shape(
+        "m", "gap above (g > 0) or below the stage", grid=(-4.0, -1.5, 1.5, 4.0), scale="displacement", positive=False
+    )  # fmt: skip
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         closeness = jnp.maximum(1.0 - state.z / self.gap, _CLOSEST)

@@ -12,7 +12,7 @@ class StaticForce(AbstractEffect):
     name = "static-force"
     equation = "F = F0"
     source = "statics"
-    mistaken_for = ("sensor-offset",)
+    mistaken_for = ("sensor-offset", "sensor-drift", "electrostriction")
 
     force0 = amplitude("N", "constant force")
 

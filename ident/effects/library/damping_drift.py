@@ -1,0 +1,23 @@
+"""Damping that changes while the record lasts."""
+
+from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+from ..memory import relaxing
+
+
+class DampingDrift(AbstractEffect):
+    """Damping that drifts from the first sample on: F = −ċ τ (1 − e^(−t/τ)) ż.
+
+    A τ far beyond the record is a drift linear in time; a shorter one an exponential approach to ċ τ. Gas that warms,
+    outgassing in a sealed cavity, a contact that runs in: typically 1-20 % of the damping. Every record starts afresh.
+    """
+
+    name = "damping-drift"
+    equation = "F = −ċ τ (1 − e^(−t/τ)) ż"
+    source = "Incropera & DeWitt, Fundamentals of Heat and Mass Transfer, 2007, §5.1 (lumped capacitance)"
+    mistaken_for = ("stiffness-drift", "creep")
+
+    rate0 = amplitude("N*s/m/s", "damping per second at the start, ċ")
+    time = shape("s", "time in which the drift dies out, τ", grid=(0.1, 0.3, 1.0, 10.0), scale="duration")
+
+    def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
+        return -self.rate0 * relaxing(t, self.time) * state.v

@@ -1,0 +1,34 @@
+"""Contact with a stop above or below the stage."""
+
+import jax.numpy as jnp
+
+from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+
+
+class EndStop(AbstractEffect):
+    """Elastic contact beyond a gap: F = −k_a g (δ_a/g)ⁿ + k_b g (δ_b/g)ⁿ, δ_a = (z − g)₊, δ_b = (−z − a g)₊.
+
+    n = 3/2 is the contact of round bodies (Hertz), n = 1 a linear bumper; k is the secant stiffness at a penetration
+    of one gap. One amplitude at zero leaves a stop on one side only; the gaps are taken as equal (a = 1) unless a
+    campaign frees `asymmetry`. Typical: gaps of 0.5-1 of the travel, k from 1 to 1000 times the suspension.
+    """
+
+    name = "end-stop"
+    equation = "F = −k_a g ((z − g)₊/g)ⁿ + k_b g ((−z − a g)₊/g)ⁿ"
+    source = "K. L. Johnson, Contact Mechanics, 1985, §4.2"
+    mistaken_for = ("cubic-stiffness", "quadratic-stiffness", "sensor-nonlinearity")
+
+    above = amplitude("N/m", "contact stiffness of the upper stop, k_a")
+    below = amplitude("N/m", "contact stiffness of the lower stop, k_b")
+    gap = shape("m", "gap from rest to the upper stop, g", grid=(0.4, 0.55, 0.7, 0.85), scale="displacement")
+    exponent = shape("1", "exponent of the contact law, n", grid=(1.0, 1.5))
+    asymmetry = shape("1", "lower gap over upper gap, a", grid=(1.0,), fitted=False)
+
+    def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
+        reach = state.z / self.gap
+        pushed = self.above * self._contact(reach - 1.0) - self.below * self._contact(-reach - self.asymmetry)
+        return -self.gap * pushed
+
+    def _contact(self, depth: Scalar) -> Scalar:
+        touching = depth > 0
+        return jnp.where(touching, jnp.where(touching, depth, 1.0) ** self.exponent, 0.0)  # 0ⁿ has no derivative by n

@@ -1,0 +1,38 @@
+"""A second vibration mode in what the sensor sees."""
+
+import math
+
+from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+
+
+class SecondMode(AbstractEffect):
+    """Another mode, driven by the same voltage, adds to the reading: reading = z + a x, ẍ + (ω₂/Q₂) ẋ + ω₂² x = ω₂² V.
+
+    Modes of a linear structure superpose, so it neither loads nor is loaded by the stage's own mode; a is its static
+    travel per volt (also of the other sign), the sum of every higher mode if they are far away. Typical: 1-10 % of
+    the stage's static travel, at 1.5-5 times its frequency. Far below ω₂ it cannot be told from crosstalk: drive near
+    ω₂, or in bursts.
+    """
+
+    name = "second-mode"
+    equation = "reading = z + a x, ẍ + (ω₂/Q₂) ẋ + ω₂² x = ω₂² V, ω₂ = 2π/T₂"
+    source = "D. J. Ewins, Modal Testing, 2000, ch. 2 (modal superposition)"
+    mistaken_for = ("sensor-crosstalk", "drive-lag", "sensor-lag")
+    hidden_units = ("V", "V/s")
+
+    travel = amplitude("m/V", "static travel per volt, a")
+    period = shape(
+        "s", "period of the mode, T₂", grid=(0.2, 0.28, 0.36, 0.45, 0.55, 0.7), scale="period"
+    )  # fmt: skip
+    quality = shape("1", "quality factor of the mode, Q₂", grid=(30.0,))
+
+    def sensor(self, state: State, drive: Drive, t: Scalar) -> Scalar:
+        return self.travel * state.hidden[0]
+
+    def state0(self) -> tuple[Scalar, ...]:
+        return (0.0, 0.0)
+
+    def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
+        x, speed = state.hidden
+        omega = 2 * math.pi / self.period
+        return speed, omega**2 * (drive.V - x) - omega / self.quality * speed

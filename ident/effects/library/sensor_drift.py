@@ -1,0 +1,23 @@
+"""The zero of the sensor wanders."""
+
+from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+from ..memory import relaxing
+
+
+class SensorDrift(AbstractEffect):
+    """The zero of the sensor drifts from the first sample on: reading = z + d τ (1 − e^(−t/τ)).
+
+    A τ far beyond the record is a drift linear in time; a shorter one an exponential warm-up that ends at d τ. Typical:
+    0.1-5 % of the signal within a record. Every record starts afresh.
+    """
+
+    name = "sensor-drift"
+    equation = "reading = z + d τ (1 − e^(−t/τ))"
+    source = "J. Fraden, Handbook of Modern Sensors, 2010, ch. 2 (warm-up and drift)"
+    mistaken_for = ("sensor-offset", "static-force", "stiffness-drift")
+
+    rate0 = amplitude("m/s", "drift per second at the start, d")
+    time = shape("s", "time in which the drift dies out, τ", grid=(0.1, 0.3, 1.0, 10.0), scale="duration")
+
+    def sensor(self, state: State, drive: Drive, t: Scalar) -> Scalar:
+        return self.rate0 * relaxing(t, self.time)

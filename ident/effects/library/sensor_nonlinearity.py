@@ -1,0 +1,27 @@
+"""A sensor that is not linear."""
+
+import jax.numpy as jnp
+
+from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+
+
+class SensorNonlinearity(AbstractEffect):
+    """A bent characteristic: reading = z + b z² − c z³/(1 + s |c| z²).
+
+    c > 0 saturates. s = 1.2 follows (tanh κz)/κ with c = κ²/3 (to 0.3 % at κz = 1.5), s = 1.8 the arctangent, s near
+    0 is a plain polynomial. Typical: 0.1-5 % of full scale. The stage itself stays linear: no shift of the resonance
+    with amplitude, and the same curve in every record.
+    """
+
+    name = "sensor-nonlinearity"
+    equation = "reading = z + b z² − c z³/(1 + s |c| z²)"
+    source = "J. Fraden, Handbook of Modern Sensors, 2010, ch. 2 (nonlinearity, saturation)"
+    mistaken_for = ("cubic-stiffness", "quadratic-stiffness", "end-stop", "electrostriction")
+
+    quadratic = amplitude("1/m", "quadratic term, b")
+    cubic = amplitude("1/m^2", "cubic saturation, c")
+    saturation = shape("1", "how the saturation levels off, s", grid=(0.02, 1.2))
+
+    def sensor(self, state: State, drive: Drive, t: Scalar) -> Scalar:
+        bend = self.cubic * state.z**2
+        return state.z * (self.quadratic * state.z - bend / (1.0 + self.saturation * jnp.abs(bend)))
