@@ -1,0 +1,1 @@
+"""How well the three closures of `residual-stress` describe one L beam."""
