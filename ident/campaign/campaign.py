@@ -30,6 +30,7 @@ class Campaign:
     - `priors`: per full parameter name ("residual-stress.sigma12").
     - `notes`: what was assumed and what the data checks found, one sentence each, to be printed.
     - `checksums`: SHA-256 of every file read.
+    - `files`: what `read_campaign` was given: one TOML file, or data files.
     """
 
     title: str
@@ -42,6 +43,7 @@ class Campaign:
     notes: tuple[str, ...] = ()
     path: Path | None = None
     checksums: Mapping[str, str] = field(default_factory=dict)
+    files: tuple[Path, ...] = ()
 
     @property
     def traces(self) -> tuple[Trace, ...]:

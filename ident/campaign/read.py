@@ -77,6 +77,7 @@ def _from_files(paths: list[Path]) -> Campaign:
         device=device,
         notes=tuple(notes),
         checksums=_checksums(paths),
+        files=tuple(paths),
     )
 
 
@@ -113,6 +114,7 @@ def _from_toml(path: Path) -> Campaign:
         tuple(notes),
         path,
         _checksums(files, folder),
+        (path,),
     )
 
 
