@@ -23,12 +23,12 @@ def read(model: Model, values: np.ndarray, records: Sequence[Trace]) -> list[np.
     static, data = assemble(held, Campaign("", tuple(records), model.device), groups, layout, values)
     unknowns = begin(groups, static)
     if any(record.start != "rest" for record in records):
-        unknowns = _fit_starts(static, data, unknowns)
+        unknowns = fit_starts(static, data, unknowns)
     _, paths = solve.readings(static, data, unknowns)
     return [np.asarray(paths[g][lane, :n]) for g, lane, n in layout.places]
 
 
-def _fit_starts(static: Static, data: Data, unknowns: Unknowns, rounds: int = 6) -> Unknowns:
+def fit_starts(static: Static, data: Data, unknowns: Unknowns, rounds: int = 6) -> Unknowns:
     """Gauss–Newton on the initial states alone; they enter almost linearly."""
     for _ in range(rounds):
         found = solve.evaluate(static, data, unknowns)

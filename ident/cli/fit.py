@@ -1,0 +1,95 @@
+"""`ident fit`: least squares, and a run folder with the result."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .options import campaign_argument, effects_option, force_option, json_option
+from .output import progress, say, say_json
+
+
+@click.command("fit", short_help="Fit a model to a campaign and write a run folder.")
+@campaign_argument
+@effects_option
+@click.option("-o", "--output", metavar="RUN", help="Run folder to write; runs/NAME if not given.")
+@click.option(
+    "--sigma",
+    type=click.Choice(["known", "scaled", "fitted"]),
+    default="known",
+    show_default=True,
+    help="What the error bars stand on: the noise floors, these times the error over noise, or the residuals.",
+)
+@click.option("--robust", is_flag=True, help="Let outliers count less.")
+@click.option("--starts", type=click.IntRange(0, 1000), default=0, metavar="N", help="Add N random starts.")
+@click.option("--seed", type=click.IntRange(0), default=0, metavar="N", help="Of the random starts.")
+@click.option("--profile", "profiles", multiple=True, metavar="NAME", help="Profile one parameter; may be repeated.")
+@force_option
+@json_option
+def command(
+    campaign: tuple[str, ...],
+    effects: tuple[str, ...] | None,
+    output: str | None,
+    sigma: str,
+    robust: bool,
+    starts: int,
+    seed: int,
+    profiles: tuple[str, ...],
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Fit a physical model to the records of CAMPAIGN that are not held out.
+
+    CAMPAIGN is a TOML file, a folder that holds campaign.toml, or data files. Parameters with their uncertainties, the
+    error of every record beside its noise floor, and what the data leave undetermined are printed and kept in the
+    run folder, with a report to open in a browser.
+
+    \b
+    Example:
+      ident fit data/platform_317hz --effects residual-stress,pzt-hysteresis -o runs/first
+    """
+    from ident.campaign import read_campaign
+    from ident.report.run_folder import check_target, read_run, write_run
+
+    data = read_campaign(campaign)
+    folder = Path(output) if output else default_folder(campaign)
+    check_target(folder, force)
+
+    from ident.fit import fit
+    from ident.fit.profile import check_profiled, profile
+    from ident.model import build_model
+
+    model = build_model(data, effects)
+    check_profiled(model, profiles)
+    found = fit(model, data, sigma=sigma, robust=robust, starts=starts, seed=seed, report=progress)  # type: ignore[arg-type]
+    curves = [profile(found, name, robust=robust, report=progress) for name in profiles]
+    options = {"sigma": sigma, "robust": robust, "starts": starts, "seed": seed}
+    documents = {"profiles.json": {"format": 1, "profiles": [c.as_dict() for c in curves]}} if curves else {}
+    write_run(
+        found, folder, force=force, command=command_line(), options=options, documents=documents, report=progress
+    )  # fmt: skip
+    if as_json:
+        say_json(read_run(folder))
+        return
+    from .show import show_fit
+
+    show_fit(found)
+    for curve in curves:
+        say(curve.sentence)
+    say(f"run folder: {folder}")
+    say(f"report:     {folder / 'report.html'}")
+
+
+def default_folder(campaign: tuple[str, ...]) -> Path:
+    """`runs/` and the name of the campaign: of its folder, or of the first file."""
+    path = Path(campaign[0]).resolve()
+    return Path("runs") / (path.parent.name if path.name == "campaign.toml" else path.stem)
+
+
+def command_line() -> str:
+    """The command as it was typed, for the record of the run."""
+    import shlex
+    import sys
+
+    return shlex.join(["ident", *sys.argv[1:]])

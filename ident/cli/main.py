@@ -1,0 +1,145 @@
+"""`ident`: finds the command, runs it, and turns whatever goes wrong into one line and an exit code.
+
+Exit codes: 0 success, 2 wrong usage or unusable input, 1 failure. A command is a file of this folder with a click command
+called `command`; it is imported only when it is needed, so that `ident --help` answers at once.
+"""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import importlib.util
+import logging
+import os
+import sys
+import warnings
+from collections.abc import Sequence
+
+import click
+
+from ident.errors import UserError
+
+COMMANDS = (
+    "new",
+    "check",
+    "fit",
+    "diagnose",
+    "add",
+    "remove",
+    "discover",
+    "sample",
+    "compare",
+    "attribute",
+    "report",
+    "workbench",
+    "simulate",
+    "effects",
+)
+"""Every command, in the order of the help page; those whose file does not exist are not offered."""
+
+_DEBUG = "IDENT_DEBUG"
+
+
+class _Commands(click.Group):
+    """Commands that are imported when they are called."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return [name for name in COMMANDS if importlib.util.find_spec(f"ident.cli.{name}") is not None]
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in self.list_commands(ctx):
+            return None
+        return importlib.import_module(f"ident.cli.{cmd_name}").command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and not args[0].startswith("-") and self.get_command(ctx, args[0]) is None:
+            near = difflib.get_close_matches(args[0], self.list_commands(ctx), 1, 0.5)
+            hint = f" — did you mean {near[0]!r}?" if near else ""
+            raise click.UsageError(f"there is no command {args[0]!r}{hint}", ctx)
+        return super().resolve_command(ctx, args)
+
+
+def _version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
+    if wanted and not ctx.resilient_parsing:
+        from importlib.metadata import version
+
+        click.echo(f"ident {version('ident')}")
+        ctx.exit()
+
+
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.option(
+    "--version", is_flag=True, is_eager=True, expose_value=False, callback=_version, help="Print the version."
+)
+def ident() -> None:
+    """Fit a physical model to measured vibration records, and learn which effect is missing.
+
+    \b
+    A first walk:
+      ident new mine                         a campaign to start from
+      ident check mine                       what its data are worth
+      ident fit mine -o runs/first           least squares and a report
+
+    `ident COMMAND --help` explains one command, with an example.
+    """
+
+
+def run(arguments: Sequence[str] | None = None) -> int:
+    """Run one command line and return its exit code."""
+    debug = bool(os.environ.get(_DEBUG))
+    _quiet(debug)
+    try:
+        code = ident.main(args=None if arguments is None else list(arguments), prog_name="ident", standalone_mode=False)
+        return code if isinstance(code, int) else 0
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.message, err=True)
+        return 2
+    except click.ClickException as error:
+        return _fail(_usage(error), 2)
+    except UserError as error:
+        if debug:
+            raise
+        return _fail(str(error), 2)
+    except (KeyboardInterrupt, click.Abort):
+        return _fail("stopped; nothing was left half written", 1)
+    except BrokenPipeError:  # `ident effects | head`: the reader has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except Exception as error:  # the last resort of the program: whatever it is, the user gets one line
+        if debug:
+            raise
+        cause = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+        return _fail(f"something went wrong inside ident ({cause}); {_DEBUG}=1 shows where", 1)
+
+
+def _usage(error: click.ClickException) -> str:
+    """A click error in one line, with the page that explains."""
+    context = getattr(error, "ctx", None)
+    path = context.command_path if context is not None else "ident"
+    return " ".join(f"{error.format_message()} (see {path} --help)".split())
+
+
+def _fail(message: str, code: int) -> int:
+    click.echo(f"ident: {message}", err=True)
+    return code
+
+
+def _quiet(debug: bool) -> None:
+    """Warnings of libraries are for developers: the user gets results and one line per error."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")  # a console without "µ" prints "?" instead of failing
+    if not debug and not sys.warnoptions:
+        warnings.simplefilter("ignore")
+        logging.getLogger("jax").setLevel(logging.ERROR)
+
+
+def main() -> None:
+    """The console entry point."""
+    sys.exit(run())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,30 @@
+"""Arguments and options that several commands share, so that they look alike everywhere."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
+
+campaign_argument: Decorator = click.argument("campaign", nargs=-1, required=True, metavar="CAMPAIGN…")
+run_argument: Decorator = click.argument("run", metavar="RUN")
+force_option: Decorator = click.option("--force", is_flag=True, help="Overwrite what is there.")
+json_option: Decorator = click.option(
+    "--json", "as_json", is_flag=True, help="Print what the JSON file of the run folder holds, and nothing else."
+)
+
+
+def names(_: click.Context, __: click.Parameter, value: str | None) -> tuple[str, ...] | None:
+    """ "a,b" as ("a", "b"); an empty text as (), which is the plain linear model."""
+    return None if value is None else tuple(name for name in (part.strip() for part in value.split(",")) if name)
+
+
+effects_option: Decorator = click.option(
+    "--effects",
+    callback=names,
+    metavar="A,B",
+    help='Effects of the model, instead of those of the campaign; "" is the plain linear one.',
+)

@@ -1,0 +1,46 @@
+"""A Fit from numbers that were found before: everything but the search."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..campaign.campaign import Campaign
+from ..model import Model
+from ..response import make_groups
+from . import solve
+from .assemble import assemble, begin
+from .finish import finish
+from .guess import data_scales, guess_linear
+from .reading import fit_starts
+from .result import Fit, SigmaChoice, Start
+from .starts import base_values
+
+
+def fit_at(
+    model: Model,
+    campaign: Campaign,
+    values: np.ndarray,
+    *,
+    sigma: SigmaChoice = "known",
+    starts: Sequence[Start] = (),
+    converged: bool = True,
+) -> Fit:
+    """The Fit of a model at given values: readings and uncertainties are computed anew, but nothing is searched.
+
+    Only the initial states of records that do not start at rest are fitted, at those values.
+
+    **Arguments:** `values`: (m,) SI, in the order of `model.parameters`; `sigma`, `starts`, `converged`: as the search
+    reported them.
+    """
+    records = campaign.fitted
+    guess = guess_linear(records, model.linear.nominal_frequency)
+    scales = data_scales(records, guess.frequency)
+    first = float(base_values(model, guess, scales)[0])  # the search chose its solver step from the same numbers
+    groups, layout = make_groups(records, max(guess.frequency, first), guess.quality)
+    static, data = assemble(model, campaign, groups, layout, np.asarray(values, float))
+    data, unknowns = solve.rescale(static, data, begin(groups, static))
+    if any(record.start != "rest" for record in records):
+        unknowns = fit_starts(static, data, unknowns)
+    return finish(model, campaign, static, data, unknowns, layout, tuple(starts), sigma, scales, converged)

@@ -1,0 +1,106 @@
+"""The part of a run that rebuilds it: values with all digits, settings by name, the files it came from."""
+
+from __future__ import annotations
+
+import os
+import platform
+from dataclasses import replace
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..campaign import Campaign, NoiseFloor, read_campaign
+from ..effects.registry import find, registry
+from ..errors import UserError
+from ..fit import Fit
+from ..fit.rebuild import fit_at
+from ..fit.result import Start
+from ..model import Model
+
+_PACKAGES = ("ident", "jax", "numpy", "optimistix", "scipy")
+
+
+def versions() -> dict[str, str]:
+    """Python and the packages on which the numbers depend."""
+    found = {"python": platform.python_version()}
+    for name in _PACKAGES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:  # run from a source tree that was not installed
+            found[name] = "unknown"
+    return found
+
+
+def origin(campaign: Campaign, folder: Path) -> dict[str, Any]:
+    """Where the data came from: files relative to the run folder, and the checksums of all that was read."""
+    return {
+        "title": campaign.title,
+        "files": [_relative(path, folder) for path in campaign.files],
+        "checksums": dict(campaign.checksums),
+    }
+
+
+def _relative(path: Path, folder: Path) -> str:
+    try:
+        return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
+    except ValueError:  # another drive
+        return path.resolve().as_posix()
+
+
+def state(fit: Fit) -> dict[str, Any]:
+    """Names and numbers from which the same Fit is made again."""
+    model = fit.model
+    kept: dict[str, Any] = {
+        "values": {p.name: float(v) for p, v in zip(model.parameters, fit.values, strict=True)},
+        "settings": {effect.name: dict(effect.settings) for effect in model.effects},
+        "start": dict(model.start),
+        "held": sorted(model.held),
+        "freed": sorted(model.freed),
+        "starts": [list(start) for start in fit.starts],
+    }
+    if fit.sigma == "fitted":  # then the noise floors are a result, and not in the campaign
+        kept["noise"] = {
+            record.name: [record.noise.sigma, list(record.noise.ar), record.noise.method, record.noise.relative_error]
+            for record in fit.campaign.records
+        }
+    return kept
+
+
+def rebuild(document: dict[str, Any], folder: Path) -> Fit:
+    """The Fit of a `run.json`, from the campaign's files and the names and numbers in it."""
+    kept = document["state"]
+    campaign = _campaign(document["campaign"], folder)
+    noise = {name: NoiseFloor(s, tuple(ar), *rest) for name, (s, ar, *rest) in kept.get("noise", {}).items()}
+    records = tuple(replace(r, noise=noise.get(r.name, r.noise)) for r in campaign.records)
+    campaign = replace(campaign, records=records)
+    known = registry(campaign.effect_files)
+    effects = tuple(find(name, known)(campaign.device, kept["settings"].get(name)) for name in document["effects"])
+    model = Model(
+        campaign.device, effects, tuple(kept["start"].items()), frozenset(kept["held"]), frozenset(kept["freed"])
+    )
+    missing = [p.name for p in model.parameters if p.name not in kept["values"]]
+    if missing:
+        what = f"the run knows nothing of {missing[0]}, which its effect has today"
+        raise UserError(what, where=str(folder / "run.json"), do="fit the campaign again")
+    return fit_at(
+        model,
+        campaign,
+        np.array([np.nan if (v := kept["values"][p.name]) is None else v for p in model.parameters]),
+        sigma=document["sigma"],
+        starts=[Start(*start) for start in kept["starts"]],
+        converged=document["converged"],
+    )
+
+
+def _campaign(told: dict[str, Any], folder: Path) -> Campaign:
+    campaign = read_campaign([folder / file for file in told["files"]])
+    for file, checksum in told["checksums"].items():
+        if campaign.checksums.get(file) != checksum:
+            word = "has changed since this run" if file in campaign.checksums else "is no longer part of the campaign"
+            raise UserError(f"{word}, so its result no longer stands", where=file, do="fit the campaign again")
+    for file in campaign.checksums:
+        if file not in told["checksums"]:
+            raise UserError("was added since this run", where=file, do="fit the campaign again")
+    return campaign
