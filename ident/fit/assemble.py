@@ -12,7 +12,11 @@ from .problem import Data, Static, Unknowns
 
 
 def assemble(
-    model: Model, campaign: Campaign, groups: tuple[Group, ...], layout: Layout, values: np.ndarray, robust: bool = False
+    model: Model,
+    campaign: Campaign,
+    groups: tuple[Group, ...],
+    layout: Layout,
+    values: np.ndarray,
 ) -> tuple[Static, Data]:
     """The arrays of a fit whose unknowns are the model's fitted parameters, at `values` (m,) SI."""
     parameters = model.parameters
@@ -28,7 +32,7 @@ def assemble(
         np.array([0.0 if p is None else p.mean for p in priors]),
         np.array([0.0 if p is None else 1.0 / p.deviation for p in priors]),
     )
-    static = Static(Equation(model), layout.substeps, free, robust)
+    static = Static(Equation(model), layout.substeps, free, any(bool(np.any(group.free)) for group in groups))
     return static, at_values(data, static, np.asarray(values, float))
 
 
@@ -41,6 +45,7 @@ def at_values(data: Data, static: Static, values: np.ndarray) -> Data:
 
 
 def begin(groups: tuple[Group, ...], static: Static) -> Unknowns:
+    """Unknowns to start from: x = 0, initial states read off the first samples."""
     return Unknowns(np.zeros(len(static.free)), tuple(_measured_start(group) for group in groups))
 
 

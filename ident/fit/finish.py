@@ -11,11 +11,10 @@ from ..campaign.record import Trace
 from ..model import Model, ModelParameter
 from ..response import make_groups
 from ..response.groups import Layout
-from . import solve
 from .guess import DataScales
 from .identifiability import identifiability
 from .judge import combine, score_record
-from .problem import Data, Static, Unknowns
+from .problem import Data, Static, Unknowns, evaluate, read_groups
 from .reading import read
 from .result import Estimate, Fit, SigmaChoice, Start
 from .uncertainty import Linearisation, covariance, linearise
@@ -35,16 +34,22 @@ def finish(
 ) -> Fit:
     """Everything that is known of a solution."""
     records = campaign.fitted
-    values, fitted_readings = _readings(static, data, unknowns, layout)
+    found = evaluate(static, data, unknowns)
+    values = np.asarray(found.values)
     free, parameters = list(static.free), model.parameters
     positive = np.asarray(data.positive)
-    found = linearise(solve.evaluate(static, data, unknowns), layout, records)
+    in_x = linearise(found, layout, records)
     scale = np.asarray(data.scale)
-    linear = Linearisation(found.jacobian / scale, found.residual, found.spread / np.outer(scale, scale))
+    linear = Linearisation(in_x.jacobian / scale, in_x.residual, in_x.spread / np.outer(scale, scale))
     stretch = np.where(positive, values[free], 1.0)  # d(physical value)/d(coordinate)
     spectrum = covariance(linear, np.asarray(data.prior_weight) * stretch)
     judged = identifiability([parameters[i] for i in free], values[free], positive, spectrum)
-    readings = _with_heldout(model, campaign, values, fitted_readings)
+    inside = [np.asarray(found.readings[g][lane, :n]) for g, lane, n in layout.places]
+    finer, heldout = _finer_and_heldout(model, campaign, static, data, unknowns, layout, values, scales)
+    step_error = max(
+        float(np.max(np.abs(a - b))) / record.noise.sigma for record, a, b in zip(records, inside, finer, strict=True)
+    )
+    readings = _in_order(campaign, inside, heldout)
     scores = tuple(score_record(record, r) for record, r in zip(campaign.traces, readings, strict=True))
     error = combine([s for s in scores if not s.holdout])
     factor = error.error_over_noise**2 if sigma == "scaled" and error is not None else 1.0
@@ -62,44 +67,41 @@ def finish(
         starts,
         sigma,
         converged,
-        _step_error(static, data, unknowns, layout, records, fitted_readings, values, scales),
+        step_error,
         scales,
         spectrum,
         linear,
     )
 
 
-def _readings(
-    static: Static, data: Data, unknowns: Unknowns, layout: Layout
-) -> tuple[np.ndarray, list[np.ndarray]]:
-    values, paths = solve.readings(static, data, unknowns)
-    return np.asarray(values), [np.asarray(paths[g][lane, :n]) for g, lane, n in layout.places]
+def _in_order(campaign: Campaign, fitted: list[np.ndarray], heldout: list[np.ndarray]) -> tuple[np.ndarray, ...]:
+    inside, outside = iter(fitted), iter(heldout)
+    return tuple(next(outside) if record.holdout else next(inside) for record in campaign.traces)
 
 
-def _with_heldout(
-    model: Model, campaign: Campaign, values: np.ndarray, fitted: Sequence[np.ndarray]
-) -> tuple[np.ndarray, ...]:
-    heldout = iter(read(model, values, campaign.heldout) if campaign.heldout else [])
-    inside = iter(fitted)
-    return tuple(next(heldout) if record.holdout else next(inside) for record in campaign.traces)
-
-
-def _step_error(
+def _finer_and_heldout(
+    model: Model,
+    campaign: Campaign,
     static: Static,
     data: Data,
     unknowns: Unknowns,
     layout: Layout,
-    records: Sequence[Trace],
-    coarse: Sequence[np.ndarray],
     values: np.ndarray,
     scales: DataScales,
-) -> float:
-    """Largest change of any reading when the solver's step is halved, in noise floors."""
-    groups, finer = make_groups(records, 1.0 / scales.period, float(values[1]), substeps=[2 * s for s in layout.per_record])
-    _, fine = _readings(static._replace(substeps=finer.substeps), data._replace(groups=groups), unknowns, finer)
-    return max(
-        float(np.max(np.abs(a - b))) / record.noise.sigma for record, a, b in zip(records, coarse, fine, strict=True)
+) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Readings of the fitted records with half the step, and of the held-out records; one program computes both."""
+    finer_steps = [2 * s for s in layout.per_record]
+    groups, finer = make_groups(campaign.fitted, 1.0 / scales.period, float(values[1]), substeps=finer_steps)
+    alone = campaign.heldout if any(record.start != "rest" for record in campaign.heldout) else ()
+    beside = () if alone else campaign.heldout
+    more, places = make_groups(beside, 1.0 / scales.period, float(values[1])) if beside else ((), Layout((), ()))
+    paths = read_groups(
+        static._replace(substeps=finer.substeps + places.substeps),
+        data._replace(groups=groups + more),
+        Unknowns(unknowns.x, (*unknowns.starts, *(np.zeros_like(group.free) for group in more))),
     )
+    pick = lambda layout, first: [np.asarray(paths[first + g][lane, :n]) for g, lane, n in layout.places]
+    return pick(finer, 0), read(model, values, alone) if alone else pick(places, len(groups))
 
 
 def _estimates(

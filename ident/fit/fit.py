@@ -17,7 +17,7 @@ from . import solve
 from .assemble import assemble, at_values, begin
 from .finish import finish
 from .guess import data_scales, guess_linear
-from .problem import Blocks, Data, Static
+from .problem import Data, Evaluation, Static, evaluate
 from .result import Fit, SigmaChoice, Start
 from .starts import base_values, random_points, starting_points
 
@@ -58,7 +58,7 @@ def fit(
     scales = data_scales(records, guess.frequency)
     base = base_values(model, guess, scales) if initial is None else np.asarray(initial, float)
     groups, layout = make_groups(records, max(guess.frequency, float(base[0])), guess.quality)
-    static, data = assemble(model, campaign, groups, layout, base, robust)
+    static, data = assemble(model, campaign, groups, layout, base)
     report(f"compiling the model ({len(static.free)} parameters, {len(records)} records)")
     points = [base] if initial is not None else starting_points(model, base, scales)
     if initial is None and starts:
@@ -67,14 +67,14 @@ def fit(
     solutions = []
     for number, (first, point) in enumerate(candidates, 1):
         report(f"least squares, start {number} of {len(candidates)}")
-        solutions.append((first, *solve.least_squares(static, at_values(data, static, point), begin(groups, static))))
+        solutions.append((first, *solve.least_squares(static, at_values(data, static, point), begin(groups, static), robust)))
     _, data, best = min(solutions, key=lambda s: s[2].cost if np.isfinite(s[2].cost) else np.inf)
     samples = sum(int(np.count_nonzero(group.weight)) for group in groups)
     per_sample = lambda cost: float(np.sqrt(cost / samples))
     table = tuple(Start(first, per_sample(s.cost), s.steps, s.converged) for first, _, s in solutions)
     if sigma == "fitted":
-        campaign = _with_residual_noise(campaign, solve.evaluate(static, data, best.unknowns), layout)
-        values = np.asarray(solve.readings(static, data, best.unknowns)[0])
+        found = evaluate(static, data, best.unknowns)
+        campaign, values = _with_residual_noise(campaign, found, layout), np.asarray(found.values)
         again = fit(model, campaign, robust=robust, initial=values, report=report)
         return replace(again, sigma="fitted", starts=table)
     report("uncertainties")
@@ -86,7 +86,7 @@ def _first_errors(static: Static, data: Data, points: list[np.ndarray]) -> list[
     judged = []
     for point in points:
         unknowns = begin(data.groups, static)
-        found = solve.evaluate(static, at_values(data, static, point), unknowns)
+        found = evaluate(static, at_values(data, static, point), unknowns)
         n, cost = 0, 0.0
         for residual, group in zip(found.residuals, data.groups, strict=True):
             n += int(np.count_nonzero(group.weight))
@@ -95,7 +95,7 @@ def _first_errors(static: Static, data: Data, points: list[np.ndarray]) -> list[
     return sorted(judged, key=lambda pair: pair[0])
 
 
-def _with_residual_noise(campaign: Campaign, found: Blocks, layout: Layout) -> Campaign:
+def _with_residual_noise(campaign: Campaign, found: Evaluation, layout: Layout) -> Campaign:
     records, places = list(campaign.records), iter(layout.places)
     for i, record in enumerate(records):
         if isinstance(record, Trace) and not record.holdout:

@@ -21,7 +21,7 @@ from ..response import make_groups
 from ..units import format_quantity
 from . import solve
 from .assemble import assemble, at_values, begin
-from .problem import Data, Static
+from .problem import Data, Static, evaluate
 from .result import Fit
 
 Kind = Literal["closed", "one-sided", "flat", "failed"]
@@ -175,11 +175,11 @@ def _fit_held(static: Static, data: Data, index: int, at: float, logarithmic: bo
     start = np.array(values, float)
     start[index] = np.exp(at) if logarithmic else at
     if not static.free:  # nothing else to fit: the error itself
-        found = solve.evaluate(static, at_values(data, static, start), begin(data.groups, static))
+        found = evaluate(static, at_values(data, static, start), begin(data.groups, static))
         cost = sum(float(np.sum(np.asarray(r) ** 2)) for r in found.residuals)
         return _Point(at, cost, start, bool(np.isfinite(cost)))
     moved, solution = solve.least_squares(static, at_values(data, static, start), begin(data.groups, static))
-    end = np.asarray(solve.readings(static, moved, solution.unknowns)[0])
+    end = np.asarray(evaluate(static, moved, solution.unknowns).values)
     usable = solution.converged and bool(np.all(np.isfinite(end)))
     return _Point(at, solution.cost if usable else np.nan, end if usable else start, usable)
 

@@ -11,9 +11,8 @@ from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
 from ..model import Model
 from ..response import make_groups
-from . import solve
 from .assemble import assemble, begin
-from .problem import Data, Static, Unknowns
+from .problem import Data, Static, Unknowns, evaluate, read_groups
 
 
 def read(model: Model, values: np.ndarray, records: Sequence[Trace]) -> list[np.ndarray]:
@@ -24,14 +23,14 @@ def read(model: Model, values: np.ndarray, records: Sequence[Trace]) -> list[np.
     unknowns = begin(groups, static)
     if any(record.start != "rest" for record in records):
         unknowns = fit_starts(static, data, unknowns)
-    _, paths = solve.readings(static, data, unknowns)
+    paths = read_groups(static, data, unknowns)
     return [np.asarray(paths[g][lane, :n]) for g, lane, n in layout.places]
 
 
 def fit_starts(static: Static, data: Data, unknowns: Unknowns, rounds: int = 6) -> Unknowns:
     """Gauss–Newton on the initial states alone; they enter almost linearly."""
     for _ in range(rounds):
-        found = solve.evaluate(static, data, unknowns)
+        found = evaluate(static, data, unknowns)
         moved = []
         for residual, slope, group, now in zip(
             found.residuals, found.by_start, data.groups, unknowns.starts, strict=True

@@ -16,7 +16,7 @@ from scipy import signal
 
 from ..campaign.record import NoiseFloor, Trace
 from ..response.groups import Layout
-from .problem import Blocks
+from .problem import Evaluation
 
 
 class Linearisation(NamedTuple):
@@ -31,7 +31,7 @@ class Linearisation(NamedTuple):
     spread: np.ndarray
 
 
-def linearise(found: Blocks, layout: Layout, records: Sequence[Trace]) -> Linearisation:
+def linearise(found: Evaluation, layout: Layout, records: Sequence[Trace]) -> Linearisation:
     """Collect the Jacobian of all records, initial states projected out, and the spread that their noise causes."""
     rows, residuals = [], []
     p = found.by_x[0].shape[0]

@@ -47,7 +47,7 @@ class Lane(NamedTuple):
     load: Array
 
 
-class _System(NamedTuple):
+class System(NamedTuple):
     """Everything that is constant along one trajectory."""
 
     effects: tuple[AbstractEffect, ...]
@@ -67,27 +67,40 @@ def simulate(equation: Equation, substeps: int, values: Array, start: Array, lan
 
     **Returns:** (n / substeps + 1,) m.
     """
-    system = _assemble(equation, values, lane)
-    n = (lane.voltage.shape[0] - 1) // 2
-    half_time = 0.5 * lane.step * jnp.arange(2 * n + 1)
-    pushed = _pushed(system, lane, half_time)
-    grids = (pushed, lane.voltage, lane.rate, half_time)
-    inputs = tuple((grid[:-1:2], grid[1::2], grid[2::2]) for grid in grids)
-    hidden0 = tuple(jnp.asarray(h, float) + 0.0 * values[0] for e in system.effects for h in e.state0())
-    carry = (start[0] + 0.0 * values[0], start[1] + 0.0 * values[0], *hidden0)
+    system = assemble(equation, values, lane)
+    half_time = half_step_time(lane)
     whole_state = any(effect.overrides("sensor") for effect in system.effects)
-
-    def advance(y: tuple[Array, ...], x: Any) -> tuple[tuple[Array, ...], Any]:
-        at = [tuple(grid[i] for grid in x) for i in range(3)]
-        y = _runge_kutta(partial(_derivative, system), y, at, lane.step)
-        return y, (y if whole_state else y[:1])
-
-    _, path = lax.scan(advance, carry, inputs)
-    path = tuple(jnp.concatenate([a[None], b[substeps - 1 :: substeps]]) for a, b in zip(carry, path, strict=False))
+    path = integrate(system, substeps, start, lane, half_time, whole_state)
     return _reading(system, path, lane, half_time, 2 * substeps)
 
 
-def _assemble(equation: Equation, values: Array, lane: Lane) -> _System:
+def half_step_time(lane: Lane) -> Array:
+    """Time since the first sample on the half-step grid, s."""
+    return 0.5 * lane.step * jnp.arange(lane.voltage.shape[0])
+
+
+def integrate(
+    system: System, substeps: int, start: Array, lane: Lane, half_time: Array, whole_state: bool = True
+) -> tuple[Array, ...]:
+    """State (z, v, hidden …) at the samples, or z alone; each (n / substeps + 1,)."""
+    pushed = _pushed(system, lane, half_time)
+    grids = (pushed, lane.voltage, lane.rate, half_time)
+    inputs = tuple((grid[:-1:2], grid[1::2], grid[2::2]) for grid in grids)
+    # Adding a zero that depends on the parameters gives the carry the type it will have under differentiation.
+    nothing = 0.0 * system.stiffness
+    carry = tuple(x + nothing for x in (start[0], start[1], *(h for e in system.effects for h in e.state0())))
+
+    def advance(y: tuple[Array, ...], x: Any) -> tuple[tuple[Array, ...], Any]:
+        at = [tuple(grid[i] for grid in x) for i in range(3)]
+        y = _runge_kutta(partial(derivative, system), y, at, lane.step)
+        return y, (y if whole_state else y[:1])
+
+    _, path = lax.scan(advance, carry, inputs)
+    return tuple(jnp.concatenate([a[None], b[substeps - 1 :: substeps]]) for a, b in zip(carry, path, strict=False))
+
+
+def assemble(equation: Equation, values: Array, lane: Lane) -> System:
+    """Bind parameter values, (m,) SI, to the equation of motion of one record."""
     (frequency, quality, gain), effects = equation.model.bind(values)
     linear = equation.model.linear
     omega0 = 2 * jnp.pi * frequency
@@ -96,7 +109,7 @@ def _assemble(equation: Equation, values: Array, lane: Lane) -> _System:
         size = len(effect.state0())
         slices.append(slice(first, first + size))
         first += size
-    return _System(
+    return System(
         effects,
         tuple(slices),
         linear.mass + lane.load,
@@ -107,7 +120,7 @@ def _assemble(equation: Equation, values: Array, lane: Lane) -> _System:
     )
 
 
-def _pushed(system: _System, lane: Lane, time: Array) -> Array:
+def _pushed(system: System, lane: Lane, time: Array) -> Array:
     """Forces that depend on nothing but the drive, on the half-step grid, N."""
     force = system.gain * lane.voltage
     for effect, own in zip(system.effects, system.slices, strict=True):
@@ -117,7 +130,8 @@ def _pushed(system: _System, lane: Lane, time: Array) -> Array:
     return force
 
 
-def _derivative(system: _System, y: tuple[Array, ...], at: tuple[Array, ...]) -> tuple[Array, ...]:
+def derivative(system: System, y: tuple[Array, ...], at: tuple[Array, ...]) -> tuple[Array, ...]:
+    """(ż, v̇, hidden rates) of the state `y` at `at` = (force of the drive alone, V, V̇, t)."""
     pushed, voltage, rate, t = at
     z, v, *hidden = y
     drive = Drive(voltage, rate, system.omega, system.gain)
@@ -143,7 +157,7 @@ def _runge_kutta(f: Any, y: tuple[Array, ...], at: list[tuple[Array, ...]], h: A
     return tuple(a + h / 6 * (p + 2 * q + 2 * r + s) for a, p, q, r, s in zip(y, k1, k2, k3, k4, strict=True))
 
 
-def _reading(system: _System, path: tuple[Array, ...], lane: Lane, half_time: Array, stride: int) -> Array:
+def _reading(system: System, path: tuple[Array, ...], lane: Lane, half_time: Array, stride: int) -> Array:
     reading = path[0]
     voltage, rate, time = (grid[::stride] for grid in (lane.voltage, lane.rate, half_time))
     for effect, own in zip(system.effects, system.slices, strict=True):

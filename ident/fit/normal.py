@@ -1,0 +1,91 @@
+"""Normal equations of a fit: the cost, its gradient and its Gauss–Newton matrix, from one evaluation.
+
+The unknowns in one vector: x first, then displacement and velocity of every lane, group by group.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .problem import Data, Evaluation, Static, Unknowns, evaluate
+
+# A hundred-thousandth of a standard error: keeps the equations solvable along directions that the data leave free, and is
+# far too weak to move any that they determine.
+_RIDGE = 1e-5
+_SOFT = 3.0  # robust loss: residuals beyond this many noise floors count linearly
+
+
+class Normal(NamedTuple):
+    """`cost` ½ Σ r², `gradient` (u,) Jᵀr and `matrix` (u, u) JᵀJ, in the one vector of unknowns."""
+
+    cost: np.ndarray
+    gradient: np.ndarray
+    matrix: np.ndarray
+
+
+def pack(unknowns: Unknowns) -> np.ndarray:
+    """Unknowns as one vector."""
+    return np.concatenate([np.asarray(unknowns.x), *(np.ravel(s) for s in unknowns.starts)])
+
+
+def unpack(vector: np.ndarray, like: Unknowns) -> Unknowns:
+    """One vector as unknowns of the shapes of `like`."""
+    p = len(like.x)
+    starts, first = [], p
+    for s in like.starts:
+        starts.append(vector[first : first + s.size].reshape(s.shape))
+        first += s.size
+    return Unknowns(vector[:p], tuple(starts))
+
+
+def normal_equations(static: Static, data: Data, unknowns: Unknowns, robust: bool) -> Normal:
+    """Normal equations of data, priors and ridge at one point."""
+    found = evaluate(static, data, unknowns)
+    p, vector = len(unknowns.x), pack(unknowns)
+    gradient, matrix, cost, first = np.zeros_like(vector), np.zeros((len(vector),) * 2), 0.0, p
+    for residual, by_x, by_start in zip(found.residuals, found.by_x, found.by_start, strict=True):
+        r, jx, js = np.asarray(residual), np.asarray(by_x), np.asarray(by_start)
+        if robust:
+            r, slope = _soften(r)
+            jx, js = jx * slope, js * slope
+        cost += float(np.sum(r**2))
+        gradient[:p] += np.einsum("pln,ln->p", jx, r)
+        flat = jx.reshape(p, -1)
+        matrix[:p, :p] += flat @ flat.T
+        if static.starts_free:
+            for lane in range(r.shape[0]):
+                own = slice(first + 2 * lane, first + 2 * lane + 2)
+                gradient[own] = js[:, lane] @ r[lane]
+                matrix[own, own] = js[:, lane] @ js[:, lane].T
+                matrix[:p, own] = jx[:, lane] @ js[:, lane].T
+                matrix[own, :p] = matrix[:p, own].T
+        first += 2 * r.shape[0]
+    return _with_prior(Normal(np.asarray(cost), gradient, matrix), found, static, data, vector)
+
+
+def _with_prior(data_part: Normal, found: Evaluation, static: Static, data: Data, vector: np.ndarray) -> Normal:
+    cost, gradient, matrix = data_part
+    p = len(static.free)
+    values = np.asarray(found.values)[list(static.free)]
+    weight = np.asarray(data.prior_weight)
+    off = (values - data.prior_mean) * weight
+    slope = weight * np.asarray(data.scale) * np.where(data.positive, values, 1.0)
+    gradient[:p] += slope * off
+    matrix[np.arange(p), np.arange(p)] += slope**2
+    matrix[np.diag_indices_from(matrix)] += _RIDGE**2
+    gradient += _RIDGE**2 * vector
+    # As an array: a Python number would be compiled into the program that receives it.
+    total = 0.5 * (cost + off @ off + _RIDGE**2 * (vector @ vector))
+    return Normal(np.asarray(total), gradient, matrix)
+
+
+def _soften(residual: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Residual whose square is the pseudo-Huber loss 2c²(√(1+(r/c)²) − 1), and its derivative by r.
+
+    Source: R. Hartley, A. Zisserman, Multiple View Geometry in Computer Vision, 2003, §A6.8.
+    """
+    root = np.sqrt(1.0 + (residual / _SOFT) ** 2)
+    factor = np.sqrt(2.0 / (1.0 + root))
+    return residual * factor, 1.0 / (root * factor)
