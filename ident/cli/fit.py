@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from .options import campaign_argument, effects_option, force_option, json_option
-from .output import progress, say, say_json
+from .output import progress, say, say_fit, say_json
 
 
 @click.command("fit", short_help="Fit a model to a campaign and write a run folder.")
@@ -72,9 +72,7 @@ def command(
     if as_json:
         say_json(read_run(folder))
         return
-    from .show import show_fit
-
-    show_fit(found)
+    say_fit(found)
     for curve in curves:
         say(curve.sentence)
     say(f"run folder: {folder}")

@@ -1,12 +1,18 @@
-"""Results go to stdout, progress to stderr."""
+"""Results go to stdout, as wide as the window; progress goes to stderr."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
-from typing import Any
+import shutil
+import sys
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import click
+
+if TYPE_CHECKING:
+    from ident.fit import Fit
+    from ident.report.sheet import Sheet
 
 
 def progress(text: str) -> None:
@@ -24,10 +30,34 @@ def say_json(document: Mapping[str, Any]) -> None:
     click.echo(json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False))
 
 
-def columns(rows: Iterable[Iterable[str]]) -> str:
-    """Rows of words as aligned columns."""
-    table = [[str(cell) for cell in row] for row in rows]
-    widths = [max(len(row[k]) for row in table) for k in range(len(table[0]))] if table else []
-    return "\n".join(
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in table
-    )
+def width() -> int:
+    """Columns for tables: those of the window, within reason."""
+    return max(60, min(shutil.get_terminal_size((100, 24)).columns, 140))
+
+
+def say_sheet(sheet: Sheet) -> None:
+    """A table."""
+    from ident.report.sheet import rich_table
+    from ident.report.terminal import sheet_text
+
+    if sys.stdout.isatty():
+        from rich.console import Console
+
+        Console().print(rich_table(sheet))
+    else:
+        click.echo(sheet_text(sheet, width()))
+
+
+def say_fit(fit: Fit) -> None:
+    """What was assumed about the data, and every table of a fit."""
+    from ident.report.terminal import fit_text, fit_view
+
+    for note in fit.campaign.notes:
+        click.echo(f"note: {note}")
+    click.echo()
+    if sys.stdout.isatty():
+        from rich.console import Console
+
+        Console().print(fit_view(fit))
+    else:
+        click.echo(fit_text(fit, width()))

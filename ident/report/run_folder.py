@@ -19,10 +19,12 @@ from typing import Any
 
 import numpy as np
 
+from ..campaign import Campaign
 from ..errors import UserError
 from ..fit import Fit
+from ..model import Model
 from .run_json import run_dict
-from .run_state import origin, rebuild, state, versions
+from .run_state import origin, rebuild, restore, state, versions
 
 FORMAT = 1
 PathLike = str | os.PathLike[str]
@@ -64,18 +66,18 @@ def write_run(
         for name, content in (documents or {}).items():
             write_json(temporary / name, content)
         report("writing the report")
-        _write_report(fit, temporary, extra or {})
+        write_page(fit, temporary, extra)
     return target
 
 
-def _write_report(fit: Fit, folder: Path, extra: Mapping[str, Any]) -> None:
+def write_page(fit: Fit, folder: Path, extra: Mapping[str, Any] | None = None) -> None:
     import importlib.util
 
     if importlib.util.find_spec("ident.report.html") is None:
         return
     from .html import write_report
 
-    write_report(fit, folder, extra)
+    write_report(fit, folder, extra or {})
 
 
 def read_run(folder: PathLike) -> dict[str, Any]:
@@ -97,6 +99,11 @@ def load_run(folder: PathLike) -> Fit:
     **Raises:** UserError, naming the file, if the data or the campaign have changed since.
     """
     return rebuild(read_run(folder), Path(folder))
+
+
+def load_state(folder: PathLike) -> tuple[Model, Campaign, np.ndarray]:
+    """Model, campaign and parameter values (m,) SI of a run folder: enough to simulate, quicker than the whole Fit."""
+    return restore(read_run(folder), Path(folder))
 
 
 def read_lineage(folder: PathLike) -> list[dict[str, Any]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
-from dataclasses import replace
+from dataclasses import asdict, replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -52,46 +52,45 @@ def _relative(path: Path, folder: Path) -> str:
 def state(fit: Fit) -> dict[str, Any]:
     """Names and numbers from which the same Fit is made again."""
     model = fit.model
-    kept: dict[str, Any] = {
+    return {
         "values": {p.name: float(v) for p, v in zip(model.parameters, fit.values, strict=True)},
         "settings": {effect.name: dict(effect.settings) for effect in model.effects},
         "start": dict(model.start),
         "held": sorted(model.held),
         "freed": sorted(model.freed),
         "starts": [list(start) for start in fit.starts],
+        # An estimate, and with sigma = "fitted" a result: another version might find another.
+        "noise": [asdict(record.noise) for record in fit.campaign.records],
     }
-    if fit.sigma == "fitted":  # then the noise floors are a result, and not in the campaign
-        kept["noise"] = {
-            record.name: [record.noise.sigma, list(record.noise.ar), record.noise.method, record.noise.relative_error]
-            for record in fit.campaign.records
-        }
-    return kept
 
 
-def rebuild(document: dict[str, Any], folder: Path) -> Fit:
-    """The Fit of a `run.json`, from the campaign's files and the names and numbers in it."""
+def restore(document: dict[str, Any], folder: Path) -> tuple[Model, Campaign, np.ndarray]:
+    """Model, campaign and parameter values (m,) SI of a `run.json`, from the campaign's files and the names in it."""
     kept = document["state"]
     campaign = _campaign(document["campaign"], folder)
-    noise = {name: NoiseFloor(s, tuple(ar), *rest) for name, (s, ar, *rest) in kept.get("noise", {}).items()}
-    records = tuple(replace(r, noise=noise.get(r.name, r.noise)) for r in campaign.records)
-    campaign = replace(campaign, records=records)
+    floors = [NoiseFloor(**{**told, "ar": tuple(told["ar"])}) for told in kept["noise"]]
+    records = tuple(replace(record, noise=noise) for record, noise in zip(campaign.records, floors, strict=True))
     known = registry(campaign.effect_files)
     effects = tuple(find(name, known)(campaign.device, kept["settings"].get(name)) for name in document["effects"])
-    model = Model(
-        campaign.device, effects, tuple(kept["start"].items()), frozenset(kept["held"]), frozenset(kept["freed"])
-    )
+    start, held, freed = tuple(kept["start"].items()), frozenset(kept["held"]), frozenset(kept["freed"])
+    model = Model(campaign.device, effects, start, held, freed)
     missing = [p.name for p in model.parameters if p.name not in kept["values"]]
     if missing:
         what = f"the run knows nothing of {missing[0]}, which its effect has today"
         raise UserError(what, where=str(folder / "run.json"), do="fit the campaign again")
+    values = [kept["values"][p.name] for p in model.parameters]
+    return model, replace(campaign, records=records), np.array([np.nan if v is None else v for v in values])
+
+
+def rebuild(document: dict[str, Any], folder: Path) -> Fit:
+    """The Fit of a `run.json`, without fitting again."""
+    model, campaign, values = restore(document, folder)
+    starts = [
+        Start(*(np.inf if number is None else number for number in start)) for start in document["state"]["starts"]
+    ]
     return fit_at(
-        model,
-        campaign,
-        np.array([np.nan if (v := kept["values"][p.name]) is None else v for p in model.parameters]),
-        sigma=document["sigma"],
-        starts=[Start(*start) for start in kept["starts"]],
-        converged=document["converged"],
-    )
+        model, campaign, values, sigma=document["sigma"], starts=starts, converged=document["converged"]
+    )  # fmt: skip
 
 
 def _campaign(told: dict[str, Any], folder: Path) -> Campaign:

@@ -1,0 +1,43 @@
+"""`ident check`: the data alone, before any model."""
+
+from __future__ import annotations
+
+import click
+
+from .options import campaign_argument, json_option
+from .output import say, say_json, say_sheet
+
+
+@click.command("check", short_help="Read and judge the data of a campaign alone.")
+@campaign_argument
+@json_option
+def command(campaign: tuple[str, ...], as_json: bool) -> None:
+    """Read CAMPAIGN and judge its data: units, sampling, clipping, drift, noise floor, purity of the drive, and what
+    these records can and cannot tell apart. Nothing is fitted and nothing is written.
+
+    CAMPAIGN is a TOML file, a folder that holds campaign.toml, or data files.
+
+    \b
+    Example:
+      ident check data/platform_317hz
+    """
+    from ident.campaign import read_campaign
+    from ident.report.data_judgement import judgement_dict, judgement_sheet, what_the_records_tell
+
+    data = read_campaign(campaign)
+    if as_json:
+        say_json(judgement_dict(data))
+        return
+    say(data.title)
+    say()
+    say_sheet(judgement_sheet(data))
+    say("Noise floors")
+    for record in data.records:
+        say(f"  {record.name}: {record.noise.method}")
+    if data.notes:
+        say("\nAssumed and found")
+        for note in data.notes:
+            say(f"  {note}")
+    say("\nWhat these records tell apart")
+    for sentence in what_the_records_tell(data):
+        say(f"  {sentence}")

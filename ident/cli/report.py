@@ -1,0 +1,28 @@
+"""`ident report`: the HTML page of a run, made again."""
+
+from __future__ import annotations
+
+import click
+
+from .options import run_argument
+from .output import progress, say
+
+
+@click.command("report", short_help="Make the HTML report of a run again.")
+@run_argument
+def command(run: str) -> None:
+    """Make report.html and the figures of RUN again, from its numbers and the campaign's files. Nothing is fitted.
+
+    \b
+    Example:
+      ident report runs/first
+    """
+    from pathlib import Path
+
+    from ident.report.run_folder import load_run, write_page
+
+    progress("reading the run and compiling the model")
+    fit = load_run(run)
+    progress("writing the report")
+    write_page(fit, Path(run))
+    say(str(Path(run) / "report.html"))
