@@ -1,0 +1,71 @@
+"""What drove a record, in the words of the laboratory: "8 V sine at 317 Hz, 40 mg on the stage"."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..campaign.device import Device
+from ..campaign.drive import drive_frequency
+from ..campaign.record import Trace
+from .quantity import neat, scale
+
+_SINE = 0.98  # share of the drive's variance in its fundamental above which it is called a sine
+_FOLDS = 0.8  # and above which the response can be folded on it (a square wave has 0.81)
+
+
+class DriveSine(NamedTuple):
+    """The fundamental of a periodic drive: V = `mean` + `amplitude` sin(2π t/T + `phase`) at sample k, t = k steps.
+
+    `period` in samples; `share` of the drive's variance that it explains.
+    """
+
+    period: float
+    amplitude: float
+    phase: float
+    mean: float
+    share: float
+
+    def angle(self, samples: np.ndarray) -> np.ndarray:
+        """Drive phase at sample numbers, rad."""
+        return 2 * np.pi / self.period * samples + self.phase
+
+
+def drive_sine(record: Trace) -> DriveSine | None:
+    """The fundamental of the drive, or None if the drive is not periodic or not ruled by it."""
+    if record.period is None or len(record.drive) < 2 * record.period:
+        return None
+    period = float(record.period)
+    whole = int(int(len(record.drive) / period) * period)
+    drive = record.drive[:whole]
+    angle = 2 * np.pi / period * np.arange(whole)
+    basis = np.column_stack([np.ones(whole), np.sin(angle), np.cos(angle)])
+    mean, a, b = np.linalg.solve(basis.T @ basis, basis.T @ drive)
+    amplitude, variance = float(np.hypot(a, b)), float(np.var(drive))
+    if variance == 0.0:
+        return None
+    share = amplitude**2 / 2 / variance
+    return DriveSine(period, amplitude, float(np.arctan2(b, a)), float(mean), share) if share > _FOLDS else None
+
+
+def drive_words(record: Trace, device: Device) -> str:
+    """Waveform, level and frequency of a record's drive, and the load."""
+    level = lambda value: _rounded(value, "V", device)
+    sine = drive_sine(record)
+    if sine is not None:
+        kind = "sine" if sine.share > _SINE else "periodic drive"
+        words = f"{level(sine.amplitude)} {kind} at {neat(1 / (sine.period * record.step))} Hz"
+    elif np.ptp(record.drive) == 0.0:
+        words = f"constant {level(float(record.drive[0]))}"
+    else:
+        centre = drive_frequency(record) / (2 * np.pi)
+        peak = float(np.max(np.abs(record.drive)))
+        words = f"changing drive, up to {level(peak)}, around {neat(centre, 2)} Hz"
+    return words + (f", {_rounded(record.load, 'kg', device)} load" if record.load else "")
+
+
+def _rounded(value: float, unit: str, device: Device) -> str:
+    """An SI value with three digits, no zeros behind the point."""
+    chosen = scale(abs(value), unit, device)
+    return f"{neat(value / chosen.factor, 3)} {chosen.unit}".strip()

@@ -1,0 +1,181 @@
+"""One figure per record: model over data, what it leaves, and the response seen against its own drive."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..campaign.device import Device, Platform
+from ..campaign.drive import drive_frequency
+from ..campaign.record import Trace
+from ..fit.judge import RecordScore
+from .drive_words import DriveSine, drive_sine, drive_words
+from .quantity import Scale, scale, show_in
+from .style import BAND, DATA, FAINT, HELDOUT, INK, MEASURED, MODEL, RESIDUAL, envelope, key, label, new_axes, new_figure
+from .tables import error_scale, ratio_text
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_WHOLE = 40  # periods up to which a record is shown whole
+_PIECES = (12, 8, 8)  # periods shown of the beginning, middle and end of a longer one
+_FOLDED = 8  # last periods that are folded on the drive's phase
+
+
+def record_figure(record: Trace, reading: np.ndarray, score: RecordScore, device: Device) -> Figure:
+    """Model over data with the residual in noise floors under it, and beside it the response against the drive.
+
+    A record with a ruling drive frequency is folded on it (against phase, and against voltage); any other is shown as a
+    spectrum.
+
+    **Arguments:** `reading` (n,) of the model, SI.
+    """
+    figure = new_figure(10.6, 4.7)
+    size = float(np.max(np.abs(record.response)))
+    unit = scale(size, "m", device)
+    _title(figure, record, score, device)
+    sine = drive_sine(record)
+    what = f"{'displacement' if isinstance(device, Platform) else 'response'} ({unit.unit})"
+    _over_time(figure, record, reading, unit, sine, what)
+    if sine is None:
+        _spectrum(new_axes(figure, 0.71, 0.105, 0.275, 0.70), record, reading, device)
+    else:
+        _phase(new_axes(figure, 0.71, 0.545, 0.275, 0.26), record, reading, unit, sine, what)
+        _loop(new_axes(figure, 0.71, 0.105, 0.275, 0.295), record, reading, unit, sine, device, what)
+    return figure
+
+
+def _title(figure: Figure, record: Trace, score: RecordScore, device: Device) -> None:
+    figure.text(0.012, 0.955, f"{record.name}:  {drive_words(record, device)}", fontsize=12, weight="bold", color=INK, va="center")
+    chosen = error_scale(score, device)
+    error, noise = (show_in(v, None, chosen, 3).value for v in (score.rmse, score.noise_rmse))
+    use = "held out" if record.holdout else "fitted"
+    ratio = ratio_text(score.error_over_noise)
+    text = f"{use}:  rms error {error} {chosen.unit}, noise floor {noise} {chosen.unit},  error/noise {ratio}"
+    figure.text(0.012, 0.90, text, fontsize=9.5, color=HELDOUT if record.holdout else FAINT, va="center")
+
+
+def _over_time(figure: Figure, record: Trace, reading: np.ndarray, unit: Scale, sine: DriveSine | None, what: str) -> None:
+    top, low = new_axes(figure, 0.066, 0.40, 0.565, 0.405), new_axes(figure, 0.066, 0.105, 0.565, 0.205)
+    n = len(record.response)
+    factor, name = (1e3, "ms") if record.time[-1] - record.time[0] < 2.0 else (1.0, "s")
+    time = (record.time - record.time[0]) * factor
+    period = sine.period if sine is not None else 2 * np.pi / max(drive_frequency(record) * record.step, 4 * np.pi / n)
+    pieces = _pieces(n, period)
+    data, model = record.response / unit.factor, reading / unit.factor
+    if len(pieces) == 1:
+        top.plot(time, data, color=DATA, lw=2.6, solid_capstyle="round")
+        top.plot(time, model, color=MODEL, lw=0.9)
+        top.set_xlim(time[0], time[-1])
+        label(top, y=what)
+        top.tick_params(labelbottom=False)
+    else:
+        _broken(top, time, data, model, pieces)
+        label(top, y=what)
+        for start, stop in pieces:
+            low.axvspan(time[start], time[stop - 1], color=BAND, lw=0)
+    key(figure, 0.631, 0.825, ("measured", MEASURED), ("model", MODEL))
+    residual = (record.response - reading) / record.noise.sigma
+    low.axhspan(-2, 2, color=BAND if len(pieces) == 1 else "none", lw=0)
+    low.plot(*envelope(time, residual), color=RESIDUAL, lw=0.7)
+    low.axhline(0, color=INK, lw=0.6)
+    largest = float(np.max(np.abs(residual[record.skip :]))) if np.all(np.isfinite(residual)) else 5.0
+    low.set_ylim(-1.08 * max(largest, 3.0), 1.08 * max(largest, 3.0))
+    low.set_xlim(time[0], time[-1])
+    shade = "" if len(pieces) > 1 else " (shaded: ±2)"
+    label(low, f"time ({name})", "÷ noise floor", f"residual, measured − model, in noise floors{shade}")
+    for axes in (top, low):
+        axes.yaxis.set_label_coords(-0.077, 0.5)
+    if record.skip:
+        for axes in (top, low) if len(pieces) == 1 else (low,):
+            axes.axvspan(time[0], time[record.skip], color="#f3f3f3", lw=0)
+            axes.axvline(time[record.skip], color=FAINT, lw=0.8, ls=":")
+        low.text(time[record.skip], low.get_ylim()[1], " counted from here", fontsize=8, color=FAINT, va="top")
+
+
+def _pieces(n: int, period: float) -> list[tuple[int, int]]:
+    """Sample ranges to show: the whole record, or its beginning, middle and end."""
+    if n <= _WHOLE * period:
+        return [(0, n)]
+    first, middle, last = (max(int(count * period), 2) for count in _PIECES)
+    start = (n - middle) // 2
+    return [(0, first), (start, start + middle), (n - last, n)]
+
+
+def _broken(axes: Axes, time: np.ndarray, data: np.ndarray, model: np.ndarray, pieces: list[tuple[int, int]]) -> None:
+    """Pieces of a long record side by side on one axis, their true times written under them."""
+    step = time[1] - time[0]
+    shown = sum(stop - start for start, stop in pieces)
+    gap, at = 0.025 * shown * step, 0.0
+    ticks: list[tuple[float, str]] = []
+    for i, (start, stop) in enumerate(pieces):
+        x = at + np.arange(stop - start) * step
+        axes.plot(x, data[start:stop], color=DATA, lw=2.6)
+        axes.plot(x, model[start:stop], color=MODEL, lw=0.9)
+        ticks += [(x[0], f"{time[start]:.4g}"), (x[-1], f"{time[stop - 1]:.4g}")]
+        if i:
+            axes.axvspan(at - gap, at, color="#f0f0f0", lw=0)
+        at = x[-1] + gap
+    axes.set_xlim(0, at - gap)
+    axes.set_xticks([x for x, _ in ticks], [text for _, text in ticks])
+    for i, tick in enumerate(axes.get_xticklabels()):
+        tick.set_horizontalalignment("left" if i % 2 == 0 else "right")
+
+
+def _last_periods(record: Trace, sine: DriveSine) -> np.ndarray:
+    """Sample numbers of the last whole periods."""
+    n = len(record.response)
+    count = max(min(_FOLDED, int((n - record.skip) / sine.period) // 2), 1)
+    return np.arange(max(n - round(count * sine.period), 0), n)
+
+
+def _phase(axes: Axes, record: Trace, reading: np.ndarray, unit: Scale, sine: DriveSine, what: str) -> None:
+    samples = _last_periods(record, sine)
+    turn = np.degrees(sine.angle(samples)) % 360
+    axes.plot(turn, record.response[samples] / unit.factor, ".", color=DATA, ms=3)
+    breaks = np.flatnonzero(np.diff(turn) < 0) + 1
+    axes.plot(np.insert(turn, breaks, np.nan), np.insert(reading[samples] / unit.factor, breaks, np.nan), color=MODEL, lw=1.0)
+    axes.axhline(0, color=FAINT, lw=0.6)
+    axes.set_xlim(0, 360)
+    axes.set_xticks([0, 90, 180, 270, 360])
+    count = round(len(samples) / sine.period)
+    label(axes, "drive phase (°)", what, f"last {count} periods, against the drive's phase")
+
+
+def _loop(axes: Axes, record: Trace, reading: np.ndarray, unit: Scale, sine: DriveSine, device: Device, what: str) -> None:
+    samples = _last_periods(record, sine)
+    volt = scale(sine.amplitude, "V", device)
+    drive = record.drive[samples] / volt.factor
+    axes.plot(drive, record.response[samples] / unit.factor, ".", color=DATA, ms=3)
+    axes.plot(drive, reading[samples] / unit.factor, color=MODEL, lw=0.9)
+    axes.axhline(0, color=FAINT, lw=0.6)
+    axes.axvline(0, color=FAINT, lw=0.6)
+    label(axes, f"drive ({volt.unit})", what, "against the drive's voltage")
+
+
+def _spectrum(axes: Axes, record: Trace, reading: np.ndarray, device: Device) -> None:
+    """Amplitude spectra of data and residual beside the noise floor: where in frequency the model fails."""
+    counted = slice(record.skip, None)
+    measured, left = record.response[counted], (record.response - reading)[counted]
+    n = len(measured)
+    window = np.hanning(n)
+    amplitude = lambda x: 2 * np.abs(np.fft.rfft((x - x.mean()) * window)) / window.sum()
+    frequency = np.fft.rfftfreq(n, record.step)
+    spectrum, remaining = amplitude(measured), amplitude(left)
+    floor = 2 * record.noise.sigma * np.sqrt(np.sum(window**2)) / window.sum()
+    unit = scale(float(np.max(spectrum)), "m", device)
+    # As far as the response rises above the noise: what lies beyond is empty.
+    last = max(int(np.max(np.flatnonzero(np.maximum(spectrum, remaining) > 5 * floor), initial=0)), 20)
+    shown = slice(1, min(2 * last, len(frequency)))
+    for values, colour, width in ((spectrum, DATA, 1.8), (remaining, RESIDUAL, 0.8)):
+        axes.semilogy(*envelope(frequency[shown], values[shown] / unit.factor, 400), color=colour, lw=width)
+    axes.axhline(floor / unit.factor, color=INK, lw=0.9, ls="--")
+    bottom = 0.2 * floor
+    axes.minorticks_off()
+    axes.yaxis.set_major_formatter("{x:g}")  # plain text: powers of ten would go through a slow typesetter
+    axes.set_ylim(bottom / unit.factor, 2 * max(float(np.max(spectrum)), float(np.max(remaining)), 10 * floor) / unit.factor)
+    axes.set_xlim(frequency[shown][0], frequency[shown][-1])
+    key(axes.figure, 0.985, 0.825, ("measured", MEASURED), ("residual", RESIDUAL), ("noise", INK))
+    label(axes, "frequency (Hz)", f"amplitude ({unit.unit})", "spectrum")

@@ -1,0 +1,166 @@
+"""One self-contained HTML page for a fit: nothing on it is loaded from elsewhere."""
+
+from __future__ import annotations
+
+import base64
+import platform
+import re
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Mapping, NamedTuple, Sequence
+
+from ..campaign.device import Platform
+from ..fit.result import Fit
+from .figures import record_figure
+from .offset_table import offset_sheets
+from .overview import overview_figure
+from .sentences import sentences, verdict
+from .sheet import Sheet
+from .style import png
+from .tables import (
+    combination_sentences, correlation_sentences, parameter_sheet, ratio_text, record_sheet, start_sheet,
+)  # fmt: skip
+
+if TYPE_CHECKING:
+    from jinja2 import Template
+
+_MOST_FIGURES = 16  # more records than a reader looks at, and each figure takes time
+_PACKAGES = ("ident", "jax", "numpy", "scipy", "optimistix", "pandas")
+
+
+class Picture(NamedTuple):
+    """A PNG with the words that stand for it."""
+
+    caption: str
+    image: bytes
+
+    @property
+    def source(self) -> str:
+        return "data:image/png;base64," + base64.b64encode(self.image).decode("ascii")
+
+
+class Section(NamedTuple):
+    """A further part of the page: paragraphs, then tables, then pictures."""
+
+    title: str
+    paragraphs: Sequence[str] = ()
+    sheets: Sequence[Sheet] = ()
+    pictures: Sequence[Picture] = ()
+
+
+class _Record(NamedTuple):
+    name: str
+    picture: Picture
+    offset: Sheet | None
+
+
+def write_report(fit: Fit, folder: Path, extra: Mapping[str, Any] | None = None) -> Path:
+    """Write `report.html` and, as files of their own, the same pictures in `figures/`; returns the page's path.
+
+    **Arguments:** `extra`: "sections" (a sequence of `Section`) are added before the provenance; every other entry
+    ("command", "parent", …) becomes a line of the provenance.
+    """
+    folder = Path(folder)
+    pictures = folder / "figures"
+    pictures.mkdir(parents=True, exist_ok=True)
+    overview, records, omitted = _pictures(fit)
+    (pictures / "overview.png").write_bytes(overview.image)
+    for i, record in enumerate(records, 1):
+        (pictures / f"{i:02d}_{_file_stem(record.name)}.png").write_bytes(record.picture.image)
+    given = dict(extra or {})
+    sections = tuple(given.pop("sections", ()))
+    page = _template().render(
+        title=fit.campaign.title or "Fit",
+        model=_model_words(fit),
+        verdict=verdict(fit),
+        good=fit.trusted,
+        cards=_cards(fit),
+        overview=overview,
+        sentences=sentences(fit),
+        parameters=parameter_sheet(fit),
+        undetermined=[_sentence(text) for text in combination_sentences(fit)],
+        correlations=[_sentence(text) for text in correlation_sentences(fit)],
+        scores=record_sheet(fit),
+        starts=start_sheet(fit),
+        records=records,
+        omitted=omitted,
+        sections=sections,
+        notes=fit.campaign.notes,
+        provenance=[*((str(key), str(value)) for key, value in given.items()), *_versions()],
+        checksums=sorted(fit.campaign.checksums.items()),
+    )
+    path = folder / "report.html"
+    path.write_text(page, encoding="utf-8")
+    return path
+
+
+def _pictures(fit: Fit) -> tuple[Picture, list[_Record], list[str]]:
+    """The overview, the figure of each record (of the worst ones, if there are many), and the records left out."""
+    device = fit.model.device
+    rows = list(zip(fit.campaign.traces, fit.readings, fit.scores, strict=True))
+    worst = sorted(rows, key=lambda row: -row[2].error_over_noise)[:_MOST_FIGURES]
+    shown = {id(row[0]) for row in worst}
+    tables = offset_sheets(fit)
+    records = []
+    for trace, reading, score in sorted(rows, key=lambda row: row[2].holdout):
+        if id(trace) not in shown:
+            continue
+        caption = f"{trace.name}: model over data, residual in noise floors, response against the drive"
+        image = png(record_figure(trace, reading, score, device))
+        records.append(_Record(trace.name, Picture(caption, image), tables.get(trace.name)))
+    omitted = [trace.name for trace, _, _ in rows if id(trace) not in shown]
+    return Picture("Error over noise of each record", png(overview_figure(fit))), records, omitted
+
+
+def _model_words(fit: Fit) -> str:
+    linear = "linear platform" if isinstance(fit.model.device, Platform) else "linear oscillator"
+    words = [name + _settings(fit, name) for name in fit.model.names]
+    return " + ".join([linear, *words])
+
+
+def _settings(fit: Fit, name: str) -> str:
+    effect = next(e for e in fit.model.effects if e.name == name)
+    chosen = [f"{c.name} = {effect.settings.get(c.name, c.words[0])}" for c in effect.choices]
+    return f" ({', '.join(chosen)})" if chosen else ""
+
+
+def _cards(fit: Fit) -> list[tuple[str, str, bool]]:
+    """(number, what it is, whether it is good) for the head of the page."""
+    fitted = [e for e in fit.estimates if e.fitted]
+    known = sum(not e.flags for e in fitted)
+    cards = [(ratio_text(fit.fitted.error_over_noise), "error/noise, fitted records", fit.fitted.error_over_noise <= 1.1)]
+    if fit.holdout is not None:
+        cards.append((ratio_text(fit.holdout.error_over_noise), "error/noise, held-out records", fit.holdout.error_over_noise <= 1.1))
+    cards.append((f"{known} of {len(fitted)}", "parameters determined", known == len(fitted)))
+    cards.append(("yes" if fit.converged else "no", "converged", fit.converged))
+    return cards
+
+
+def _sentence(text: str) -> str:
+    return text[0].upper() + text[1:] + "."
+
+
+def _versions() -> list[tuple[str, str]]:
+    found = []
+    for package in _PACKAGES:
+        try:
+            found.append(f"{package} {metadata.version(package)}")
+        except metadata.PackageNotFoundError:
+            continue  # ident run from its source tree
+    return [("versions", ", ".join([f"Python {platform.python_version()}", *found]))]
+
+
+def _file_stem(name: str) -> str:
+    return re.sub(r"[^\w.-]+", "_", Path(name).stem)[:60] or "record"
+
+
+@cache
+def _template() -> Template:
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("ident.report", ""), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
+        lstrip_blocks=True,
+    )  # fmt: skip
+    return environment.get_template("report.html.j2")

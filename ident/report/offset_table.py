@@ -1,0 +1,44 @@
+"""The zero-point offsets of data and model side by side, one table per periodic record."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..campaign.device import Device
+from ..campaign.record import Trace
+from ..fit.result import Fit
+from .drive_words import drive_words
+from .offset import Offset, offsets
+from .quantity import Scale, neat, scale, show_in
+from .sheet import Column, Mark, Sheet
+
+_COLUMNS = (
+    Column("measure"), Column("data", True), Column("model", True), Column("data − model", True), Column("unit"),
+    Column("apart", True),
+)  # fmt: skip
+_FIXED = {"rad": Scale(np.pi / 180, "°"), "1": Scale(0.01, "%")}
+_NOTE = "Second half of the record; data and model share its transient. Apart: difference over its error, beyond 3 is a miss."
+
+
+def offset_sheets(fit: Fit) -> dict[str, Sheet]:
+    """One table for each record whose drive can be folded on a period, by the record's name."""
+    device = fit.model.device
+    found = [(r, offsets(r, z)) for r, z in zip(fit.campaign.traces, fit.readings, strict=True)]
+    return {record.name: _sheet(record, rows, device) for record, rows in found if rows is not None}
+
+
+def _sheet(record: Trace, rows: tuple[Offset, ...], device: Device) -> Sheet:
+    cells, marks = [], []
+    for row in rows:
+        chosen = _FIXED.get(row.measure.unit) or scale(max(abs(row.data.value), row.data.error), "m", device)
+        data, model, apart = (show_in(m.value, m.error, chosen) for m in (row.data, row.model, row.difference))
+        ratio = abs(row.difference.value) / row.difference.error if row.difference.error > 0 else 0.0
+        cells.append((row.measure.name, *(_pm(s.value, s.error) for s in (data, model, apart)), chosen.unit,
+                      f"{neat(ratio, 2)} σ"))  # fmt: skip
+        marks.append("warning" if ratio > 3 else "")
+    marks_: tuple[Mark, ...] = tuple(marks)
+    return Sheet(f"Zero-point offset: {record.name} ({drive_words(record, device)})", _COLUMNS, tuple(cells), marks_, _NOTE)
+
+
+def _pm(value: str, error: str) -> str:
+    return f"{value} ± {error}" if error else value

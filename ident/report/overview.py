@@ -1,0 +1,48 @@
+"""The overview: how far every record is from its noise floor, in one glance."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..fit.result import Fit
+from .drive_words import drive_words
+from .style import FAINT, HELDOUT, INK, MODEL, label, new_axes, new_figure
+from .tables import ratio_text
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def overview_figure(fit: Fit) -> Figure:
+    """Error over noise of each record as a bar, fitted ones above held-out ones, with a line at 1."""
+    pairs = sorted(zip(fit.scores, fit.campaign.traces, strict=True), key=lambda pair: pair[0].holdout)
+    ratios = [score.error_over_noise for score, _ in pairs]
+    height = 0.36 * len(pairs) + 1.1
+    figure = new_figure(10.6, height)
+    axes = new_axes(figure, 0.42, 0.55 / height, 0.53, 1 - 1.05 / height)
+    places = [-i for i in range(len(pairs))]
+    wide = max(ratios) > 12
+    low = min(0.5, 0.8 * min(ratios)) if wide else 0.0
+    colours = [HELDOUT if score.holdout else MODEL for score, _ in pairs]
+    axes.barh(places, [r - low for r in ratios], left=low, height=0.62, color=colours)
+    if wide:
+        axes.set_xscale("log")
+        axes.minorticks_off()
+        axes.xaxis.set_major_formatter("{x:g}")
+    axes.set_xlim(low, max(ratios) * (1.6 if wide else 1.12) if max(ratios) > 1.2 else 1.4)
+    axes.set_ylim(places[-1] - 0.6, 0.6)
+    axes.axvline(1, color=INK, lw=1.2)
+    axes.text(1, 0.62, " noise floor", fontsize=9, color=INK, ha="left", va="bottom")
+    axes.set_yticks(places, [f"{score.name}  ({drive_words(trace, fit.model.device)})" for score, trace in pairs])
+    axes.tick_params(axis="y", length=0)
+    for place, ratio in zip(places, ratios, strict=True):
+        axes.annotate(ratio_text(ratio), (max(ratio, 1.0), place), (4, 0), textcoords="offset points", fontsize=9, va="center")
+    label(axes, "rms error ÷ noise floor" + (" (logarithmic)" if wide else ""))
+    top = 1 - 0.22 / height
+    figure.text(0.012, top, "Error over noise", fontsize=12, weight="bold", color=INK, va="center")
+    figure.text(0.18, top, "■", fontsize=11, color=MODEL, va="center")
+    figure.text(0.195, top, "fitted", fontsize=9.5, color=FAINT, va="center")
+    if any(score.holdout for score, _ in pairs):
+        figure.text(0.25, top, "■", fontsize=11, color=HELDOUT, va="center")
+        figure.text(0.265, top, "held out: only judged", fontsize=9.5, color=FAINT, va="center")
+    return figure

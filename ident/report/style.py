@@ -1,0 +1,78 @@
+"""How figures look: few colours, told apart by the colour-blind, and cheap to draw.
+
+Colours: M. Okabe, K. Ito, Color Universal Design, 2008.
+"""
+
+from __future__ import annotations
+
+import io
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+DATA = "#9a9a9a"
+MEASURED = "#6f6f6f"  # the name of the data: their own grey is too light for letters
+MODEL = "#0072b2"
+RESIDUAL = "#d55e00"
+HELDOUT = "#e69f00"
+INK = "#222222"
+FAINT = "#777777"
+BAND = "#e8eef2"
+DPI = 100
+_SIZE = 9.0
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure (inches), without pyplot and its global state."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure((width, height), dpi=DPI, facecolor="white")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def new_axes(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
+    """Axes at a place given in parts of the figure; placed by hand because automatic layouts draw everything twice."""
+    axes = figure.add_axes((left, bottom, width, height))
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.spines[["left", "bottom"]].set_color(FAINT)
+    axes.tick_params(labelsize=_SIZE, colors=INK, color=FAINT, length=3)
+    axes.locator_params(nbins=5)
+    return axes
+
+
+def label(axes: Axes, x: str = "", y: str = "", title: str = "") -> None:
+    """Names of the axes and a short heading."""
+    axes.set_xlabel(x, fontsize=_SIZE, color=INK, labelpad=2)
+    axes.set_ylabel(y, fontsize=_SIZE, color=INK, labelpad=3)
+    if title:
+        axes.set_title(title, fontsize=_SIZE, color=FAINT, loc="left", pad=4, y=1.0)  # a given y spares a search for one
+
+
+def key(figure: Figure, right: float, y: float, *entries: tuple[str, str]) -> None:
+    """Names of the lines in their colours, right-aligned: read faster than a legend, and drawn five times as fast."""
+    for name, colour in reversed(entries):
+        figure.text(right, y, name, fontsize=_SIZE, color=colour, ha="right", va="center", weight="bold")
+        right -= 0.0085 * len(name) * 10.6 / figure.get_figwidth() + 0.012
+
+
+def png(figure: Figure) -> bytes:
+    """The figure as PNG."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=DPI, pil_kwargs={"compress_level": 2})
+    return buffer.getvalue()
+
+
+def envelope(time: np.ndarray, values: np.ndarray, bins: int = 900) -> tuple[np.ndarray, np.ndarray]:
+    """Smallest and largest value of each of so many bins, as one line: what a screen can show of a long record."""
+    n = len(values) // bins
+    if n < 3:
+        return time, values
+    kept = values[: n * bins].reshape(bins, n)
+    both = np.stack([kept.min(axis=1), kept.max(axis=1)], axis=1).reshape(-1)
+    return np.repeat(time[: n * bins : n], 2), both

@@ -1,0 +1,80 @@
+"""A fit in the terminal: tables and sentences within the width of the window."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..fit.result import Fit
+from .offset_table import offset_sheets
+from .sentences import sentences, verdict
+from .sheet import Sheet, rich_table
+from .tables import combination_sentences, correlation_sentences, parameter_sheet, record_sheet, start_sheet
+
+if TYPE_CHECKING:
+    from rich.console import Group, RenderableType
+
+
+def fit_view(fit: Fit, *, offset: bool = False) -> Group:
+    """The whole fit for a `rich` console: `console.print(fit_view(fit))`; `offset` adds the zero-point offsets."""
+    from rich.console import Group
+
+    parts: list[RenderableType] = [_paragraph(verdict(fit)), _table(parameter_sheet(fit))]
+    parts += _list("Undetermined", combination_sentences(fit))
+    parts += _list("Strong correlations", correlation_sentences(fit))
+    parts += [_table(record_sheet(fit)), _table(start_sheet(fit))]
+    if offset:
+        parts += [_table(sheet) for sheet in offset_sheets(fit).values()]
+    parts += _list("To know", tuple(("! " if s.warning else "") + s.text for s in sentences(fit)))
+    return Group(*parts)
+
+
+def fit_text(fit: Fit, width: int = 96, *, offset: bool = False) -> str:
+    """The same as plain text."""
+    return _plain(fit_view(fit, offset=offset), width)
+
+
+def sheet_text(sheet: Sheet, width: int = 96) -> str:
+    """One table as plain text."""
+    return _plain(_table(sheet), width)
+
+
+def _plain(view: RenderableType, width: int) -> str:
+    import io
+
+    from rich.console import Console
+
+    buffer = io.StringIO()
+    Console(file=buffer, width=width, color_system=None, force_terminal=False, highlight=False).print(view)
+    return "\n".join(line.rstrip() for line in buffer.getvalue().splitlines()) + "\n"
+
+
+def _paragraph(text: str) -> RenderableType:
+    from rich.padding import Padding
+    from rich.text import Text
+
+    return Padding(Text(text), (0, 0, 1, 0))
+
+
+def _table(sheet: Sheet) -> RenderableType:
+    from rich.console import Group
+    from rich.padding import Padding
+    from rich.text import Text
+
+    return Padding(Group(rich_table(sheet), Text(sheet.note)) if sheet.note else rich_table(sheet), (0, 0, 1, 0))
+
+
+def _list(title: str, items: tuple[str, ...]) -> list[RenderableType]:
+    """Sentences with a hanging indent under a heading; nothing if there are none."""
+    from rich.padding import Padding
+    from rich.table import Table
+    from rich.text import Text
+
+    if not items:
+        return []
+    grid = Table.grid(padding=(0, 1))
+    grid.add_column(width=1)
+    grid.add_column(overflow="fold")
+    for item in items:
+        warning = item.startswith("! ")
+        grid.add_row("!" if warning else "·", Text(item[2:] if warning else item), style="yellow" if warning else "")
+    return [Text(title, style="bold"), Padding(grid, (0, 0, 1, 0))]
