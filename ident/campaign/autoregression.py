@@ -31,6 +31,12 @@ class Autoregression:
     used: np.ndarray
 
 
+def leverage_of(basis: np.ndarray) -> np.ndarray:
+    """(n//2 + 1,) share of the noise at each frequency that orthonormal columns (n, M) take away."""
+    spectrum = np.fft.rfft(basis, axis=0)
+    return np.sum(np.real(spectrum) ** 2 + np.imag(spectrum) ** 2, axis=1) / len(basis)
+
+
 def ar_spectrum(ar: np.ndarray, innovation: float, n: int) -> np.ndarray:
     """(n//2 + 1,) power spectrum σ²/|1 − Σ a_j e^{−iωj}|², normalised so that its mean over all frequencies is the variance."""
     polynomial = np.zeros(n)

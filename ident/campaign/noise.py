@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .autoregression import Autoregression, fit_autoregression
+from .autoregression import Autoregression, fit_autoregression, leverage_of
+from .hum import with_hum
 from .record import NoiseFloor
-from .signal_basis import LEVELS, Pole, find_transient, harmonic_columns, orthonormal, transient_columns
+from .signal_basis import Pole, find_transient, harmonic_columns, orthonormal, transient_columns
 
 HARMONICS = 12
 LONGEST = 8192
@@ -28,12 +30,14 @@ def noise_floor(time: np.ndarray, drive: np.ndarray, response: np.ndarray, perio
         return NoiseFloor(1e-300, method="none: the response is constant", relative_error=1.0)
     response = response / size
     n = len(response)
+    step = float(time[-1] - time[0]) / (n - 1)
+    mains = tuple(2 * np.pi * line * order * step for line in (50.0, 60.0) for order in (1, 2, 3))
     if np.ptp(drive) == 0:
-        found = _short_period(response[:LONGEST], None)
+        found = _short_period(response[:LONGEST], None, mains)
     elif period is None:
-        found = _free_frequencies(drive, response)
+        found = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
     elif period <= 8 * HARMONICS or n / period >= 8:
-        found = _short_period(response[-LONGEST:], period)
+        found = _short_period(response[-LONGEST:], period, mains)
     else:
         found = _repeats(response, period)
     fit, method = found
@@ -50,47 +54,77 @@ def _resolution(response: np.ndarray) -> float:
     return float(np.min(np.diff(levels))) if len(levels) > 1 else 0.0
 
 
-def _leverage(basis: np.ndarray) -> np.ndarray:
-    """(n//2 + 1,) share of the noise at each frequency that orthonormal columns take away."""
-    spectrum = np.fft.rfft(basis, axis=0)
-    return np.sum(np.real(spectrum) ** 2 + np.imag(spectrum) ** 2, axis=1) / len(basis)
+@dataclass(frozen=True)
+class _Removed:
+    """A signal fit: the noise beside it, the orthonormal columns, their level, and what they leave."""
+
+    fit: Autoregression
+    basis: np.ndarray
+    level: int
+    residual: np.ndarray
 
 
-def _short_period(response: np.ndarray, period: float | None) -> tuple[Autoregression, str]:
+def _short_period(
+    response: np.ndarray, period: float | None, mains: tuple[float, ...], halvings: int = 2
+) -> tuple[Autoregression, str]:
     """Fourier series, transient and products removed; as many products as the data ask for."""
     n = len(response)
     rate = None if period is None else 2 * np.pi / period
     harmonics = harmonic_columns(n, rate, HARMONICS)
-    pole = find_transient(response, rate, HARMONICS)
-    levels = range(LEVELS) if pole is not None else range(1)
-    fits = [_removed(response, harmonics, rate, pole, level) for level in levels]
-    residual, leverage, columns = fits[-1]
-    fit = fit_autoregression(residual, leverage)
-    chosen = len(fits) - 1
-    whitened = _whitened_energy(residual, fit)
-    for level in range(len(fits) - 1):
-        gain = _whitened_energy(fits[level][0], fit) - whitened
-        if gain < 1.5 * (columns - fits[level][2]) + 6.0:
-            chosen = level
-            break
-    if chosen < len(fits) - 1:
-        fit = fit_autoregression(fits[chosen][0], fits[chosen][1])
+    pole = find_transient(response, rate, HARMONICS, mains)
+    removed = _removed(response, harmonics, rate, pole, (0, 1, 2, 3) if pole is not None else (0,))
+    if removed.level == 3:
+        removed = _removed(response, harmonics, rate, pole, (3, 4))
+    white = np.convolve(removed.residual, np.append(1.0, -np.array(removed.fit.ar)))[:n] ** 2
+    if np.mean(white[: n // 3]) > 1.5 * np.mean(white[-(n // 3) :]) and halvings and n >= 600:
+        later = _short_period(response[n // 3 :], period, mains, halvings - 1)  # a transient beyond description dies
+        if later[0].sigma < removed.fit.sigma:
+            return later
+    fit, share = with_hum(removed.residual, removed.basis, _apart(mains, rate, pole, n), removed.fit)
+    beside = ["the Fourier series of the drive's period"] if period is not None else []
+    beside += ["a transient"] if removed.level else []
     words = "a decay" if period is None else f"{n / period:.0f} periods"
-    parts = ["the Fourier series of the drive's period"] if period is not None else []
-    parts += ["a transient"] if chosen else []
-    return fit, f"what {words} leave beside {' and '.join(parts) or 'a constant'} ({fits[chosen][2]} numbers fitted)"
+    numbers = f"{removed.basis.shape[1]} numbers fitted"
+    method = f"what {words} leave beside {' and '.join(beside) or 'a constant'} ({numbers})"
+    return fit, method + (f"; mains hum, {share:.0%} of its power, is part of it" if share > 0 else "")
+
+
+def _apart(mains: tuple[float, ...], rate: float | None, pole: Pole | None, n: int) -> list[float]:
+    """Rates of mains hum that the record can tell from the drive and from the transient."""
+    width = 2 * np.pi / n
+    kept = []
+    for line in mains:
+        near_drive = rate is not None and abs(line - round(line / rate) * rate) < 1.5 * width
+        near_pole = pole is not None and abs(line - pole.rate) < 3.0 * (width + pole.decay)
+        if 2.5 * width < line < 3.0 and not near_drive and not near_pole:
+            kept.append(line)
+    return kept
 
 
 def _removed(
-    response: np.ndarray, harmonics: np.ndarray, rate: float | None, pole: Pole | None, level: int
-) -> tuple[np.ndarray, np.ndarray, int]:
-    columns = harmonics
-    if level > 0 and pole is not None:
-        columns = np.column_stack([harmonics, transient_columns(len(response), rate, pole, level)])
-    basis = orthonormal(columns)
-    residual = response - basis @ (basis.T @ response)
-    residual = residual - basis @ (basis.T @ residual)
-    return residual, _leverage(basis), basis.shape[1]
+    response: np.ndarray, harmonics: np.ndarray, rate: float | None, pole: Pole | None, levels: tuple[int, ...]
+) -> _Removed:
+    """The lowest of `levels` whose columns leave no more than those of the highest do."""
+    columns, level_of = harmonics, np.zeros(harmonics.shape[1])
+    if pole is not None and levels[-1] > 0:
+        decaying, own = transient_columns(len(response), rate, pole, levels[-1])
+        columns, level_of = np.column_stack([harmonics, decaying]), np.concatenate([level_of, own])
+    basis, kept = orthonormal(columns)
+    level_of, weights = level_of[kept], basis.T @ response
+
+    def residual(level: int) -> np.ndarray:
+        inside = level_of <= level
+        return response - basis[:, inside] @ weights[inside]
+
+    highest = levels[-1]
+    fit = fit_autoregression(residual(highest), leverage_of(basis))
+    least = _whitened_energy(residual(highest), fit)
+    for level in levels[:-1]:
+        count = int(np.sum(level_of <= level))
+        if _whitened_energy(residual(level), fit) - least < 1.5 * (len(level_of) - count) + 6.0:
+            inside = basis[:, level_of <= level]
+            return _Removed(fit_autoregression(residual(level), leverage_of(inside)), inside, level, residual(level))
+    return _Removed(fit, basis, highest, residual(highest))
 
 
 def _whitened_energy(residual: np.ndarray, fit: Autoregression) -> float:
@@ -100,35 +134,76 @@ def _whitened_energy(residual: np.ndarray, fit: Autoregression) -> float:
 
 
 def _repeats(response: np.ndarray, period: float) -> tuple[Autoregression, str]:
-    """Few periods of a rich drive: noise is what differs between them. Periods in which a transient dies are dropped."""
+    """Few periods of a rich drive: noise is what differs between them, beside a transient that dies."""
     size = int(round(period))
     count = int(len(response) // period)
     starts = np.round((len(response) - period * np.arange(count, 0, -1))).astype(int)
     folded = np.array([response[start : start + size] for start in starts])
-    while len(folded) > 2:
-        rest = folded - folded[1:].mean(axis=0)
-        energy = np.mean(rest**2, axis=1)
+    dropped = 0
+    while len(folded) > 2:  # periods in which the transient is alive are worth less than they cost
+        energy = np.mean((folded - folded[1:].mean(axis=0)) ** 2, axis=1)
         later = float(np.mean(energy[1:])) * (len(folded) - 1) / max(len(folded) - 2, 1)
         if energy[0] < 1.4 * later * (1 + 1 / (len(folded) - 1)):
             break
-        folded = folded[1:]
+        folded, dropped = folded[1:], dropped + 1
     repeats = len(folded)
-    joined = (folded - folded.mean(axis=0)).ravel()
+
+    def deflated(columns: np.ndarray) -> np.ndarray:
+        """What differs between the periods, of columns (n, M)."""
+        blocks = columns.reshape(repeats, size, -1)
+        return (blocks - blocks.mean(axis=0)).reshape(columns.shape)
+
+    joined = deflated(folded.reshape(-1, 1))[:, 0]
     leverage = np.zeros(len(joined) // 2 + 1)
     leverage[::repeats] = 1.0
     fit = fit_autoregression(joined, leverage)
-    return fit, f"differences between {repeats} repeats of the drive's period"
+    method = f"differences between {repeats} repeats of the drive's period"
+    pole = find_transient(joined, None, 0)
+    if pole is None or len(joined) > LONGEST:
+        return fit, method
+    columns, level_of = transient_columns(len(joined), None, pole, 4)
+    for highest in (1, 3, 4):
+        basis, _ = orthonormal(deflated(columns[:, level_of <= highest]))
+        rest = joined - basis @ (basis.T @ joined)
+        better = fit_autoregression(rest, leverage + leverage_of(basis))
+        gain = _whitened_energy(joined, better) - _whitened_energy(rest, better)
+        if gain > 3.0 * basis.shape[1] + 20.0 and better.sigma < fit.sigma:
+            fit, method = better, f"differences between {repeats} repeats of the drive's period, beside a transient"
+    if "transient" in method:  # its products with the drive are not described
+        fit = replace(fit, relative_error=max(fit.relative_error, 0.3 if repeats > 2 or dropped else 1.0))
+    return fit, method
 
 
 def _free_frequencies(drive: np.ndarray, response: np.ndarray) -> tuple[Autoregression, str]:
-    """Frequencies at which neither the drive nor its products leave a trace in the response."""
+    """Frequencies above the drive's, from where the response no longer shows its products: an extrapolation."""
     n = len(response)
     window = np.hanning(n + 2)[1:-1]
     window = window / np.sqrt(np.mean(window**2))
-    power = np.abs(np.fft.rfft((response - response.mean()) * window)) ** 2 / n
-    exciting = np.abs(np.fft.rfft((drive - drive.mean()) * window)) ** 2 / n
-    total = np.cumsum(exciting)
-    top = int(np.searchsorted(total, 0.999 * total[-1]))
-    free = np.arange(len(power)) > min(1.5 * top, 0.8 * len(power))
-    fit = fit_autoregression(response * window, None, excluded=~free)
-    return fit, "frequencies above the drive's"
+    exciting = np.cumsum(np.abs(np.fft.rfft((drive - drive.mean()) * window)) ** 2)
+    top = int(np.searchsorted(exciting, 0.999 * exciting[-1])) + 2
+    last = n // 2
+    seen = (response - response.mean()) * window
+    fits: list[tuple[int, Autoregression]] = []
+    for multiple in (1.3, 2.2, 3.3, 5.0, 7.5, 11.0):
+        low = int(multiple * top)
+        if low > 0.8 * last:
+            break
+        fit = fit_autoregression(seen, None, 2, np.arange(last + 1) < low)
+        if fit.sigma > 5.0 * float(np.sqrt(np.mean(fit.spectrum[low:]))):  # more than such an extrapolation can bear
+            fit = fit_autoregression(seen, None, 0, np.arange(last + 1) < low)
+            fit = replace(fit, relative_error=0.7)
+        fits.append((low, fit))
+    for (low, fit), (next_low, above) in zip(fits, fits[1:], strict=False):
+        if np.mean(fit.spectrum[next_low:]) < 1.15 * np.mean(above.spectrum[next_low:]):
+            error = min(1.0, float(np.hypot(1.5 * fit.relative_error, 0.1)))
+            share = 1 - low / last
+            return replace(fit, relative_error=error), f"extrapolated from the upper {share:.0%} of the frequencies"
+    # No plateau: products of the drive, or a filter, reach up to the highest frequencies.
+    if fits and last - fits[-1][0] > 50 and fits[-1][0] > 3 * top:
+        return replace(fits[-1][1], relative_error=0.5), "extrapolated from the highest frequencies"
+    low, high = min(int(1.03 * top), int(0.85 * last)), min(max(int(1.15 * top), int(1.03 * top) + 8), last)
+    power = np.abs(np.fft.rfft(seen)) ** 2 / n
+    sigma = math.sqrt(float(np.median(power[low:high])) / math.log(2.0))
+    spectrum = np.full(last + 1, sigma**2)
+    words = "the level just above the drive's band, taken as white (it holds distortion too, and may be filtered)"
+    return Autoregression(sigma, (), 0.5, spectrum, np.ones(last + 1)), words

@@ -6,6 +6,7 @@ import hashlib
 import math
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -19,7 +20,8 @@ from .device_file import read_device
 from .document import Section, read_document, record_sections, shown
 from .guess import guess_device
 from .load import load_record, read_table
-from .record import Record
+from .noise_pool import pooled
+from .record import Record, Trace
 from .spec import RecordSpec, parse_record
 
 PathLike = str | os.PathLike[str]
@@ -73,7 +75,7 @@ def _from_files(paths: list[Path]) -> Campaign:
         notes += found
     return Campaign(
         title=", ".join(path.stem for path in paths),
-        records=tuple(records),
+        records=_with_common_noise(records),
         device=device,
         notes=tuple(notes),
         checksums=_checksums(paths),
@@ -105,7 +107,7 @@ def _from_toml(path: Path) -> Campaign:
     files = [path, *([device_path] if device_path else []), *effect_files, *(spec.path for spec in specs)]
     return Campaign(
         title,
-        tuple(records),
+        _with_common_noise(records),
         device,
         effects,
         effect_files,
@@ -116,6 +118,16 @@ def _from_toml(path: Path) -> Campaign:
         _checksums(files, folder),
         (path,),
     )
+
+
+def _with_common_noise(records: list[Record]) -> tuple[Record, ...]:
+    """The records, with the colour of the estimated noise shared where it agrees."""
+    own = [k for k, record in enumerate(records) if isinstance(record, Trace) and record.noise.relative_error > 0]
+    traces = [record for k, record in enumerate(records) if k in own and isinstance(record, Trace)]
+    floors = pooled([trace.noise for trace in traces], [len(trace.time) for trace in traces])
+    for k, trace, floor in zip(own, traces, floors, strict=True):
+        records[k] = replace(trace, noise=floor)
+    return tuple(records)
 
 
 def _effect_file(model: Section, folder: Path, name: str) -> Path:

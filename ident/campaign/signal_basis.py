@@ -9,13 +9,14 @@ Source: A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations, 1979, ch. 4 (combinati
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
 
-LEVELS = 4
-"""How many sets of poles there are: none, the transient itself, its products of second order, and of third order."""
+LEVELS = 5
+"""How many sets of columns there are: no transient; the transient; with its products of second order; of third order;
+and all of these changing slowly, as an amplitude-dependent frequency makes them."""
 
 
 @dataclass(frozen=True)
@@ -40,50 +41,57 @@ def harmonic_columns(n: int, drive_rate: float | None, count: int) -> np.ndarray
     return np.column_stack(columns)
 
 
-def transient_columns(n: int, drive_rate: float | None, pole: Pole, level: int) -> np.ndarray:
-    """(n, M) decaying columns of a transient and its products with the drive's response."""
-    time = np.arange(n)
-    position = 2.0 * time / n - 1.0
-    columns: list[np.ndarray] = []
+def transient_columns(n: int, drive_rate: float | None, pole: Pole, highest: int) -> tuple[np.ndarray, np.ndarray]:
+    """(n, M) decaying columns of a transient and its products with the drive's response, (M,) the level of each.
 
-    def add(rate: float, orders: int, degree: int = 0) -> None:
-        envelope = np.exp(-orders * pole.decay * time)
-        wave = envelope * np.exp(1j * abs(rate) * time)
-        for power in range(degree + 1):
-            shape = position**power
-            columns.append(np.real(wave) * shape)
-            if abs(rate) > 1e-4:
-                columns.append(np.imag(wave) * shape)
+    The columns of all levels up to `highest`, in the order of their levels.
+    """
+    time = np.arange(n)
+    powers = [np.ones(n)]
+    for _ in range(7 if highest >= 4 else 3):
+        powers.append(powers[-1] * (2.0 * time / n - 1.0))
+    decays = [np.exp(-orders * pole.decay * time) for orders in range(4)]
+    columns: list[tuple[int, np.ndarray]] = []
+
+    def add(rate: float, orders: int, levels: tuple[int, ...]) -> None:
+        """A pole of decay `orders` × α; its power j of time belongs to the level `levels[j]`."""
+        if levels[0] > highest:
+            return
+        cosine = decays[orders] * np.cos(abs(rate) * time)
+        sine = decays[orders] * np.sin(abs(rate) * time) if abs(rate) > 1e-4 else None
+        for power, level in enumerate(levels):
+            if level <= highest:
+                columns.append((level, cosine * powers[power]))
+                if sine is not None:
+                    columns.append((level, sine * powers[power]))
 
     own, drive = pole.rate, drive_rate
-    add(own, 1, (0, 0, 2, 3)[level])
-    if level >= 2:
-        add(0.0, 2, 1)
-        add(2 * own, 2, 1)
-        add(3 * own, 3)
-        add(own, 3)
-    if level >= 2 and drive is not None:
-        add(drive, 2, 1)
+    add(own, 1, (1, 2, 2, 3, 4, 4, 4, 4))
+    add(0.0, 2, (2, 2, 4, 4))
+    add(2 * own, 2, (2, 2, 4, 4))
+    add(3 * own, 3, (2, 4, 4))
+    add(own, 3, (2, 4, 4))
+    add(0.0, 1, (3, 4, 4))
+    if drive is not None:
+        add(drive, 2, (2, 2, 4, 4))
+        add(2 * drive, 2, (3, 4, 4))
         for order in (1, -1):
-            add(own + order * drive, 1, 1)
-            add(2 * own + order * drive, 2)
-            add(own + 2 * order * drive, 1)
-    if level >= 3:
-        add(0.0, 1)
-    if level >= 3 and drive is not None:
-        add(2 * drive, 2)
-        for order in (1, -1):
-            add(own + 3 * order * drive, 1)
-            add(2 * own + 2 * order * drive, 2)
-            add(3 * own + order * drive, 3)
-    return np.column_stack(columns)
+            add(own + order * drive, 1, (2, 2, 4, 4, 4, 4))
+            add(2 * own + order * drive, 2, (2, 4, 4))
+            add(own + 2 * order * drive, 1, (2, 4, 4))
+            add(own + 3 * order * drive, 1, (3, 4, 4))
+            add(2 * own + 2 * order * drive, 2, (3, 4, 4))
+            add(3 * own + order * drive, 3, (3, 4, 4))
+    columns.sort(key=lambda one: one[0])
+    return np.column_stack([column for _, column in columns]), np.array([level for level, _ in columns])
 
 
-def orthonormal(columns: np.ndarray) -> np.ndarray:
-    """(n, M) an orthonormal basis of the columns' span; columns that add nothing are dropped."""
+def orthonormal(columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n, M) an orthonormal basis of the columns' span, and (N,) which of the N columns added to it."""
     norms = np.sqrt(np.einsum("ij,ij->j", columns, columns))
     basis, triangle = np.linalg.qr(columns / np.where(norms > 0, norms, 1.0))
-    return basis[:, np.abs(np.diag(triangle)) > 1e-9]
+    kept = np.abs(np.diag(triangle)) > 1e-9
+    return basis[:, kept], kept
 
 
 def _thinned(values: np.ndarray, block: int) -> np.ndarray:
@@ -92,47 +100,80 @@ def _thinned(values: np.ndarray, block: int) -> np.ndarray:
     return values[:whole].reshape(-1, block).mean(axis=1)
 
 
-def find_transient(response: np.ndarray, drive_rate: float | None, count: int) -> Pole | None:
+def _peaks(values: np.ndarray) -> np.ndarray:
+    """Rates (rad per sample) of the three largest lines that stand out of a spectrum, if any do."""
+    size = 4 * len(values)
+    spectrum = np.abs(np.fft.rfft(values * np.hanning(len(values)), size))[: int(0.45 * size)]
+    peaks = np.flatnonzero((spectrum[1:-1] > spectrum[:-2]) & (spectrum[1:-1] >= spectrum[2:])) + 1
+    peaks = peaks[(spectrum[peaks] > 4.0 * np.median(spectrum)) & (peaks > 6)]
+    return 2 * np.pi * peaks[np.argsort(spectrum[peaks])[::-1][:3]] / size
+
+
+def find_transient(
+    response: np.ndarray, drive_rate: float | None, count: int, avoid: tuple[float, ...] = ()
+) -> Pole | None:
     """The pole of the transient by separable least squares; None if there is no transient to be seen.
 
-    **Arguments:** `response` (n,), `drive_rate`: rad per sample or None, `count`: harmonics of the drive.
+    **Arguments:** `response` (n,), `drive_rate`: rad per sample or None, `count`: harmonics of the drive, `avoid`: rates
+    of lines that are no transient (mains hum).
     """
     n = len(response)
-    steady = orthonormal(harmonic_columns(n, drive_rate, count))
+    steady, _ = orthonormal(harmonic_columns(n, drive_rate, count))
     rest = response - steady @ (steady.T @ response)
-    size = 4 * n
-    spectrum = np.abs(np.fft.rfft(rest * np.hanning(n), size))[: int(0.45 * size)]
-    floor = float(np.median(spectrum))
-    peaks = np.flatnonzero((spectrum[1:-1] > spectrum[:-2]) & (spectrum[1:-1] >= spectrum[2:])) + 1
-    peaks = peaks[(spectrum[peaks] > 4.0 * floor) & (peaks > 6)]
-    if len(peaks) == 0:
+    rates = np.concatenate([_peaks(rest), _peaks(rest[: max(n // 4, 64)])])
+    rates = np.array([rate for rate in rates if all(abs(rate - line) > 7.0 / n for line in avoid)])
+    if len(rates) == 0:
         return None
-    rates = 2 * np.pi * peaks[np.argsort(spectrum[peaks])[::-1][:4]] / size
     fastest = max(float(np.max(rates)), drive_rate or 0.0)
     block = max(1, int(2 * np.pi / fastest / 8))
     thin = _thinned(response, block)
     thin_rate = None if drive_rate is None else drive_rate * block
     length = len(thin)
-    count = min(count, 6)
-    harmonics = orthonormal(harmonic_columns(length, thin_rate, count))
+    harmonics, _ = orthonormal(harmonic_columns(length, thin_rate, min(count, 6)))
     thin = thin - harmonics @ (harmonics.T @ thin)
 
     def misfit(parameters: np.ndarray, level: int) -> np.ndarray:
         pole = Pole(float(parameters[0]), float(np.exp(parameters[1])))
-        columns = transient_columns(length, thin_rate, pole, level)
+        columns, _ = transient_columns(length, thin_rate, pole, level)
         columns = columns - harmonics @ (harmonics.T @ columns)
         basis = np.linalg.qr(columns / np.linalg.norm(columns, axis=0).clip(1e-300))[0]
         return thin - basis @ (basis.T @ thin)
 
     starts = [np.array([rate * block, np.log(decay / length)]) for rate in rates for decay in (2.0, 8.0)]
     costs = [float(np.sum(misfit(start, 1) ** 2)) for start in starts]
-    start = starts[int(np.argmin(costs))]
+    best = starts[int(np.argmin(costs))]
+    low, high = np.array([1e-3, np.log(0.1 / length)]), np.array([np.inf, np.log(100.0 / length)])
     scale = np.array([1.0 / length, 0.3])
-    bounds = ([1e-3, np.log(0.1 / length)], [np.inf, np.log(100.0 / length)])
-    for level, evaluations in ((1, 12), (2, 12)):
-        start = np.clip(start, *bounds)
-        fit = least_squares(
-            misfit, start, x_scale=scale, bounds=bounds, args=(level,), max_nfev=evaluations, xtol=1e-4, ftol=1e-3
-        )
-        start = fit.x
-    return Pole(float(start[0]) / block, float(np.exp(start[1])) / block)
+    for level, steps in ((1, 3), (2, 5)):
+        best = np.clip(best, low, high)
+        best = _minimised(lambda point, level=level: misfit(point, level), best, scale, low, high, steps)
+    return Pole(float(best[0]) / block, float(np.exp(best[1])) / block)
+
+
+def _minimised(
+    misfit: Callable[[np.ndarray], np.ndarray],
+    start: np.ndarray,
+    scale: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    steps: int,
+) -> np.ndarray:
+    """Levenberg-Marquardt with difference quotients, a few steps: the pole need not be exact."""
+    point, here, damping = start, misfit(start), 0.1
+    for _ in range(steps):
+        moves = [np.where(np.arange(len(scale)) == j, 1e-3 * scale, 0.0) for j in range(len(scale))]
+        slopes = np.column_stack([(misfit(point + move) - here) / 1e-3 for move in moves])
+        normal, gradient = slopes.T @ slopes, slopes.T @ here
+        normal[np.diag_indices_from(normal)] *= 1.0 + damping
+        step = np.clip(np.linalg.lstsq(normal, -gradient, rcond=None)[0], -3.0, 3.0)
+        trial = np.clip(point + step * scale, low, high)
+        there = misfit(trial)
+        gain = float(np.sum(here**2) - np.sum(there**2))
+        if gain > 0:
+            small = gain < 1e-2 * float(np.sum(here**2))
+            point, here, damping = trial, there, damping * 0.2
+            if small:
+                break
+        else:
+            damping *= 10.0
+    return point

@@ -1,0 +1,48 @@
+"""Mains hum: lines at known frequencies that no model explains, and that therefore are noise."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from .autoregression import MAX_ORDER, Autoregression, ar_spectrum, fit_autoregression, leverage_of, levinson
+
+
+def with_hum(
+    residual: np.ndarray, basis: np.ndarray, lines: list[float], fit: Autoregression
+) -> tuple[Autoregression, float]:
+    """The noise with the mains lines that stand out of it, and the share of its power that is hum.
+
+    **Arguments:** `residual` (n,) of a fit of the orthonormal `basis` (n, M), `lines` rates in rad per sample, `fit`: the
+    noise without regard to hum.
+    """
+    n = len(residual)
+    time, power, covariance = np.arange(n), 0.0, np.zeros(MAX_ORDER + 1)
+    rest, own = residual, []
+    for line in lines:
+        columns = np.column_stack([np.cos(line * time), np.sin(line * time)])
+        inside = columns - basis @ (basis.T @ columns)
+        seen = np.sum(inside**2) / np.sum(columns**2)
+        if seen < 0.3:  # the record is too short to tell it from the signal
+            continue
+        weights = np.linalg.lstsq(inside, rest, rcond=None)[0]
+        level = float(np.interp(line, np.linspace(0, np.pi, len(fit.spectrum)), fit.spectrum))
+        gain = float(np.sum((inside @ weights) ** 2)) / level
+        amplitude = float(np.sum(weights**2)) / 2 - 2 * level / (n * seen)
+        if gain > 16.0 and amplitude > 0:
+            rest = rest - inside @ weights
+            own.append(inside)
+            power += amplitude
+            covariance += amplitude * np.cos(line * np.arange(MAX_ORDER + 1))
+    if power == 0.0:
+        return fit, 0.0
+    leverage = leverage_of(basis) + leverage_of(np.linalg.qr(np.column_stack(own))[0])
+    below = fit_autoregression(rest, leverage)
+    share = power / (power + below.sigma**2)
+    total = float(np.sqrt(power + below.sigma**2))
+    below_covariance = np.fft.irfft(below.spectrum, n)[: MAX_ORDER + 1]
+    ar, innovation = levinson(below_covariance + covariance, MAX_ORDER)
+    error = float(np.hypot(below.relative_error * (1 - share), 0.3 * share / np.sqrt(len(own))))
+    spectrum = ar_spectrum(ar, innovation, n)
+    return replace(below, sigma=total, ar=tuple(float(a) for a in ar), relative_error=error, spectrum=spectrum), share

@@ -1,0 +1,136 @@
+"""What can be said of a time record before any model: its drive, its sampling, its noise, its start."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from .checks import clipped_fraction
+from .drive import drive_frequency
+from .period import fourier_basis, least_squares
+from .record import NoiseFloor, Trace
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """One record, judged alone (SI units).
+
+    **Arguments:**
+
+    - `samples`, `duration` (s), `rate` (Hz): how much was recorded.
+    - `frequency`: of the drive, Hz, rms(V̇)/rms(V)/2π; `periods`: of the drive in the record, None if it is not periodic.
+    - `amplitude`: half the peak-to-peak drive, V; `distortion`: rms of the drive's harmonics over its fundamental
+      (for a drive that has one fundamental), else None.
+    - `samples_per_period`; `clipped`: share of the response that sticks to its limits.
+    - `drift`: change of the mean response from the first to the last quarter, m; `size`: rms of the response, m.
+    - `noise`: the noise floor, with its method and relative error.
+    - `start_fits`: whether the data agree with the start that is claimed (None: nothing to test); `remarks`: in words.
+    """
+
+    name: str
+    samples: int
+    duration: float
+    rate: float
+    frequency: float
+    periods: float | None
+    amplitude: float
+    distortion: float | None
+    samples_per_period: float
+    clipped: float
+    drift: float
+    size: float
+    noise: NoiseFloor
+    start_fits: bool | None
+    remarks: tuple[str, ...]
+
+
+def judge(record: Trace) -> Judgement:
+    """Judges a time record by its data alone."""
+    n = len(record.time)
+    rate = 1.0 / record.step
+    frequency = drive_frequency(record) / (2 * math.pi)
+    size = float(np.std(record.response))
+    fits, words = _start(record)
+    drift = _drift(record)
+    distortion = _distortion(record)
+    remarks = [words] if words else []
+    spread = record.noise.sigma / math.sqrt(n / 4)
+    if abs(drift) > max(6 * spread, 0.02 * size):
+        remarks.append("the mean response changes from the first quarter to the last")
+    if distortion is not None and distortion > 0.02:
+        remarks.append(f"the drive is not a pure sine: its harmonics are {distortion:.1%} of its fundamental")
+    if record.noise.relative_error > 0.25:
+        remarks.append("the noise floor is uncertain: give it in the campaign if it is known")
+    if size < 3 * record.noise.sigma:
+        remarks.append("there is hardly any response above the noise")
+    return Judgement(
+        name=record.name,
+        samples=n,
+        duration=record.step * (n - 1),
+        rate=rate,
+        frequency=frequency,
+        periods=None if record.period is None else n / record.period,
+        amplitude=float(np.ptp(record.drive)) / 2,
+        distortion=distortion,
+        samples_per_period=rate / frequency if frequency > 0 else math.inf,
+        clipped=clipped_fraction(record.response),
+        drift=drift,
+        size=size,
+        noise=record.noise,
+        start_fits=fits,
+        remarks=tuple(remarks),
+    )
+
+
+def _distortion(record: Trace) -> float | None:
+    """rms of harmonics 2…10 over the fundamental, if the fundamental dominates."""
+    period = record.period
+    if period is None or period < 3:
+        return None
+    count = min(10, int(period / 2 - 0.5))
+    if count < 2 or len(record.drive) < 4 * count:
+        return None
+    weights = least_squares(fourier_basis(len(record.drive), period, count), record.drive)
+    power = weights[1::2] ** 2 + weights[2::2] ** 2
+    if power[0] < 0.5 * float(np.var(record.drive)):
+        return None
+    return math.sqrt(float(np.sum(power[1:])) / float(power[0]))
+
+
+def _whole_quarter(record: Trace) -> int:
+    quarter = max(len(record.time) // 4, 1)
+    if record.period is None or record.period > quarter:
+        return quarter
+    return max(1, round(int(quarter / record.period) * record.period))
+
+
+def _drift(record: Trace) -> float:
+    quarter = _whole_quarter(record)
+    return float(np.mean(record.response[-quarter:]) - np.mean(record.response[:quarter]))
+
+
+def _start(record: Trace) -> tuple[bool | None, str]:
+    """Whether the claimed start agrees with the data, and a sentence if it does not."""
+    response, sigma = record.response, record.noise.sigma
+    size = float(np.max(np.abs(response - np.mean(response))))
+    if record.start == "rest":
+        first = float(np.mean(response[:2]))
+        if abs(first) > 5 * sigma + 0.05 * size:
+            return False, 'start = "rest", but the response does not begin at zero'
+        typical = float(np.sqrt(np.mean(np.diff(response) ** 2)))
+        slope = float(np.mean(np.diff(response[:3])))
+        if abs(slope) > 4 * sigma + 0.7 * typical:
+            return False, 'start = "rest", but the response is moving at the first sample'
+        return True, ""
+    if record.start == "steady":
+        if record.period is None:
+            return False, 'start = "steady", but the drive is not periodic'
+        quarter = _whole_quarter(record)
+        early, late = (float(np.std(part)) for part in (response[:quarter], response[-quarter:]))
+        allowed = 0.03 * late + 4 * sigma / math.sqrt(quarter)
+        if abs(early - late) > allowed:
+            return False, 'start = "steady", but the amplitude of the response still changes'
+        return True, ""
+    return None, ""
