@@ -118,7 +118,7 @@ def _value(parameter: Parameter) -> float:
 
 
 def _typical(unit: str) -> float:
-    return {"m": _DISPLACEMENT, "m/s": _VELOCITY, "V": 0.3 * _VOLTAGE, "N": 1e-4}.get(unit, 0.3)
+    return {"m": 0.4 * _DISPLACEMENT, "m/s": 0.4 * _VELOCITY, "V": 0.3 * _VOLTAGE, "N": 1e-4}.get(unit, 0.3)
 
 
 _FIELD_UNITS = {"modulus": "Pa", "thickness": "m", "width": "m", "length": "m", "mass": "kg", "voltage": "V",

@@ -7,10 +7,10 @@ import importlib
 import importlib.util
 import pkgutil
 import traceback
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
-from typing import Iterable, Mapping
 
 from ..errors import UserError
 from .dimensions import check_units
@@ -31,15 +31,15 @@ def built_in() -> Registry:
 def registry(files: Iterable[Path] = ()) -> Registry:
     """The library and the effects defined in the user's files.
 
-    **Raises:** UserError, naming file and line, if a file cannot be run, defines no effect, takes a name that exists, or
-    defines one whose units do not match.
+    **Raises:** UserError, naming file and line, if a file cannot be run, defines no effect, takes a name that exists,
+    or defines one whose units do not match.
     """
     found = dict(built_in())
     for file in files:
         for effect in _load(Path(file)):
             if effect.name in found:
                 raise UserError(
-                    f"the name {effect.name!r} is taken", where=str(file), do="give the effect another name"
+                    f"the name {effect.name!r} is taken", where=_place(effect, file), do="give the effect another name"
                 )
             found[effect.name] = effect
     return found
@@ -84,12 +84,18 @@ def _load(file: Path) -> list[type[AbstractEffect]]:
         )
     for effect in effects:
         try:
-            check_units(effect, where=str(file))
+            check_units(effect, where=_place(effect, file))
         except UserError as error:
-            raise UserError(error.what, where=error.where or str(file), do=error.do) from error
+            raise UserError(error.what, where=error.where or _place(effect, file), do=error.do) from error
         except Exception as error:  # as above: the formulas are the user's too
             raise _failure(error, file) from error
     return effects
+
+
+def _place(effect: type[AbstractEffect], file: Path) -> str:
+    lines = file.read_text(encoding="utf-8").splitlines()
+    number = next((i for i, line in enumerate(lines, 1) if line.startswith(f"class {effect.__name__}")), 1)
+    return f"{file}, line {number}"
 
 
 def _failure(error: Exception, file: Path) -> UserError:

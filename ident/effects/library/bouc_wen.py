@@ -1,7 +1,7 @@
 """Hysteresis of the suspension: friction that first bends, then slips."""
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
-from ..memory import slip
+from ..memory import slip, within
 
 
 class BoucWen(AbstractEffect):
@@ -26,7 +26,7 @@ class BoucWen(AbstractEffect):
     sharpness = shape("1", "sharpness of the yield, n", grid=(1.0, 2.0))
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
-        return -self.friction * state.hidden[0]
+        return -self.friction * within(state.hidden[0])
 
     def state0(self) -> tuple[Scalar, ...]:
         return (0.0,)

@@ -1,7 +1,7 @@
 """Hysteresis of the piezoelectric drive as one yielding element."""
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
-from ..memory import slip
+from ..memory import slip, within
 
 
 class BoucWenDrive(AbstractEffect):
@@ -26,7 +26,7 @@ class BoucWenDrive(AbstractEffect):
     sharpness = shape("1", "sharpness of the yield, n", grid=(1.0, 2.0))
 
     def drive(self, hidden: tuple[Scalar, ...], drive: Drive, t: Scalar) -> Scalar:
-        return -drive.gain * self.loop * hidden[0]
+        return -drive.gain * self.loop * within(hidden[0])
 
     def state0(self) -> tuple[Scalar, ...]:
         return (0.0,)

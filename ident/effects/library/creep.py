@@ -9,7 +9,7 @@ class Creep(AbstractEffect):
     """Domains follow the field late: F = G [m (q₁ + q₂ + q₃)/3 + c V ln(1 + t/τ)], τ_j q̇_j = V − q_j, τ_j = τ s^(j−2).
 
     m is the part of the strain that comes late. Three times spread by a factor s ≈ 6 follow the logarithmic creep 1 +
-    γ log₁₀(t/t₀) of PZT over two decades (m ≈ 2.3 γ); s near 1 is one exponential. c is growth of the whole response
+    γ log₁₀(t/t₀) of PZT over two decades (m ≈ 2.6 γ); s near 1 is one exponential. c is growth of the whole response
     with the logarithm of the time since switching-on, as of domains freed by the alternating drive. Typical: γ = 1-2
     % per decade. Records at one frequency do not tell creep from a lag.
     """

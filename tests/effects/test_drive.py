@@ -1,0 +1,142 @@
+"""Laws of the drive against independent solutions, hysteresis against exact play operators."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ident.effects.effect import Drive, State
+from tests.effects.harness import (
+    DURATION,
+    GAIN,
+    OMEGA0,
+    SAMPLES,
+    TIME,
+    TONES,
+    Physics,
+    assert_agrees,
+    make,
+    measured,
+    reference,
+    voltage,
+    voltage_rate,
+)
+
+SMOOTH, KINKED = 1e-5, 2e-3
+
+
+def plays(signal: np.ndarray, half_width: float) -> np.ndarray:
+    """The exact play operator on a finely sampled signal, from rest."""
+    follower = np.zeros_like(signal)
+    for i in range(1, len(signal)):
+        follower[i] = min(max(follower[i - 1], signal[i] - half_width), signal[i] + half_width)
+    return follower
+
+
+def of_time(values: np.ndarray, fine: np.ndarray):
+    return lambda t: np.interp(t, fine, values)
+
+
+def test_electrostriction():
+    physics = Physics(lambda t, z, v, h: 0.02 * GAIN * voltage(t) ** 2)
+    assert_agrees(make("electrostriction", share=0.02), physics, SMOOTH)
+
+
+def test_polynomial_hysteresis_of_a_generic_oscillator():
+    omega = TONES[0][1]
+    physics = Physics(lambda t, z, v, h: -2e-3 * voltage(t) ** 3 + 3e-3 * (voltage_rate(t) / omega) ** 3)
+    assert_agrees(make("pzt-hysteresis", eta=2e-3, zeta=3e-3), physics, SMOOTH)
+
+
+def test_creep_is_three_late_followers_and_a_growth():
+    times = (1e-3, 4e-3, 16e-3)
+    physics = Physics(
+        lambda t, z, v, h: GAIN * (0.3 * (h[0] + h[1] + h[2]) / 3 + 0.05 * voltage(t) * np.log(1 + t / 4e-3)),
+        lambda t, z, v, h: [(voltage(t) - q) / time for q, time in zip(h, times, strict=True)],
+        start=(0.0, 0.0, 0.0),
+    )
+    assert_agrees(make("creep", late=0.3, growth=0.05, time=4e-3, spread=4.0), physics, SMOOTH)
+
+
+def test_creep_after_a_step_is_logarithmic_over_two_decades():
+    # Jung & Gweon 2000: V (1 + γ log₁₀(t/t₀)); a sum of three exponentials, spread by 6, against the straight line.
+    decades = np.linspace(-1.0, 1.0, 81)
+    late = np.mean([1 - np.exp(-(10.0**decades) / 6.0**j) for j in (-1, 0, 1)], axis=0)
+    slope, start = np.polyfit(decades, late, 1)
+    assert np.max(np.abs(late - (start + slope * decades))) < 0.04
+    assert slope == pytest.approx(1 / 2.6, rel=0.03)  # m = 2.6 γ
+
+
+@pytest.mark.parametrize(
+    ("time", "accuracy"),
+    [(2e-6, 2e-3), (1e-5, 6e-3), (3e-5, 1e-2), (1e-4, 4e-3), (1e-3, 2e-5)],
+)
+def test_drive_lag_is_an_exact_lag_within_its_stated_accuracy(time, accuracy):
+    physics = Physics(
+        lambda t, z, v, h: GAIN * (h[0] - voltage(t)), lambda t, z, v, h: ((voltage(t) - h[0]) / time,), start=(0.0,)
+    )
+    assert_agrees(make("drive-lag", time=time, shortest=0.03 * 2 * np.pi / OMEGA0), physics, accuracy)
+
+
+def test_a_negative_drive_lag_is_a_lead():
+    shift = 3e-6
+    physics = Physics(lambda t, z, v, h: GAIN * (voltage(t + shift) - voltage(t)))
+    assert_agrees(make("drive-lag", time=-shift, shortest=6e-5), physics, 2e-2)
+
+
+@pytest.mark.parametrize("sharpness", [1.0, 2.0])
+@pytest.mark.parametrize("travel", [0.8, 3.0])
+def test_bouc_wen_drive_in_its_textbook_form(sharpness, travel):
+    def rates(t, z, v, h):
+        rate = voltage_rate(t)
+        bend = 0.5 * (abs(rate) * abs(h[0]) ** (sharpness - 1) * h[0] + rate * abs(h[0]) ** sharpness)
+        return ((rate - bend) / travel,)
+
+    physics = Physics(lambda t, z, v, h: -GAIN * 0.4 * h[0], rates, start=(0.0,))
+    assert_agrees(make("bouc-wen-drive", loop=0.4, travel=travel, sharpness=sharpness), physics, KINKED)
+
+
+def test_prandtl_ishlinskii_is_a_sum_of_exact_plays():
+    reach, weight, tilt = 6.0, 0.3, 0.1
+    fine = np.linspace(0.0, DURATION, 40 * SAMPLES + 1)
+    volts = voltage(fine)
+    behind = np.zeros_like(fine)
+    for j in range(6):
+        behind += (weight + tilt * (2 * j / 5 - 1)) * (volts - plays(volts, reach * (j + 0.5) / 6)) / 6
+    force = of_time(-GAIN * behind, fine)
+    effect = make("prandtl-ishlinskii", weight=weight, tilt=tilt, reach=reach)
+    assert_agrees(effect, Physics(lambda t, z, v, h: force(t)), 5e-3)
+
+
+def test_plays_stay_within_their_width_however_large_the_step():
+    # With the sensor far from resonance the reading shows the force: compare levels, not shapes.
+    effect = make("prandtl-ishlinskii", weight=0.3, reach=0.5)
+    fine = measured(effect, substeps=8)
+    coarse = measured(effect, substeps=1)
+    assert np.max(np.abs(coarse - fine)) < 0.05 * np.max(np.abs(fine))
+
+
+def test_the_loop_of_plays_does_not_depend_on_the_frequency():
+    # Rate independence: the same voltages in the same order give the same followers, at any speed.
+    effect = make("prandtl-ishlinskii", weight=0.3, reach=6.0)
+    swing = 7 * np.sin(2 * np.pi * np.linspace(0, 2, 2001))
+    loops = [_followers(effect, swing, duration) for duration in (1.0, 2.0**-10)]
+    np.testing.assert_allclose(loops[0], loops[1], rtol=0, atol=1e-9)
+
+
+def _followers(effect, volts: np.ndarray, duration: float) -> np.ndarray:
+    step = duration / (len(volts) - 1)
+    rate = np.gradient(volts, step)
+    hidden = np.zeros(len(effect.state0()))
+    path = []
+    for volt, slope in zip(volts[::20], rate[::20], strict=True):  # a coarse Euler march: the same steps for both
+        change = effect.rate(State(0.0, 0.0, tuple(hidden)), Drive(volt, slope, 1.0, 1.0), 0.0)
+        hidden = hidden + 20 * step * np.array([float(c) for c in change])
+        path.append(hidden)
+    return np.array(path)
+
+
+def test_the_reading_without_effects_is_the_reference():
+    truth = reference(Physics())
+    assert np.max(np.abs(measured(substeps=4) - truth)) < 1e-7 * np.max(np.abs(truth))
+    assert len(truth) == len(TIME)

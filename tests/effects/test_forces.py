@@ -1,0 +1,130 @@
+"""Stiffness, damping and contact: each law against SciPy with the formula written anew."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.effects.harness import (
+    DAMPING,
+    DURATION,
+    STIFFNESS,
+    Physics,
+    assert_agrees,
+    make,
+    measured,
+    voltage,
+)
+
+K, C = STIFFNESS, DAMPING
+SMOOTH, KINKED = 1e-5, 2e-3  # of the effect's own size, with 4 steps per sample
+
+SMOOTH_LAWS = {
+    "cubic-stiffness": (dict(k3=0.1 * K / 25e-12), lambda t, z, v, h: -0.1 * K * z * (z / 5e-6) ** 2),
+    "quadratic-stiffness": (dict(k2=0.1 * K / 5e-6), lambda t, z, v, h: -0.1 * K * z * z / 5e-6),
+    "static-force": (dict(force0=0.1 * K * 5e-6), lambda t, z, v, h: 0.1 * K * 5e-6),
+    "voltage-stiffness": (
+        dict(per_volt=0.01 * K, per_volt2=-0.002 * K),
+        lambda t, z, v, h: -K * z * (0.01 * voltage(t) - 0.002 * voltage(t) ** 2),
+    ),
+    "stiffness-drift": (
+        dict(rate0=-0.1 * K / 0.005, time=0.005),
+        lambda t, z, v, h: 0.1 * K * (1 - np.exp(-t / 0.005)) * z,
+    ),
+    "damping-drift": (
+        dict(rate0=C / DURATION, time=1e3 * DURATION),  # so slow that it is linear in time
+        lambda t, z, v, h: -C * t / DURATION * (1 - t / DURATION / 2e3) * v,
+    ),
+    "cubic-damping": (
+        dict(c3=2 * C / 4e-4, c_z=0.5 * C / 25e-12),
+        lambda t, z, v, h: -2 * C * v**3 / 4e-4 - 0.5 * C * z * z * v / 25e-12,
+    ),
+    "squeeze-film-damping": (
+        dict(damping=0.5 * C, gap=-12e-6),
+        lambda t, z, v, h: -0.5 * C * v * ((1 + z / 12e-6) ** -3 - 1),
+    ),
+}
+
+KINKED_LAWS = {
+    "quadratic-damping": (dict(c2=C / 2e-2), lambda t, z, v, h: -C * v * abs(v) / 2e-2),
+    "coulomb-friction": (
+        dict(friction=0.05 * C * 2e-2, velocity=4e-4),
+        lambda t, z, v, h: -0.05 * C * 2e-2 * np.tanh(v / 4e-4),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SMOOTH_LAWS)
+def test_smooth_law(name):
+    values, force = SMOOTH_LAWS[name]
+    assert_agrees(make(name, **values), Physics(force), SMOOTH)
+
+
+@pytest.mark.parametrize("name", KINKED_LAWS)
+def test_law_with_a_kink(name):
+    values, force = KINKED_LAWS[name]
+    assert_agrees(make(name, **values), Physics(force), KINKED)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
+@pytest.mark.parametrize(("above", "below"), [(3.0, 0.0), (0.0, 3.0), (2.0, 5.0)])
+def test_end_stop_is_a_bumper_or_a_hertzian_contact_on_either_side(exponent, above, below):
+    gap, lower = 2.5e-6, 2e-6
+
+    def force(t, z, v, h):
+        if z > gap:
+            return -above * K / gap ** (exponent - 1) * (z - gap) ** exponent
+        if z < -lower:
+            return below * K / gap ** (exponent - 1) * (-z - lower) ** exponent
+        return 0.0
+
+    stop = make("end-stop", above=above * K, below=below * K, gap=gap, exponent=exponent, asymmetry=lower / gap)
+    assert_agrees(stop, Physics(force), KINKED)
+
+
+def test_second_mode_is_a_second_oscillator_under_the_same_voltage():
+    travel, f2, q2 = 5e-8, 1300.0, 15.0
+    w2 = 2 * np.pi * f2
+    physics = Physics(
+        rates=lambda t, z, v, h: (h[1], w2**2 * (travel * voltage(t) - h[0]) - w2 / q2 * h[1]),
+        sensor=lambda t, z, v, h: h[0],
+        start=(0.0, 0.0),
+    )
+    assert_agrees(make("second-mode", travel=travel, period=1 / f2, quality=q2), physics, SMOOTH)
+
+
+@pytest.mark.parametrize("time", [1e-4, 3e-4, 5e-3])
+def test_viscoelastic_support_is_a_spring_behind_a_dashpot(time):
+    # Written with the force f of the Maxwell element as the state: f' = k v − f/τ.
+    physics = Physics(lambda t, z, v, h: -h[0], lambda t, z, v, h: (0.2 * K * v - h[0] / time,), start=(0.0,))
+    assert_agrees(make("viscoelastic-support", stiffness=0.2 * K, time=time), physics, SMOOTH)
+
+
+@pytest.mark.parametrize("sharpness", [1.0, 2.0])
+@pytest.mark.parametrize("travel", [4e-7, 3e-6])
+def test_bouc_wen_in_its_textbook_form(sharpness, travel):
+    friction = 0.3 * C * 2e-2
+
+    def rates(t, z, v, h):  # F' = k [v − (β |v| |F|ⁿ⁻¹ F + γ v |F|ⁿ)/F_yⁿ] with β = γ = 1/2
+        part = h[0] / friction
+        bend = 0.5 * (abs(v) * abs(part) ** (sharpness - 1) * part + v * abs(part) ** sharpness)
+        return (friction / travel * (v - bend),)
+
+    physics = Physics(lambda t, z, v, h: -h[0], rates, start=(0.0,))
+    effect = make("bouc-wen", friction=friction, travel=travel, sharpness=sharpness)
+    assert_agrees(effect, physics, KINKED)
+
+
+def test_bouc_wen_with_a_small_yield_is_coulomb_friction():
+    friction = 0.2 * C * 2e-2
+    slipping = measured(make("bouc-wen", friction=friction, travel=3e-8, sharpness=2.0), substeps=32)
+    dry = measured(make("coulomb-friction", friction=friction, velocity=2e-5), substeps=8)
+    assert np.max(np.abs(slipping - dry)) < 0.2 * np.max(np.abs(dry - measured()))
+
+
+@pytest.mark.parametrize("travel", [1e-12, 1e-10, 1e-8])  # m, where one step of the solver moves up to 4e-7 m
+def test_a_yield_far_below_the_step_still_bears_no_more_than_its_friction(travel):
+    friction = 0.2 * C * 2e-2
+    reading = measured(make("bouc-wen", friction=friction, travel=travel, sharpness=2.0))
+    dry = measured(make("coulomb-friction", friction=friction, velocity=2e-5), substeps=8)
+    assert np.max(np.abs(reading - dry)) < np.max(np.abs(dry - measured()))
