@@ -1,7 +1,7 @@
 """`ident`: finds the command, runs it, and turns whatever goes wrong into one line and an exit code.
 
-Exit codes: 0 success, 2 wrong usage or unusable input, 1 failure. A command is a file of this folder with a click command
-called `command`; it is imported only when it is needed, so that `ident --help` answers at once.
+Exit codes: 0 success, 2 wrong usage or unusable input, 1 failure. A command is a file of this folder with a click
+command called `command`; it is imported only when it is needed, so that `ident --help` answers at once.
 """
 
 from __future__ import annotations

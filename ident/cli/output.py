@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 import sys
 from collections.abc import Mapping
@@ -27,7 +26,9 @@ def say(text: str = "") -> None:
 
 def say_json(document: Mapping[str, Any]) -> None:
     """A JSON document as the result of a command."""
-    click.echo(json.dumps(document, indent=1, ensure_ascii=False, allow_nan=False))
+    from ident.report.run_folder import json_text
+
+    click.echo(json_text(document), nl=False)
 
 
 def width() -> int:

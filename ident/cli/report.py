@@ -19,10 +19,11 @@ def command(run: str) -> None:
     """
     from pathlib import Path
 
-    from ident.report.run_folder import load_run, write_page
+    from ident.report.html import write_report
+    from ident.report.run_folder import load_run, read_run
 
     progress("reading the run and compiling the model")
     fit = load_run(run)
     progress("writing the report")
-    write_page(fit, Path(run))
+    write_report(fit, Path(run), {"command": read_run(run)["command"]})
     say(str(Path(run) / "report.html"))

@@ -1,4 +1,4 @@
-"""The starter campaign of `ident new`: two records simulated by our own model, and an effect file that explains them."""
+"""The starter campaign of `ident new`: two records simulated by our own model, and the effect file behind them."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Profile likelihood: one parameter is held at values around its optimum and the others are fitted again.
 
-The square root of the rise of Σ r² against the parameter is a straight line where the error bar may be trusted. A profile
-that rises on both sides is closed; one that does not rise shows a parameter that the data leave open.
+The square root of the rise of Σ r² against the parameter is a straight line where the error bar may be trusted. A
+profile that rises on both sides is closed; one that does not rise shows a parameter that the data leave open.
 
 Source: D. M. Bates, D. G. Watts, Nonlinear Regression Analysis and Its Applications, 1988, §6.1.
 """
@@ -59,25 +59,28 @@ class Profile:
     @property
     def sentence(self) -> str:
         """The profile in words."""
+        low, high = self._shown(self.low), self._shown(self.high)
+        words = {
+            "closed": f"closed: between {low} and {high} (68 %)",
+            "one-sided": f"one-sided: below {high}, without lower limit" if self.low is None else
+                         f"one-sided: above {low}, without upper limit",
+            "flat": "flat: the records do not determine it",
+            "failed": f"failed: {self.failures} of {len(self.values)} fits did not converge; nothing follows from it",
+        }[self.kind]  # fmt: skip
+        text = f"Profile of {self.name} ({self._shown(self.optimum)}): {words}."
+        if self.better is None:
+            return text
+        at = self._shown(float(self.values[int(np.nanargmin(self.rise))]))
+        return f"{text} A better optimum lies near {at}: fit again from there, the present result is not the best."
+
+    def _shown(self, value: float | None) -> str:
+        """A value with two digits of the narrower half of the interval."""
+        if value is None:
+            return "none"
         ends = [end for end in (self.low, self.high) if end is not None and end != self.optimum]
         finest = min((abs(end / self.optimum - 1) for end in ends if self.optimum), default=1.0)
         digits = int(np.clip(2 - np.floor(np.log10(max(finest, 1e-12))), 3, 14))
-        shown = lambda value: format_quantity(value, self.unit, digits)
-        low, high = (None if end is None else shown(end) for end in (self.low, self.high))
-        words = {
-            "closed": f"closed: between {low} and {high} (68 %)",
-            "one-sided": f"one-sided: above {low}, without upper limit" if high is None else
-                         f"one-sided: below {high}, without lower limit",
-            "flat": "flat: the records do not determine it",
-            "failed": f"failed: {self.failures} of {len(self.values)} fits did not converge, so nothing follows from it",
-        }[self.kind]  # fmt: skip
-        text = f"Profile of {self.name} ({shown(self.optimum)}): {words}."
-        if self.better is not None:
-            at = float(self.values[int(np.argmin(np.where(np.isfinite(self.rise), self.rise, np.inf)))])
-            text += (
-                f" A better optimum lies near {shown(at)}: fit again from there, the present result is not the best."
-            )
-        return text
+        return format_quantity(value, self.unit, digits)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain numbers for a JSON file."""
@@ -198,7 +201,6 @@ def _judge(
         kind = "failed"
     best = min((p for p in points if p.converged), key=lambda p: p.rise, default=None)
     better = best.values if best is not None and best.rise < -_BETTER else None
-    physical = lambda x: None if x is None else float(np.exp(x) if logarithmic else x)
     return Profile(
         parameter.name,
         parameter.unit,
@@ -206,8 +208,8 @@ def _judge(
         np.exp(at) if logarithmic else at,
         rise,
         kind,
-        physical(low) if kind in ("closed", "one-sided") and closed[0] else None,
-        physical(high) if kind in ("closed", "one-sided") and closed[1] else None,
+        _physical(low, logarithmic) if kind != "failed" and closed[0] else None,
+        _physical(high, logarithmic) if kind != "failed" and closed[1] else None,
         better,
         failures,
     )
@@ -222,3 +224,9 @@ def _crossing(at: np.ndarray, rise: np.ndarray) -> float | None:
             share = (1.0 - root[k - 1]) / (root[k] - root[k - 1])
             return float(at[k - 1] + share * (at[k] - at[k - 1]))
     return None
+
+
+def _physical(at: float | None, logarithmic: bool) -> float | None:
+    if at is None:
+        return None
+    return float(np.exp(at)) if logarithmic else at

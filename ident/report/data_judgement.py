@@ -2,113 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 
 from ..campaign.campaign import Campaign
-from ..campaign.checks import clipped_fraction
 from ..campaign.device import Platform
 from ..campaign.drive import drive_frequency
+from ..campaign.judge import Judgement, judge
 from ..campaign.record import Record, Sweep, Trace
 from .drive_words import drive_sine, drive_words
-from .quantity import scale, show_in, significant
+from .quantity import Scale, scale, show_in, significant
 from .sheet import Column, Mark, Sheet
 
-_PURE = 0.99  # share of a drive's variance in its fundamental above which it is a clean sine
 _CLIPPED = 1e-3
 _SAME = 1.05  # ratio of two levels, frequencies or loads up to which they count as one
-
-
-class Judgement(NamedTuple):
-    """What a record is worth.
-
-    **Arguments:**
-
-    - `name`, `use` ("fitted" or "held out"), `n` samples, `rate` (Hz; of a sweep 0), `drive` in words.
-    - `purity`: share of the drive's variance in its fundamental; None if the drive is not periodic.
-    - `peak`: largest displacement from the mean, `noise`: the noise floor (SI), found by `method`, known to `noise_error`
-      (relative); `coloured`: whether neighbouring samples share noise.
-    - `clipped`: share of the response that sticks to a limit; `drift`: change of the mean over the record, SI.
-    - `remarks`: what is unusual, in words.
-    """
-
-    name: str
-    use: str
-    n: int
-    rate: float
-    drive: str
-    purity: float | None
-    peak: float
-    noise: float
-    noise_error: float
-    method: str
-    coloured: bool
-    clipped: float
-    drift: float
-    remarks: tuple[str, ...]
-
-
-def judge(record: Record, campaign: Campaign) -> Judgement:
-    """Judge one record by its own numbers."""
-    use = "held out" if record.holdout else "fitted"
-    noise = record.noise
-    if isinstance(record, Sweep):
-        levels = len(np.unique(np.round(record.level, 6)))
-        words = f"sweep {neat_range(record.frequency)} Hz, {levels} drive level{'s' if levels > 1 else ''}"
-        peak = float(np.max(record.amplitude))
-        return Judgement(record.name, use, len(record.frequency), 0.0, words, None, peak, noise.sigma,
-                         noise.relative_error, noise.method, bool(noise.ar), 0.0, 0.0, ())  # fmt: skip
-    sine = drive_sine(record)
-    peak = float(np.max(np.abs(record.response - np.mean(record.response))))
-    clipped, drift = clipped_fraction(record.response), _drift(record)
-    remarks = []
-    if clipped > _CLIPPED:
-        remarks.append(f"{clipped:.1%} of the response sticks to a limit")
-    if drift:
-        share = abs(drift) / noise.sigma
-        remarks.append(f"the mean drifts by {significant(share, 2)} noise floors")
-    if sine is not None and sine.share < _PURE:
-        remarks.append(f"only {sine.share:.1%} of the drive is its fundamental")
-    if peak < 10 * noise.sigma:
-        remarks.append(f"the response is only {significant(peak / noise.sigma, 2)} noise floors")
-    if noise.relative_error > 0.2:
-        remarks.append(f'the noise floor is known to {noise.relative_error:.0%} only; noise = "…" would settle it')
-    return Judgement(record.name, use, len(record.time), 1.0 / record.step, drive_words(record, campaign.device),
-                     None if sine is None else sine.share, peak, noise.sigma, noise.relative_error, noise.method,
-                     bool(noise.ar), clipped, drift, tuple(remarks))  # fmt: skip
-
-
-def neat_range(values: np.ndarray) -> str:
-    """ "400 to 560"."""
-    return f"{significant(float(np.min(values)), 3)} to {significant(float(np.max(values)), 3)}"
-
-
-def _drift(record: Trace) -> float:
-    """Change of the period's mean over the record, SI; 0 where it is not significant.
-
-    A transient moves the mean too, but ever less: a drift goes on in the last third as it went in the middle.
-    """
-    period = record.period
-    if period is None or len(record.response) < 12 * period:
-        return 0.0
-    count = int(len(record.response) // period)
-    edges = np.round(len(record.response) - period * np.arange(count, -1, -1)).astype(int)
-    means = np.array([record.response[a:b].mean() for a, b in zip(edges[:-1], edges[1:], strict=True)])
-    third = count // 3
-    middle, last = _trend(means[third : 2 * third]), _trend(means[2 * third :])
-    lasting = middle[0] * last[0] > 0 and 0.6 < abs(last[0]) / max(abs(middle[0]), 1e-300) < 1.7
-    change = last[0] * count
-    certain = abs(last[0]) > 4 * last[1] and abs(change) > record.noise.sigma
-    return float(change) if lasting and certain else 0.0
-
-
-def _trend(means: np.ndarray) -> tuple[float, float]:
-    """Slope per period of a straight line, and its standard error."""
-    at = np.arange(len(means)) - (len(means) - 1) / 2
-    slope = float(at @ means / (at @ at))
-    rest = means - means.mean() - slope * at
-    return slope, float(np.sqrt(rest @ rest / max(len(means) - 2, 1) / (at @ at)))
 
 
 def what_the_records_tell(campaign: Campaign) -> tuple[str, ...]:
@@ -145,8 +54,8 @@ def what_the_records_tell(campaign: Campaign) -> tuple[str, ...]:
         found.append(
             "Every held-out record repeats the conditions of a fitted one: it tests repeatability, not the model."
         )
-    return tuple(found) or ("Levels, frequencies and a held-out record differ: the linear part, what grows with amplitude "
-                            "and what has memory can be told apart in principle.",)  # fmt: skip
+    good = "Levels, frequencies and a held-out record differ: the linear part, what grows with amplitude and what has "
+    return tuple(found) or (good + "memory can be told apart in principle.",)
 
 
 def _level(record: Trace) -> float:
@@ -164,27 +73,42 @@ def _differs(record: Trace, others: tuple[Trace, ...]) -> bool:
 
 
 def judgement_sheet(campaign: Campaign) -> Sheet:
-    """All records in one table."""
-    judged = [judge(record, campaign) for record in campaign.records]
-    common = scale(max(j.noise for j in judged), "m", campaign.device)
-    rows = tuple(
-        (j.name, j.use, j.drive, str(j.n), significant(j.rate / 1e3, 3) if j.rate else "–",
-         show_in(j.peak, None, common, 3).value, show_in(j.noise, None, common, 3).value + ("*" if j.coloured else ""),
-         "; ".join(j.remarks) or "good")
-        for j in judged
-    )  # fmt: skip
-    marks: tuple[Mark, ...] = tuple("warning" if j.remarks else "" for j in judged)
+    """All records in one table: how each was driven, its size beside its noise floor, and what is unusual."""
+    common = scale(max(record.noise.sigma for record in campaign.records), "m", campaign.device)
+    rows = tuple(_row(record, campaign, common) for record in campaign.records)
+    marks: tuple[Mark, ...] = tuple("" if row[-1] == "good" else "warning" for row in rows)
     columns = (
-        Column("record", wraps=True), Column("use"), Column("drive", wraps=True), Column("n", True), Column("kHz", True),
-        Column(f"peak ({common.unit})", True), Column(f"noise ({common.unit})", True), Column("judgement", wraps=True),
+        Column("record", wraps=True), Column("use"), Column("drive", wraps=True), Column("n", True),
+        Column("kHz", True),
+        Column(f"rms ({common.unit})", True), Column(f"noise ({common.unit})", True), Column("judgement", wraps=True),
     )  # fmt: skip
-    coloured = any(j.coloured for j in judged)
-    note = (
-        "* coloured noise: neighbouring samples share part of it; error bars take that into account."
-        if coloured
-        else ""
-    )
-    return Sheet("Records", columns, rows, marks, note)
+    coloured = any(record.noise.ar for record in campaign.records)
+    note = "* coloured noise: neighbouring samples share part of it; error bars take that into account."
+    return Sheet("Records", columns, rows, marks, note if coloured else "")
+
+
+def _row(record: Record, campaign: Campaign, common: Scale) -> tuple[str, ...]:
+    use = "held out" if record.holdout else "fitted"
+    noise = show_in(record.noise.sigma, None, common, 3).value + ("*" if record.noise.ar else "")
+    if isinstance(record, Sweep):
+        size = float(np.sqrt(np.mean(record.amplitude**2)))
+        drive, n, rate, words = _sweep_words(record), len(record.frequency), "–", ""
+    else:
+        found = judge(record)
+        size, drive, n = found.size, drive_words(record, campaign.device), found.samples
+        rate, words = significant(found.rate / 1e3, 3), "; ".join(_remarks(found))
+    return (record.name, use, drive, str(n), rate, show_in(size, None, common, 3).value, noise, words or "good")
+
+
+def _remarks(found: Judgement) -> list[str]:
+    clipped = [f"{found.clipped:.1%} of the response sticks to a limit"] if found.clipped > _CLIPPED else []
+    return [*clipped, *found.remarks]
+
+
+def _sweep_words(record: Sweep) -> str:
+    low, high = (significant(float(f(record.frequency)), 3) for f in (np.min, np.max))
+    levels = len(np.unique(np.round(record.level, 6)))
+    return f"sweep {low} to {high} Hz, {levels} drive level{'s' if levels > 1 else ''}"
 
 
 def judgement_dict(campaign: Campaign) -> dict[str, Any]:
@@ -192,7 +116,16 @@ def judgement_dict(campaign: Campaign) -> dict[str, Any]:
     return {
         "format": 1,
         "title": campaign.title,
-        "records": [judge(record, campaign)._asdict() for record in campaign.records],
+        "records": [_as_dict(record, campaign) for record in campaign.records],
         "notes": list(campaign.notes),
         "tells_apart": list(what_the_records_tell(campaign)),
     }
+
+
+def _as_dict(record: Record, campaign: Campaign) -> dict[str, Any]:
+    common = {"file": record.name, "holdout": record.holdout, "noise": asdict(record.noise)}
+    if isinstance(record, Sweep):
+        return {**common, "kind": "sweep", "drive": _sweep_words(record), "samples": len(record.frequency)}
+    judged = asdict(judge(record))
+    own = {key: value for key, value in judged.items() if key not in ("name", "noise")}
+    return {**common, "kind": "trace", "drive": drive_words(record, campaign.device), **own}

@@ -23,6 +23,7 @@ from ..campaign import Campaign
 from ..errors import UserError
 from ..fit import Fit
 from ..model import Model
+from .html import write_report
 from .run_json import run_dict
 from .run_state import origin, rebuild, restore, state, versions
 
@@ -66,18 +67,8 @@ def write_run(
         for name, content in (documents or {}).items():
             write_json(temporary / name, content)
         report("writing the report")
-        write_page(fit, temporary, extra)
+        write_report(fit, temporary, {"command": command, **(extra or {})} if command else extra)
     return target
-
-
-def write_page(fit: Fit, folder: Path, extra: Mapping[str, Any] | None = None) -> None:
-    import importlib.util
-
-    if importlib.util.find_spec("ident.report.html") is None:
-        return
-    from .html import write_report
-
-    write_report(fit, folder, extra or {})
 
 
 def read_run(folder: PathLike) -> dict[str, Any]:
@@ -113,11 +104,15 @@ def read_lineage(folder: PathLike) -> list[dict[str, Any]]:
 
 
 def write_json(path: Path, document: Any) -> None:
-    """Write a JSON file whole or not at all; a number that is not finite becomes null."""
-    text = json.dumps(_plain(document), indent=1, ensure_ascii=False, allow_nan=False)
+    """Write a JSON file whole or not at all."""
     beside = path.with_name(path.name + ".part")
-    beside.write_text(text + "\n", encoding="utf-8")
+    beside.write_text(json_text(document), encoding="utf-8")
     beside.replace(path)
+
+
+def json_text(document: Any) -> str:
+    """A document as JSON; a number that is not finite becomes null."""
+    return json.dumps(_plain(document), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def check_target(target: Path, force: bool) -> None:
