@@ -157,6 +157,31 @@ def _runge_kutta(f: Any, y: tuple[Array, ...], at: list[tuple[Array, ...]], h: A
     return tuple(a + h / 6 * (p + 2 * q + 2 * r + s) for a, p, q, r, s in zip(y, k1, k2, k3, k4, strict=True))
 
 
+def rates_along(effect: AbstractEffect, system: System, lane: Lane, z: Array, v: Array) -> tuple[Array, ...]:
+    """Hidden states of one effect along a given motion (2 n + 1,), on the half-step grid; midpoints are interpolated."""
+    initial = tuple(jnp.asarray(h) + 0.0 * system.stiffness for h in effect.state0())
+    if not initial:
+        return ()
+    grids = (z, v, lane.voltage, lane.rate, half_step_time(lane))
+    inputs = tuple((grid[:-1:2], grid[1::2], grid[2::2]) for grid in grids)
+
+    def rate(hidden: tuple[Array, ...], at: tuple[Array, ...]) -> tuple[Array, ...]:
+        z, v, voltage, slope, t = at
+        return effect.rate(State(z, v, hidden), Drive(voltage, slope, system.omega, system.gain), t)
+
+    def advance(hidden: tuple[Array, ...], x: Any) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
+        hidden = _runge_kutta(rate, hidden, [tuple(grid[i] for grid in x) for i in range(3)], lane.step)
+        return hidden, hidden
+
+    _, path = lax.scan(advance, initial, inputs)
+    whole = tuple(jnp.concatenate([a[None], b]) for a, b in zip(initial, path, strict=True))
+    return tuple(_with_midpoints(h) for h in whole)
+
+
+def _with_midpoints(x: Array) -> Array:
+    return jnp.concatenate([jnp.stack([x[:-1], (x[:-1] + x[1:]) / 2], axis=1).ravel(), x[-1:]])
+
+
 def _reading(system: System, path: tuple[Array, ...], lane: Lane, half_time: Array, stride: int) -> Array:
     reading = path[0]
     voltage, rate, time = (grid[::stride] for grid in (lane.voltage, lane.rate, half_time))

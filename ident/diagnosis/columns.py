@@ -1,0 +1,150 @@
+"""What a small change of a model would add to the readings, evaluated along the trajectory that was measured.
+
+If the true motion is z and the model's is ẑ, their difference obeys the model's own linearised dynamics, driven by what
+the model lacks, evaluated on z. For a linear model this is exact however large the missing effect; the rows below are
+therefore good regressors for effects that no local expansion around the wrong model would describe.
+
+Source: C. R. Rao, Large sample tests of statistical hypotheses, 1948, Proc. Camb. Phil. Soc. 44 (score test); the
+evaluation on the measured motion follows S. F. Masri, T. K. Caughey, 1979, J. Appl. Mech. 46 (restoring force surface).
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jax import Array, lax
+
+from ..effects.effect import Drive, State
+from ..response import Equation
+from ..response.transient import Lane, System, assemble, half_step_time, rates_along
+from .trajectory import Path
+
+
+@eqx.filter_jit
+def columns(equation: Equation, substeps: int, values: Array, directions: Array, lanes: Lane, path: Path) -> Array:
+    """Change of the readings per unit change of the parameters along each direction.
+
+    **Arguments:** `values` and `directions`, (d, m): at which parameter values, and along which direction, each column
+    is taken; all must agree in the effects that are on. `path`: (lanes, 2 n + 1).
+
+    **Returns:** (d, lanes, samples), m per unit of the direction.
+    """
+    return jax.vmap(partial(_lane_columns, equation, substeps, values, directions), out_axes=1)(lanes, path)
+
+
+def _lane_columns(equation: Equation, substeps: int, values: Array, directions: Array, lane: Lane, path: Path) -> Array:
+    def acting(at: Array) -> tuple[Array, Array]:
+        return _force_and_sensor(equation, 2 * substeps, at, lane, path)
+
+    pushed, seen = jax.vmap(lambda at, along: jax.jvp(acting, (at,), (along,))[1])(values, directions)
+    system = assemble(equation, values[0], lane)
+    stiffness, damping = _linearised(system, lane, path)
+    z, v = _respond(pushed / system.mass, stiffness, damping, lane.step, substeps)
+    by_z, by_v = _sensor_slopes(system, lane, path, 2 * substeps)
+    return seen + by_z * z + by_v * v
+
+
+@eqx.filter_jit
+def push_columns(equation: Equation, substeps: int, values: Array, pushes: Array, lanes: Lane, path: Path) -> Array:
+    """Change of the readings by given extra forces on the stage.
+
+    **Arguments:** `values`, (m,); `pushes`, (d, lanes, 2 n + 1) N on the half-step grid.
+
+    **Returns:** (d, lanes, samples), m.
+    """
+
+    def one(lane: Lane, path: Path, push: Array) -> Array:
+        system = assemble(equation, values, lane)
+        z, v = _respond(push / system.mass, *_linearised(system, lane, path), lane.step, substeps)
+        by_z, by_v = _sensor_slopes(system, lane, path, 2 * substeps)
+        return by_z * z + by_v * v
+
+    return jax.vmap(one, in_axes=(0, 0, 1), out_axes=1)(lanes, path, pushes)
+
+
+def _hidden(system: System, lane: Lane, path: Path) -> tuple[tuple[Array, ...], ...]:
+    """Each effect's hidden states along a given motion, on the half-step grid."""
+    return tuple(rates_along(effect, system, lane, path.z, path.v) for effect in system.effects)
+
+
+def _force_and_sensor(equation: Equation, stride: int, values: Array, lane: Lane, path: Path) -> tuple[Array, Array]:
+    """Total force on the stage on the half-step grid, and the sensor's addition at the samples, on a given motion."""
+    system = assemble(equation, values, lane)
+    time = half_step_time(lane)
+    force = system.gain * lane.voltage - system.damping * path.v - system.stiffness * path.z
+    seen = jnp.zeros_like(time[::stride])
+    for effect, hidden in zip(system.effects, _hidden(system, lane, path), strict=True):
+        drive = lambda v, r: Drive(v, r, system.omega, system.gain)
+        if effect.overrides("force"):
+            one = lambda z, v, h, u, r, t, e=effect: e.force(State(z, v, h), drive(u, r), t)
+            force = force + jax.vmap(one)(path.z, path.v, hidden, lane.voltage, lane.rate, time)
+        if effect.overrides("drive"):
+            one = lambda h, u, r, t, e=effect: e.drive(h, drive(u, r), t)
+            force = force + jax.vmap(one)(hidden, lane.voltage, lane.rate, time)
+        if effect.overrides("sensor"):
+            thin = lambda x: x[::stride]
+            one = lambda z, v, h, u, r, t, e=effect: e.sensor(State(z, v, h), drive(u, r), t)
+            arguments = (path.z, path.v, hidden, lane.voltage, lane.rate, time)
+            seen = seen + jax.vmap(one)(*jax.tree.map(thin, arguments))
+    return force, seen
+
+
+def _linearised(system: System, lane: Lane, path: Path) -> tuple[Array, Array]:
+    """−∂a/∂z and −∂a/∂v along the motion, hidden states held."""
+    time = half_step_time(lane)
+
+    def acceleration(z: Array, v: Array, hidden: Any, u: Array, r: Array, t: Array) -> Array:
+        drive = Drive(u, r, system.omega, system.gain)
+        force = -system.damping * v - system.stiffness * z
+        for effect, own in zip(system.effects, hidden, strict=True):
+            if effect.overrides("force"):
+                force = force + effect.force(State(z, v, own), drive, t)
+        return -force / system.mass
+
+    both = jax.vmap(jax.jacfwd(acceleration, argnums=(0, 1)))
+    return both(path.z, path.v, _hidden(system, lane, path), lane.voltage, lane.rate, time)
+
+
+def _sensor_slopes(system: System, lane: Lane, path: Path, stride: int) -> tuple[Array, Array]:
+    """∂(reading)/∂z and ∂(reading)/∂v at the samples."""
+    time = half_step_time(lane)
+
+    def reading(z: Array, v: Array, hidden: Any, u: Array, r: Array, t: Array) -> Array:
+        drive = Drive(u, r, system.omega, system.gain)
+        extra = [
+            effect.sensor(State(z, v, own), drive, t)
+            for effect, own in zip(system.effects, hidden, strict=True)
+            if effect.overrides("sensor")
+        ]
+        return z + sum(extra, 0.0 * v)
+
+    arguments = (path.z, path.v, _hidden(system, lane, path), lane.voltage, lane.rate, time)
+    return jax.vmap(jax.jacfwd(reading, argnums=(0, 1)))(*jax.tree.map(lambda x: x[::stride], arguments))
+
+
+def _respond(push: Array, stiffness: Array, damping: Array, h: Array, substeps: int) -> tuple[Array, Array]:
+    """Linear time-varying response to (d, 2 n + 1) accelerations, at rest before; (d, samples) each."""
+    grids = (push.T, stiffness, damping)
+    inputs = tuple((grid[:-1:2], grid[1::2], grid[2::2]) for grid in grids)
+
+    def step(y: tuple[Array, Array], x: Any) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        (p0, pm, p1), (k0, km, k1), (c0, cm, c1) = x
+        z, v = y
+        a1 = p0 - k0 * z - c0 * v
+        za, va = z + h / 2 * v, v + h / 2 * a1
+        a2 = pm - km * za - cm * va
+        zb, vb = z + h / 2 * va, v + h / 2 * a2
+        a3 = pm - km * zb - cm * vb
+        zc, vc = z + h * vb, v + h * a3
+        a4 = p1 - k1 * zc - c1 * vc
+        y = (z + h / 6 * (v + 2 * va + 2 * vb + vc), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4))
+        return y, y
+
+    rest = jnp.zeros_like(push[:, 0])
+    _, (z, v) = lax.scan(step, (rest, rest), inputs)
+    thin = lambda x: jnp.concatenate([rest[:, None], x[substeps - 1 :: substeps].T], axis=1)
+    return thin(z), thin(v)

@@ -1,0 +1,221 @@
+"""Which effect is missing: score statistics of every candidate, from the one definition of each effect.
+
+The residual of the fit is regressed on what each candidate would add to the readings, after everything that the model can
+already absorb (its parameters, initial states, mains hum) is projected out. Shapes are tried on their grids. The drop of
+χ² ranks the candidates; whether the best one is real is judged after whitening by the colour of what is left, so that
+coloured noise raises no alarm.
+
+Source: C. R. Rao, 1948, Proc. Camb. Phil. Soc. 44, 50; L. G. Godfrey, Misspecification Tests in Econometrics, 1988, §1.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy import stats
+from scipy.signal import lfilter
+
+from ..campaign.device import Platform
+from ..effects.effect import AbstractEffect
+from ..errors import UserError
+from ..fit import Fit
+from ..fit.problem import evaluate
+from ..model import Model
+from ..response import Equation
+from .columns import columns
+from .trajectory import Scene, lay_out
+from .whiten import Piece, make_piece, prediction_filter, whiten
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """A fit prepared for regressions: whitened residual (n,) without what the model absorbs, and how to project a column.
+
+    **Arguments:** `starts`: first sample of each record within n; `absorbed`: (n, q) orthonormal.
+    """
+
+    fit: Fit
+    scene: Scene
+    pieces: tuple[Piece, ...]
+    starts: tuple[int, ...]
+    absorbed: np.ndarray
+    residual: np.ndarray
+
+    @property
+    def n(self) -> int:
+        return len(self.residual)
+
+    @property
+    def chi2(self) -> float:
+        return float(self.residual @ self.residual)
+
+    def project(self, stacked: np.ndarray) -> np.ndarray:
+        """Whitened rows (k, n) without what the model absorbs."""
+        return stacked - (stacked @ self.absorbed) @ self.absorbed.T
+
+
+class Candidate(NamedTuple):
+    """A possible missing effect.
+
+    **Arguments:**
+
+    - `drop`: predicted fall of χ²; `predicted_gain`: the same as a share of the excess over noise; `dof`: columns used.
+    - `p_value`: probability of such a fall by chance, coloured noise allowed for.
+    - `values`: estimated parameters by short name (SI), the shapes at their best grid point; `errors`: of the amplitudes.
+    - `signature`: (dof, n) orthonormal projected columns, by which candidates are compared.
+    """
+
+    name: str
+    drop: float
+    predicted_gain: float
+    dof: int
+    p_value: float
+    values: Mapping[str, float]
+    errors: Mapping[str, float]
+    signature: np.ndarray
+
+
+_ABSORBED = 1e-3  # share of a column that must survive the projection for it to say anything new
+
+
+def prepare(fit: Fit) -> Bench:
+    """Lay out a fit for regressions."""
+    scene = lay_out(fit)
+    records = fit.campaign.fitted
+    found = evaluate(scene.static, scene.data, scene.unknowns)
+    pieces = []
+    for record, (g, lane, n) in zip(records, scene.layout.places, strict=True):
+        rows = np.asarray(found.by_start[g][:, lane, :n]) if record.start != "rest" else None
+        pieces.append(make_piece(record, rows))
+    lengths = [len(r.time) - r.skip for r in records]
+    starts = tuple(int(x) for x in np.concatenate([[0], np.cumsum(lengths)[:-1]]))
+    bench = Bench(fit, scene, tuple(pieces), starts, np.zeros((sum(lengths), 0)), np.zeros(sum(lengths)))
+    free = list(scene.static.free)
+    directions = np.eye(len(fit.values))[free] * np.where(fit.values[free] == 0, 1.0, fit.values[free])[:, None]
+    known = stack(bench, fit.model, np.tile(fit.values, (len(free), 1)), directions)
+    residual = np.concatenate([whiten(piece, r[None])[0] for piece, r in zip(pieces, scene.residuals, strict=True)])
+    absorbed = _orthonormal(known)
+    return Bench(fit, scene, tuple(pieces), starts, absorbed, residual - absorbed @ (absorbed.T @ residual))
+
+
+def stack(bench: Bench, model: Model, values: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """Whitened columns of all fitted records, (d, n)."""
+    scene, equation = bench.scene, Equation(model)
+    found = [
+        np.asarray(columns(equation, substeps, values, directions, group.lanes, path))
+        for substeps, group, path in zip(scene.static.substeps, scene.data.groups, scene.paths, strict=True)
+    ]
+    return by_record(bench, found)
+
+
+def by_record(bench: Bench, found: Sequence[np.ndarray]) -> np.ndarray:
+    """Readings (d, lanes, samples) per group as whitened rows of all fitted records, (d, n)."""
+    places = zip(bench.pieces, bench.scene.layout.places, strict=True)
+    return np.concatenate([whiten(piece, found[g][:, lane, :n]) for piece, (g, lane, n) in places], axis=1)
+
+
+def _orthonormal(rows: np.ndarray, like: np.ndarray | None = None) -> np.ndarray:
+    """Orthonormal basis (n, q) of the span of rows (k, n), ignoring those that are negligible against `like`."""
+    lengths = np.linalg.norm(rows if like is None else like, axis=1)
+    usable = np.isfinite(lengths) & (lengths > 0)
+    if not np.any(usable):
+        return np.zeros((rows.shape[1], 0))
+    u, s, _ = np.linalg.svd((rows[usable] / lengths[usable, None]).T, full_matrices=False)
+    return u[:, s > _ABSORBED * (1.0 if like is not None else 1e-4)]
+
+
+def score(bench: Bench, library: Mapping[str, type[AbstractEffect]]) -> list[Candidate]:
+    """Every candidate of the library that the model does not have, best first."""
+    found = [_score_one(bench, effect) for effect in library.values() if effect.name not in bench.fit.model.names]
+    return sorted((c for c in found if c is not None), key=lambda c: -(c.drop - c.dof * np.log(bench.n)))
+
+
+def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
+    if effect.platform_only and not isinstance(bench.fit.model.device, Platform):
+        return None
+    settings = {k: v for k, v in bench.fit.campaign.settings.get(effect.name, {}).items() if isinstance(v, str)}
+    try:
+        model = bench.fit.model + effect(None, settings)
+    except UserError:  # it builds on an effect that is not there
+        return None
+    instance = model.effects[-1]
+    first = len(bench.fit.values)
+    amplitudes = [i for i, p in enumerate(instance.declared()) if p.kind == "amplitude" and (p.fitted or p.default)]
+    points = _grid(instance, bench)
+    values = np.array([np.concatenate([bench.fit.values, point]) for point in points for _ in amplitudes])
+    directions = np.array([np.eye(values.shape[1])[first + a] for _ in points for a in amplitudes])
+    raw = stack(bench, model, values, directions)
+    projected = bench.project(raw)
+    best = None
+    for k, point in enumerate(points):
+        rows = slice(k * len(amplitudes), (k + 1) * len(amplitudes))
+        basis = _orthonormal(projected[rows], raw[rows])
+        drop = float(np.sum((basis.T @ bench.residual) ** 2))
+        if basis.shape[1] and (best is None or drop > best[0]):
+            best = (drop, point, basis, projected[rows])
+    if best is None:
+        return None
+    drop, point, basis, rows = best
+    size, _, _, _ = np.linalg.lstsq(rows.T, bench.residual, rcond=1e-10)
+    spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv(rows @ rows.T, rcond=1e-12)), 0.0))
+    names = [p.name for p in instance.declared()]
+    estimate = dict(zip(names, (float(x) for x in point), strict=True))
+    estimate |= {names[a]: float(x) for a, x in zip(amplitudes, size, strict=True)}
+    errors = {names[a]: float(x) for a, x in zip(amplitudes, spread, strict=True)}
+    tried = basis.shape[1] + len(instance.declared()) - len(amplitudes)
+    excess = max(bench.chi2 - bench.n, 1e-9)
+    p = chance(bench, basis, tried)
+    return Candidate(effect.name, drop, min(drop / excess, 1.0), tried, p, estimate, errors, basis.T)
+
+
+def _grid(effect: AbstractEffect, bench: Bench) -> list[np.ndarray]:
+    """Every combination of the shapes' grids, amplitudes at zero, SI."""
+    axes = []
+    for p in effect.declared():
+        if p.kind == "amplitude":
+            axes.append([0.0])
+        else:
+            told = bench.fit.campaign.settings.get(effect.name, {}).get(p.name)
+            grid = p.grid if p.fitted or len(p.grid) == 1 else (p.default,)
+            axes.append(
+                [float(told)] if isinstance(told, float) else [g * getattr(bench.fit.scales, p.scale) for g in grid]
+            )
+    return [np.array(point) for point in itertools.product(*axes)]
+
+
+def chance(bench: Bench, basis: np.ndarray, tried: int) -> float:
+    """Probability of such a fall of χ² by chance, the colour of what is left taken into account.
+
+    What remains after the candidate is modelled as autoregressive noise of order 12, record by record; candidate and
+    residual are whitened with it and the F test is made there.
+    """
+    left = bench.residual - basis @ (basis.T @ bench.residual)
+    ends = [*bench.starts[1:], bench.n]
+    y, x = [], []
+    for first, last in zip(bench.starts, ends, strict=True):
+        part = left[first:last]
+        taps = prediction_filter(part[None])
+        size = float(np.std(lfilter(taps, [1.0], part))) or 1.0
+        y.append(lfilter(taps, [1.0], bench.residual[first:last]) / size)
+        x.append(lfilter(taps, [1.0], basis[first:last], axis=0) / size)
+    target, regressors = np.concatenate(y), np.concatenate(x)
+    q, _ = np.linalg.qr(regressors)
+    drop = float(np.sum((q.T @ target) ** 2))
+    freedom = bench.n - tried - bench.absorbed.shape[1]
+    rest = (float(target @ target) - drop) / freedom
+    return float(stats.f.sf(drop / tried / max(rest, 1e-300), tried, freedom))
+
+
+def confusability(one: Candidate, other: Candidate) -> float:
+    """Share of one candidate's signature that the other can mimic, 0 to 1."""
+    overlap = other.signature @ one.signature.T
+    return float(np.sum(overlap**2) / one.signature.shape[0])
+
+
+def significant(candidates: Sequence[Candidate], alarms: float = 0.002) -> list[Candidate]:
+    """Those that chance would produce with at most the given probability, however many were tried (Bonferroni)."""
+    return [c for c in candidates if c.p_value * len(candidates) < alarms]

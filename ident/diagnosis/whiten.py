@@ -1,0 +1,72 @@
+"""Residuals and columns in units of white noise, record by record, with what is known to be a nuisance projected out."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import solve_toeplitz
+from scipy.signal import lfilter
+
+from ..campaign.record import Trace
+
+MAINS = (50.0, 60.0)  # Hz; hum is a nuisance of the laboratory, never a property of the device
+_ORDER = 12
+
+
+class Piece(NamedTuple):
+    """How one record is whitened: samples counted, prediction-error filter, scale, and local nuisance directions.
+
+    **Arguments:** `counted`: slice of the record; `filter`: (k,) FIR coefficients; `scale`: of the white noise, m;
+    `basis`: (n, q) orthonormal, already whitened: initial states and mains hum.
+    """
+
+    counted: slice
+    filter: np.ndarray
+    scale: float
+    basis: np.ndarray
+
+
+def make_piece(record: Trace, by_start: np.ndarray | None) -> Piece:
+    """Whitening of one record by its noise floor; `by_start` (2, n) if its initial state is fitted."""
+    ar = np.asarray(record.noise.ar, float)
+    taps = np.concatenate([[1.0], -ar])
+    piece = Piece(slice(record.skip, len(record.time)), taps, record.noise.sigma * _innovation(ar), np.zeros((0, 0)))
+    t = record.time - record.time[0]
+    local = [f(2 * np.pi * hz * t) for hz in MAINS for f in (np.cos, np.sin)]
+    if by_start is not None:
+        local += [row / np.linalg.norm(row) for row in by_start if np.any(row)]
+    whitened = _filter(piece, np.stack(local))
+    u, s, _ = np.linalg.svd(whitened.T, full_matrices=False)
+    return piece._replace(basis=u[:, s > 1e-6 * s[0]])
+
+
+def whiten(piece: Piece, rows: np.ndarray) -> np.ndarray:
+    """Rows (k, samples) of the whole record in units of white noise, local nuisance removed; (k, counted)."""
+    white = _filter(piece, rows)
+    return white - (white @ piece.basis) @ piece.basis.T
+
+
+def _filter(piece: Piece, rows: np.ndarray) -> np.ndarray:
+    rows = rows[:, piece.counted]
+    return (rows if len(piece.filter) == 1 else lfilter(piece.filter, [1.0], rows, axis=1)) / piece.scale
+
+
+def _innovation(ar: np.ndarray) -> float:
+    """Standard deviation of the white noise that drives an autoregression of unit variance."""
+    if not len(ar):
+        return 1.0
+    impulse = lfilter([1.0], np.concatenate([[1.0], -ar]), np.eye(1, 20_000)[0])
+    return float(1.0 / np.linalg.norm(impulse))
+
+
+def prediction_filter(rows: np.ndarray, order: int = _ORDER) -> np.ndarray:
+    """Filter that whitens what it is given (Yule–Walker); rows (records, n) share one colour.
+
+    Source: P. J. Brockwell, R. A. Davis, Time Series: Theory and Methods, 1991, §8.1.
+    """
+    n = rows.shape[1]
+    lags = np.array([np.sum(rows[:, : n - k] * rows[:, k:]) for k in range(order + 1)])
+    lags = lags / lags[0] if lags[0] > 0 else np.eye(1, order + 1)[0]
+    lags[0] *= 1.0 + 1e-9
+    return np.concatenate([[1.0], -solve_toeplitz(lags[:-1], lags[1:])])
