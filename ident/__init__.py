@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from .effects.registry import registry as registry
     from .errors import UserError as UserError
     from .fit import Fit as Fit
-    from .fit.fit import fit as fit_model
+    from .fit.fit import fit as fit_model  # noqa: F401
     from .fit.profile import profile as profile
     from .model import Model as Model
     from .model import build_model as build_model

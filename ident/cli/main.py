@@ -9,6 +9,7 @@ from __future__ import annotations
 import difflib
 import importlib
 import importlib.util
+import io
 import logging
 import os
 import sys
@@ -129,7 +130,7 @@ def _fail(message: str, code: int) -> int:
 def _quiet(debug: bool) -> None:
     """Warnings of libraries are for developers: the user gets results and one line per error."""
     for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
+        if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a console without "µ" prints "?" instead of failing
     if not debug and not sys.warnoptions:
         warnings.simplefilter("ignore")

@@ -11,6 +11,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -131,10 +132,11 @@ def profile(fit: Fit, name: str, *, robust: bool = False, report: Callable[[str]
     parameter, optimum = fit.model.parameters[index], float(fit.values[index])
     logarithmic = parameter.positive
     width, inflation = _width(fit, index, logarithmic)
-    static, data = _problem(fit, name, robust)
+    static, data = _problem(fit, name)
+    held = partial(_fit_held, static, data, index, logarithmic, robust)
     report(f"profile of {name}: compiling the model without it")
     centre = float(np.log(optimum)) if logarithmic else optimum
-    first = _fit_held(static, data, index, centre, logarithmic, fit.values)
+    first = held(centre, fit.values)
     base = first.rise
     points = [first._replace(rise=0.0)]
     for side in (-1, 1):
@@ -142,7 +144,7 @@ def profile(fit: Fit, name: str, *, robust: bool = False, report: Callable[[str]
         for number in range(3 + _EXTENSIONS):
             factor, step = factor + step, step * (2.0 if number >= 2 else 1.0)
             report(f"profile of {name}: {side * factor:+g} {'standard errors' if inflation else 'steps'}")
-            point = _fit_held(static, data, index, centre + side * factor * width, logarithmic, values)
+            point = held(centre + side * factor * width, values)
             points.append(point._replace(rise=(point.rise - base) / (inflation or 1.0)))
             values = point.values if point.converged else values
             if number >= 2 and points[-1].rise > _CLOSED:
@@ -168,20 +170,24 @@ def _width(fit: Fit, index: int, logarithmic: bool) -> tuple[float, float]:
     return width, width**2 / white if white > 0 else 1.0
 
 
-def _problem(fit: Fit, name: str, robust: bool) -> tuple[Static, Data]:
+def _problem(fit: Fit, name: str) -> tuple[Static, Data]:
     model = replace(fit.model, held=fit.model.held | {name}, freed=fit.model.freed - {name})
     groups, layout = make_groups(fit.campaign.fitted, 1.0 / fit.scales.period, float(fit.values[1]))
-    return assemble(model, fit.campaign, groups, layout, fit.values, robust)
+    return assemble(model, fit.campaign, groups, layout, fit.values)
 
 
-def _fit_held(static: Static, data: Data, index: int, at: float, logarithmic: bool, values: np.ndarray) -> _Point:
+def _fit_held(
+    static: Static, data: Data, index: int, logarithmic: bool, robust: bool, at: float, values: np.ndarray
+) -> _Point:
+    """The best fit with one parameter held at the coordinate `at`, begun at `values` (m,) SI."""
     start = np.array(values, float)
     start[index] = np.exp(at) if logarithmic else at
     if not static.free:  # nothing else to fit: the error itself
         found = evaluate(static, at_values(data, static, start), begin(data.groups, static))
         cost = sum(float(np.sum(np.asarray(r) ** 2)) for r in found.residuals)
         return _Point(at, cost, start, bool(np.isfinite(cost)))
-    moved, solution = solve.least_squares(static, at_values(data, static, start), begin(data.groups, static))
+    begun = at_values(data, static, start), begin(data.groups, static)
+    moved, solution = solve.least_squares(static, *begun, robust)
     end = np.asarray(evaluate(static, moved, solution.unknowns).values)
     usable = solution.converged and bool(np.all(np.isfinite(end)))
     return _Point(at, solution.cost if usable else np.nan, end if usable else start, usable)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import platform
 from dataclasses import asdict, replace
@@ -85,12 +86,15 @@ def restore(document: dict[str, Any], folder: Path) -> tuple[Model, Campaign, np
 def rebuild(document: dict[str, Any], folder: Path) -> Fit:
     """The Fit of a `run.json`, without fitting again."""
     model, campaign, values = restore(document, folder)
-    starts = [
-        Start(*(np.inf if number is None else number for number in start)) for start in document["state"]["starts"]
-    ]
+    starts = [Start(_number(a), _number(b), steps, ok) for a, b, steps, ok in document["state"]["starts"]]
     return fit_at(
         model, campaign, values, sigma=document["sigma"], starts=starts, converged=document["converged"]
     )  # fmt: skip
+
+
+def _number(told: float | None) -> float:
+    """JSON has no infinity: where a start could not be solved, it says null."""
+    return math.inf if told is None else float(told)
 
 
 def _campaign(told: dict[str, Any], folder: Path) -> Campaign:
