@@ -206,7 +206,7 @@ def to_si(value: float, name: str, dimension: Dimension | None = None, *, where:
     return converted
 
 
-_QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
+_QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*", re.DOTALL)
 
 
 def looks_like_quantity(text: str) -> bool:
@@ -221,11 +221,8 @@ def parse_quantity(text: str, dimension: Dimension | None = None, *, where: str 
         raise UserError(f'"{text}" is not a number with a unit', where=where, do='write for example "12 nm"')
     number, name = match.groups()
     if not name and dimension not in (None, NUMBER):
-        raise UserError(
-            f'"{text}" has no unit',
-            where=where,
-            do=f'write for example "{text.strip()} {base_unit(dimension or NUMBER)}"',
-        )
+        usual = {MASS: "mg", LENGTH: "um", TIME: "ms", PRESSURE: "MPa"}.get(dimension, base_unit(dimension))
+        raise UserError(f'"{text}" has no unit', where=where, do=f'write for example "{number} {usual}"')
     return to_si(float(number), name or "1", dimension, where=where)
 
 

@@ -155,7 +155,7 @@ def match_columns(
                 chosen[role.name] = fits[0]
     for role in roles:
         if role.name not in chosen and role.needed:
-            raise _missing(table, roles, chosen, role)
+            raise _missing(table, roles, chosen, role, units, where)
     return {name: _checked(column, _role(roles, name), units, where) for name, column in chosen.items()}
 
 
@@ -198,18 +198,37 @@ def _ambiguous(table: Table, roles: tuple[Role, ...], chosen: dict[str, Column],
     )
 
 
-def _missing(table: Table, roles: tuple[Role, ...], chosen: dict[str, Column], role: Role) -> UserError:
+def _missing(
+    table: Table,
+    roles: tuple[Role, ...],
+    chosen: dict[str, Column],
+    role: Role,
+    units: Mapping[str, str],
+    where: str,
+) -> UserError:
+    if role.name in units and not role.accepts(units[role.name]):
+        needed = role.own_unit or (base_unit(role.dimension) if role.dimension is not None else "")
+        what = f'"{units[role.name]}" is not a unit of {role.name}'
+        return UserError(what, where=where or table.name, do=f"give {needed} or a multiple of it")
     for column in table.columns:  # the name fits, the unit does not: that is the better message
         if column not in chosen.values() and _claim(column, role) >= 2:
             return _wrong_unit(column, column.unit or "", role, "")
     if len(table.columns) < sum(r.needed for r in roles):
-        what = f"{len(table.columns)} columns where {' and '.join(r.name for r in roles if r.needed)} are needed"
+        count = f"{len(table.columns)} column{'s' if len(table.columns) > 1 else ''}"
+        what = f"{count} where {' and '.join(r.name for r in roles if r.needed)} are needed"
         return UserError(f"{what}; found {table.found}", where=table.name, do="export all of them into one file")
     return UserError(
         f"no column is recognised as the {role.name}; the columns are {table.found}",
         where=table.name,
-        do=f"say which in the [[record]] of the campaign: {_example(roles, chosen, table)}",
+        do=f"say which in the [[record]] of the campaign: {_example(roles, chosen, table)}{_or_sweep(table, role)}",
     )
+
+
+def _or_sweep(table: Table, role: Role) -> str:
+    """A table with a frequency and no time is a sweep."""
+    frequency = Role("frequency", _FREQUENCY, _FREQUENCY_STRONG, dimension=FREQUENCY)
+    is_sweep = role.name == "time" and any(_claim(c, frequency) and frequency.accepts(c.unit) for c in table.columns)
+    return '; or write kind = "sweep"' if is_sweep else ""
 
 
 def _wrong_unit(column: Column, unit: str, role: Role, where: str) -> UserError:

@@ -18,27 +18,27 @@ from .text_table import decode
 
 @dataclass(frozen=True)
 class Section:
-    """One table of a TOML file. `start` is the first line (from 1) in which its keys are looked for."""
+    """One table of a TOML file. `start` is the line of its header (0: the whole file)."""
 
     values: Mapping[str, Any]
     file: str
     lines: tuple[str, ...] = ()
     title: str = ""
-    start: int = 1
+    start: int = 0
     used: set[str] = field(default_factory=set)
 
     def where(self, key: str = "") -> str:
         """ "campaign.toml, line 12", as far as the line can be found."""
         if not key:
-            return self.file + (f", line {self.start}" if self.start > 1 else "")
+            return self.file + (f", line {self.start}" if self.start else "")
         pattern = re.compile(rf"""(^|[{{,\s.])["']?{re.escape(key)}["']?\s*(=|\.)|^\s*\[+.*\b{re.escape(key)}\b.*\]""")
-        for number in range(self.start, len(self.lines) + 1):
+        for number in range(max(self.start, 1), len(self.lines) + 1):
             line = self.lines[number - 1]
-            if number > self.start and self.start > 1 and re.match(r"\s*\[", line) and not pattern.search(line):
+            if number > self.start > 0 and re.match(r"\s*\[", line) and not pattern.search(line):
                 break
             if pattern.search(line):
                 return f"{self.file}, line {number}"
-        return self.where() if self.start > 1 else self.file
+        return self.where()
 
     def error(self, key: str, what: str, do: str) -> UserError:
         """An error about one key."""
@@ -53,7 +53,7 @@ class Section:
         value = self.values[key]
         kinds = kind if isinstance(kind, tuple) else (kind,)
         if not isinstance(value, kinds) or (isinstance(value, bool) and bool not in kinds):
-            raise self.error(key, f"{shown(value)} is not {words}", f"write {words}")
+            raise self.error(key, f"{shown(value)} does not fit here", f"write {words}")
         return value
 
     def text(self, key: str, default: str = "") -> str:
@@ -96,7 +96,7 @@ class Section:
         header = re.compile(rf"^\s*\[\s*{named}\s*\]|(^|[{{,\s]){re.escape(key)}\s*=")
         title = f"{key}:" if record else f"[{full}]"
         start = self.start
-        for number in range(self.start, len(self.lines) + 1):
+        for number in range(max(self.start, 1), len(self.lines) + 1):
             if header.search(self.lines[number - 1].replace('"', "").replace("'", "")):
                 start = number
                 break
@@ -119,7 +119,7 @@ def shown(value: Any) -> str:
 
 def read_document(path: Path, name: str) -> Section:
     """A TOML file; a `UserError` with line and column where its syntax is broken."""
-    text = decode(path.read_bytes(), name)
+    text = decode(path.read_bytes(), name, "write it as plain text (UTF-8)")
     try:
         values = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -140,5 +140,5 @@ def record_sections(campaign: Section) -> Iterator[Section]:
     for index, values in enumerate(records):
         if not isinstance(values, dict):
             raise campaign.error("record", f"{shown(values)} is not a table", "write each record under [[record]]")
-        start = starts[index] if index < len(starts) else 1
+        start = starts[index] if index < len(starts) else 0
         yield Section(values, campaign.file, campaign.lines, "[[record]]", start)

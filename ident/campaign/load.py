@@ -18,7 +18,7 @@ from .drive import find_period
 from .guess import guess_kind
 from .noise import noise_floor
 from .record import Channel, NoiseFloor, Record, Sweep, Trace
-from .spec import RecordSpec, signal_units
+from .spec import SWEEP_NAMES, RecordSpec, signal_units
 from .sweep_noise import sweep_noise_floor
 from .table import Column, Table, peak_unit
 from .text_table import read_text_table
@@ -129,10 +129,11 @@ def _sweep(spec: RecordSpec, table: Table, device: Device) -> tuple[Sweep, list[
     notes: list[str] = []
     (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device)
     roles = sweep_roles(drive_dimension or NUMBER, response_dimension or NUMBER, _own_units(device))
-    given = dict(spec.columns)
+    given = {SWEEP_NAMES.get(role, role): column for role, column in spec.columns.items()}
+    units = {SWEEP_NAMES.get(role, role): unit for role, unit in spec.units.items()}
     if spec.direction not in ("", "up", "down"):
         given["direction"] = spec.direction
-    columns = match_columns(table, roles, given, spec.units, where=spec.where)
+    columns = match_columns(table, roles, given, units, where=spec.where)
     peak_drive, peak = (1.0, 1.0)
     if "level" in columns:
         columns["level"], peak_drive = _amplitude_unit(columns["level"])

@@ -137,7 +137,7 @@ def _repeats(response: np.ndarray, period: float) -> tuple[Autoregression, str]:
     """Few periods of a rich drive: noise is what differs between them, beside a transient that dies."""
     size = int(round(period))
     count = int(len(response) // period)
-    starts = np.round((len(response) - period * np.arange(count, 0, -1))).astype(int)
+    starts = np.round(len(response) - period * np.arange(count, 0, -1)).astype(int)
     folded = np.array([response[start : start + size] for start in starts])
     dropped = 0
     while len(folded) > 2:  # periods in which the transient is alive are worth less than they cost

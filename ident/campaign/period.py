@@ -53,7 +53,7 @@ def fourier_basis(n: int, period: float, harmonics: int) -> np.ndarray:
     power = np.ones(n, dtype=complex)
     for _ in range(harmonics):
         power = power * first
-        columns += [power.real, power.imag]
+        columns += [np.real(power), np.imag(power)]
     return np.column_stack(columns)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from ident.errors import UserError
 from ident.units import FREQUENCY, LENGTH, MASS, TIME, VOLTAGE, Dimension, find_unit, parse_quantity, to_si
@@ -15,7 +15,8 @@ from .document import Section, shown
 
 _TRACE_ROLES = ("time", "drive", "response")
 _SWEEP_ROLES = ("frequency", "level", "amplitude", "phase", "direction")
-_SYNONYMS = {"drive": "level", "response": "amplitude"}
+SWEEP_NAMES = {"drive": "level", "response": "amplitude"}
+"""A sweep's level and amplitude may be called like a trace's columns."""
 
 
 @dataclass(frozen=True)
@@ -140,7 +141,7 @@ def _columns(section: Section, kind: str) -> dict[str, str | int]:
     for role in roles:
         value = table.get(role, (str, int), 'the header of a column ("CH1") or its number')
         if value is not None:
-            found[_SYNONYMS.get(role, role) if kind == "sweep" else role] = value
+            found[SWEEP_NAMES.get(role, role) if kind == "sweep" else role] = value
     table.check_keys()
     if len(set(found.values())) < len(found):
         do = "each role needs a column of its own"

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from ident.errors import UserError
 
-from .table import Column, Table, is_unit, is_number, split_header, with_unit_row
+from .table import Column, Table, is_number, is_unit, split_header, with_unit_row
 
 _COMMENT = re.compile(r'\s*"?\s*(#|%|//|!|\*\*\*)')
 _FORMATS = ((";", ","), (";", "."), ("\t", ","), ("\t", "."), (",", "."), (" ", ","), (" ", "."))
@@ -25,7 +25,7 @@ def read_text(path: Path, name: str) -> str:
     return decode(data, name)
 
 
-def decode(data: bytes, name: str) -> str:
+def decode(data: bytes, name: str, otherwise: str = "export the data as CSV, .mat, .h5, .parquet or .tdms") -> str:
     """The bytes of a file as text with plain line ends."""
     encodings = ("utf-16",) if data[:2] in (b"\xff\xfe", b"\xfe\xff") else ("utf-8-sig", "cp1252", "latin-1")
     for encoding in encodings:
@@ -37,9 +37,7 @@ def decode(data: bytes, name: str) -> str:
     else:
         raise UserError("the text cannot be decoded", where=name, do="save the file as UTF-8")
     if "\0" in text:
-        raise UserError(
-            "this is not a text file", where=name, do="export the data as CSV, .mat, .h5, .parquet or .tdms"
-        )
+        raise UserError("this is not a text file", where=name, do=otherwise)
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
