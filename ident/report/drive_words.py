@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -51,7 +52,7 @@ def drive_sine(record: Trace) -> DriveSine | None:
 
 def drive_words(record: Trace, device: Device) -> str:
     """Waveform, level and frequency of a record's drive, and the load."""
-    level = lambda value: _rounded(value, "V", device)
+    level = partial(_rounded, unit="V", device=device)
     sine = drive_sine(record)
     if sine is not None:
         kind = "sine" if sine.share > _SINE else "periodic drive"

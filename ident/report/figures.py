@@ -12,7 +12,21 @@ from ..campaign.record import Trace
 from ..fit.judge import RecordScore
 from .drive_words import DriveSine, drive_sine, drive_words
 from .quantity import Scale, scale, show_in
-from .style import BAND, DATA, FAINT, HELDOUT, INK, MEASURED, MODEL, RESIDUAL, envelope, key, label, new_axes, new_figure
+from .style import (
+    BAND,
+    DATA,
+    FAINT,
+    HELDOUT,
+    INK,
+    MEASURED,
+    MODEL,
+    RESIDUAL,
+    envelope,
+    key,
+    label,
+    new_axes,
+    new_figure,
+)
 from .tables import error_scale, ratio_text
 
 if TYPE_CHECKING:
@@ -41,6 +55,7 @@ def record_figure(record: Trace, reading: np.ndarray, score: RecordScore, device
     _over_time(figure, record, reading, unit, sine, what)
     if sine is None:
         _spectrum(new_axes(figure, 0.71, 0.105, 0.275, 0.70), record, reading, device)
+        key(figure, 0.985, 0.825, ("measured", MEASURED), ("residual", RESIDUAL), ("noise", INK))
     else:
         _phase(new_axes(figure, 0.71, 0.545, 0.275, 0.26), record, reading, unit, sine, what)
         _loop(new_axes(figure, 0.71, 0.105, 0.275, 0.295), record, reading, unit, sine, device, what)
@@ -48,7 +63,8 @@ def record_figure(record: Trace, reading: np.ndarray, score: RecordScore, device
 
 
 def _title(figure: Figure, record: Trace, score: RecordScore, device: Device) -> None:
-    figure.text(0.012, 0.955, f"{record.name}:  {drive_words(record, device)}", fontsize=12, weight="bold", color=INK, va="center")
+    words = f"{record.name}:  {drive_words(record, device)}"
+    figure.text(0.012, 0.955, words, fontsize=12, weight="bold", color=INK, va="center")
     chosen = error_scale(score, device)
     error, noise = (show_in(v, None, chosen, 3).value for v in (score.rmse, score.noise_rmse))
     use = "held out" if record.holdout else "fitted"
@@ -57,8 +73,10 @@ def _title(figure: Figure, record: Trace, score: RecordScore, device: Device) ->
     figure.text(0.012, 0.90, text, fontsize=9.5, color=HELDOUT if record.holdout else FAINT, va="center")
 
 
-def _over_time(figure: Figure, record: Trace, reading: np.ndarray, unit: Scale, sine: DriveSine | None, what: str) -> None:
-    top, low = new_axes(figure, 0.066, 0.40, 0.565, 0.405), new_axes(figure, 0.066, 0.105, 0.565, 0.205)
+def _over_time(
+    figure: Figure, record: Trace, reading: np.ndarray, unit: Scale, sine: DriveSine | None, what: str
+) -> None:
+    top, low = new_axes(figure, 0.066, 0.42, 0.565, 0.385), new_axes(figure, 0.066, 0.105, 0.565, 0.205)
     n = len(record.response)
     factor, name = (1e3, "ms") if record.time[-1] - record.time[0] < 2.0 else (1.0, "s")
     time = (record.time - record.time[0]) * factor
@@ -84,7 +102,7 @@ def _over_time(figure: Figure, record: Trace, reading: np.ndarray, unit: Scale, 
     largest = float(np.max(np.abs(residual[record.skip :]))) if np.all(np.isfinite(residual)) else 5.0
     low.set_ylim(-1.08 * max(largest, 3.0), 1.08 * max(largest, 3.0))
     low.set_xlim(time[0], time[-1])
-    shade = "" if len(pieces) > 1 else " (shaded: ±2)"
+    shade = " (shaded: shown above)" if len(pieces) > 1 else " (shaded: ±2)"
     label(low, f"time ({name})", "÷ noise floor", f"residual, measured − model, in noise floors{shade}")
     for axes in (top, low):
         axes.yaxis.set_label_coords(-0.077, 0.5)
@@ -97,7 +115,7 @@ def _over_time(figure: Figure, record: Trace, reading: np.ndarray, unit: Scale, 
 
 def _pieces(n: int, period: float) -> list[tuple[int, int]]:
     """Sample ranges to show: the whole record, or its beginning, middle and end."""
-    if n <= _WHOLE * period:
+    if n <= max(_WHOLE, 1.6 * sum(_PIECES)) * period:
         return [(0, n)]
     first, middle, last = (max(int(count * period), 2) for count in _PIECES)
     start = (n - middle) // 2
@@ -109,12 +127,13 @@ def _broken(axes: Axes, time: np.ndarray, data: np.ndarray, model: np.ndarray, p
     step = time[1] - time[0]
     shown = sum(stop - start for start, stop in pieces)
     gap, at = 0.025 * shown * step, 0.0
+    places = max(3 - int(np.log10(max(time[-1], 1e-9))), 0)
     ticks: list[tuple[float, str]] = []
     for i, (start, stop) in enumerate(pieces):
         x = at + np.arange(stop - start) * step
         axes.plot(x, data[start:stop], color=DATA, lw=2.6)
         axes.plot(x, model[start:stop], color=MODEL, lw=0.9)
-        ticks += [(x[0], f"{time[start]:.4g}"), (x[-1], f"{time[stop - 1]:.4g}")]
+        ticks += [(x[0], f"{time[start]:.{places}f}"), (x[-1], f"{time[stop - 1]:.{places}f}")]
         if i:
             axes.axvspan(at - gap, at, color="#f0f0f0", lw=0)
         at = x[-1] + gap
@@ -136,7 +155,8 @@ def _phase(axes: Axes, record: Trace, reading: np.ndarray, unit: Scale, sine: Dr
     turn = np.degrees(sine.angle(samples)) % 360
     axes.plot(turn, record.response[samples] / unit.factor, ".", color=DATA, ms=3)
     breaks = np.flatnonzero(np.diff(turn) < 0) + 1
-    axes.plot(np.insert(turn, breaks, np.nan), np.insert(reading[samples] / unit.factor, breaks, np.nan), color=MODEL, lw=1.0)
+    model = np.insert(reading[samples] / unit.factor, breaks, np.nan)
+    axes.plot(np.insert(turn, breaks, np.nan), model, color=MODEL, lw=1.0)
     axes.axhline(0, color=FAINT, lw=0.6)
     axes.set_xlim(0, 360)
     axes.set_xticks([0, 90, 180, 270, 360])
@@ -144,7 +164,9 @@ def _phase(axes: Axes, record: Trace, reading: np.ndarray, unit: Scale, sine: Dr
     label(axes, "drive phase (°)", what, f"last {count} periods, against the drive's phase")
 
 
-def _loop(axes: Axes, record: Trace, reading: np.ndarray, unit: Scale, sine: DriveSine, device: Device, what: str) -> None:
+def _loop(
+    axes: Axes, record: Trace, reading: np.ndarray, unit: Scale, sine: DriveSine, device: Device, what: str
+) -> None:
     samples = _last_periods(record, sine)
     volt = scale(sine.amplitude, "V", device)
     drive = record.drive[samples] / volt.factor
@@ -161,9 +183,8 @@ def _spectrum(axes: Axes, record: Trace, reading: np.ndarray, device: Device) ->
     measured, left = record.response[counted], (record.response - reading)[counted]
     n = len(measured)
     window = np.hanning(n)
-    amplitude = lambda x: 2 * np.abs(np.fft.rfft((x - x.mean()) * window)) / window.sum()
     frequency = np.fft.rfftfreq(n, record.step)
-    spectrum, remaining = amplitude(measured), amplitude(left)
+    spectrum, remaining = (2 * np.abs(np.fft.rfft((x - x.mean()) * window)) / window.sum() for x in (measured, left))
     floor = 2 * record.noise.sigma * np.sqrt(np.sum(window**2)) / window.sum()
     unit = scale(float(np.max(spectrum)), "m", device)
     # As far as the response rises above the noise: what lies beyond is empty.
@@ -172,10 +193,9 @@ def _spectrum(axes: Axes, record: Trace, reading: np.ndarray, device: Device) ->
     for values, colour, width in ((spectrum, DATA, 1.8), (remaining, RESIDUAL, 0.8)):
         axes.semilogy(*envelope(frequency[shown], values[shown] / unit.factor, 400), color=colour, lw=width)
     axes.axhline(floor / unit.factor, color=INK, lw=0.9, ls="--")
-    bottom = 0.2 * floor
+    top = max(float(np.max(spectrum)), float(np.max(remaining)), 10 * floor)
     axes.minorticks_off()
     axes.yaxis.set_major_formatter("{x:g}")  # plain text: powers of ten would go through a slow typesetter
-    axes.set_ylim(bottom / unit.factor, 2 * max(float(np.max(spectrum)), float(np.max(remaining)), 10 * floor) / unit.factor)
+    axes.set_ylim(0.2 * floor / unit.factor, 2 * top / unit.factor)
     axes.set_xlim(frequency[shown][0], frequency[shown][-1])
-    key(axes.figure, 0.985, 0.825, ("measured", MEASURED), ("residual", RESIDUAL), ("noise", INK))
-    label(axes, "frequency (Hz)", f"amplitude ({unit.unit})", "spectrum")
+    label(axes, "frequency (Hz)", f"amplitude ({unit.unit})")

@@ -5,21 +5,27 @@ from __future__ import annotations
 import base64
 import platform
 import re
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Mapping, NamedTuple, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..campaign.device import Platform
 from ..fit.result import Fit
 from .figures import record_figure
 from .offset_table import offset_sheets
 from .overview import overview_figure
-from .sentences import sentences, verdict
+from .sentences import GOOD, sentences, verdict
 from .sheet import Sheet
 from .style import png
 from .tables import (
-    combination_sentences, correlation_sentences, parameter_sheet, ratio_text, record_sheet, start_sheet,
+    combination_sentences,
+    correlation_sentences,
+    parameter_sheet,
+    ratio_text,
+    record_sheet,
+    start_sheet,
 )  # fmt: skip
 
 if TYPE_CHECKING:
@@ -129,9 +135,11 @@ def _cards(fit: Fit) -> list[tuple[str, str, bool]]:
     """(number, what it is, whether it is good) for the head of the page."""
     fitted = [e for e in fit.estimates if e.fitted]
     known = sum(not e.flags for e in fitted)
-    cards = [(ratio_text(fit.fitted.error_over_noise), "error/noise, fitted records", fit.fitted.error_over_noise <= 1.1)]
-    if fit.holdout is not None:
-        cards.append((ratio_text(fit.holdout.error_over_noise), "error/noise, held-out records", fit.holdout.error_over_noise <= 1.1))
+    cards = []
+    for score, which in ((fit.fitted, "fitted"), (fit.holdout, "held-out")):
+        if score is not None:
+            ratio = score.error_over_noise
+            cards.append((ratio_text(ratio), f"error/noise, {which} records", ratio <= GOOD))
     cards.append((f"{known} of {len(fitted)}", "parameters determined", known == len(fitted)))
     cards.append(("yes" if fit.converged else "no", "converged", fit.converged))
     return cards

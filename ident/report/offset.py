@@ -1,4 +1,4 @@
-"""Zero-point offset of a periodic record: five ways in which a response fails to be symmetric, for data and model alike.
+"""Zero-point offset of a periodic record: how a response fails to be symmetric, for data and model.
 
 Over the second half of the record's whole periods the response is a Fourier series in the drive's own phase φ
 (V = A sin φ + mean):
@@ -60,9 +60,9 @@ class Offset(NamedTuple):
 def offsets(record: Trace, reading: np.ndarray) -> tuple[Offset, ...] | None:
     """The six measures of a record and of a model's reading of it; None if the drive has no period to fold on.
 
-    A value is that of the mean period. Its error is the larger of what the noise floor explains (zero for the model) and
-    of the scatter from period to period (jackknife), which holds what is left of the start transient. Data and model
-    share the transient, so their difference is known better than either.
+    A value is that of the mean period. Its error is the larger of what the noise floor explains (zero for the model)
+    and of the scatter from period to period (jackknife), which holds what is left of the start transient. Data and
+    model share the transient, so their difference is known better than either.
 
     **Arguments:** `reading` (n,) m.
 

@@ -36,7 +36,8 @@ def overview_figure(fit: Fit) -> Figure:
     axes.set_yticks(places, [f"{score.name}  ({drive_words(trace, fit.model.device)})" for score, trace in pairs])
     axes.tick_params(axis="y", length=0)
     for place, ratio in zip(places, ratios, strict=True):
-        axes.annotate(ratio_text(ratio), (max(ratio, 1.0), place), (4, 0), textcoords="offset points", fontsize=9, va="center")
+        at = (1.0 if 0.8 < ratio < 1.0 else ratio, place)  # not across the line
+        axes.annotate(ratio_text(ratio), at, (4, 0), textcoords="offset points", fontsize=9, va="center")
     label(axes, "rms error ÷ noise floor" + (" (logarithmic)" if wide else ""))
     top = 1 - 0.22 / height
     figure.text(0.012, top, "Error over noise", fontsize=12, weight="bold", color=INK, va="center")

@@ -113,7 +113,7 @@ def scale(size: float, unit: str, device: Device) -> Scale:
     step = 3 * math.floor(power / 3)
     if name == "Pa" and 4 <= power < 10:
         step = 6  # stresses are compared with one another, and people think of them in MPa
-    powers = _powers(name)
+    powers = _powers(display_unit(unit, device, plain=True))
     first = next(iter(powers), "")
     if first == "kg" and len(powers) == 1 and -12 <= step + 3 <= 0:
         return Scale(10.0**step, _PREFIXES[step + 3] + "g")

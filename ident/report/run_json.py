@@ -15,8 +15,8 @@ from .tables import combination_sentences, flag_words
 def run_dict(fit: Fit) -> dict[str, Any]:
     """A fit as plain numbers, strings and lists, ready for `json.dumps(..., allow_nan=False)`.
 
-    Values of parameters are SI (of an oscillator: in the units of its columns); errors of records are in the record's own
-    unit, totals in that of the first record.
+    Values of parameters are SI (of an oscillator: in the units of its columns); errors of records are in the
+    record's own unit, totals in that of the first record.
     """
     traces = fit.campaign.traces
     first = traces[0]

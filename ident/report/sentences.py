@@ -1,4 +1,4 @@
-"""What whoever reads a fit must know, in sentences: the verdict, what the error bars mean, and the limits of the physics."""
+"""What whoever reads a fit must know, in sentences: the verdict, what error bars mean, the limits of the physics."""
 
 from __future__ import annotations
 
@@ -14,7 +14,9 @@ from .quantity import show, significant
 from .tables import listed, ratio_text
 
 _STEP = 0.1  # error of the solver's step, in noise floors, that is still negligible
-_GOOD = 1.1  # error over noise up to which the noise floor is reached (it is itself known to some ten per cent)
+_LOW = 0.8  # below this the floor must be too high: a fit of few parameters cannot get under the noise
+_VAGUE = 0.3  # relative error of a noise floor from which it cannot judge a model
+GOOD = 1.1  # error over noise up to which the noise floor is reached (it is itself known to some ten per cent)
 
 
 class Sentence(NamedTuple):
@@ -32,7 +34,7 @@ def verdict(fit: Fit) -> str:
     n = sum(not s.holdout for s in fit.scores)
     ratio = fit.fitted.error_over_noise
     records = f"the {n} fitted records" if n > 1 else "the fitted record"
-    if ratio <= _GOOD:
+    if ratio <= GOOD:
         text = f"{model} describes {records} to the noise floor (error/noise {ratio_text(ratio)})."
     else:
         worst = max((s for s in fit.scores if not s.holdout), key=lambda s: s.error_over_noise)
@@ -51,8 +53,8 @@ def _heldout(fit: Fit) -> str:
         return " No record was held out, so nothing shows how well it predicts."
     ratio = fit.holdout.error_over_noise
     number = ratio_text(ratio)
-    if ratio <= max(_GOOD, 1.1 * fit.fitted.error_over_noise):
-        as_well = "to the noise floor too" if ratio <= _GOOD else "no worse"
+    if ratio <= max(GOOD, 1.1 * fit.fitted.error_over_noise):
+        as_well = "to the noise floor too" if ratio <= GOOD else "no worse"
         return f" Held-out records, which it has never seen, are predicted {as_well} ({number})."
     worst = max((s for s in fit.scores if s.holdout), key=lambda s: s.error_over_noise)
     return (
@@ -63,7 +65,7 @@ def _heldout(fit: Fit) -> str:
 
 def sentences(fit: Fit) -> tuple[Sentence, ...]:
     """What must be known before a number of this fit is used, warnings first."""
-    found = [*_error_bars(fit), *_numerics(fit), *_physics(fit)]
+    found = [*_error_bars(fit), *_noise(fit), *_numerics(fit), *_physics(fit)]
     return tuple(sorted(found, key=lambda s: not s.warning))
 
 
@@ -80,7 +82,7 @@ def _error_bars(fit: Fit) -> list[Sentence]:
     found = [Sentence(meaning, warning=fit.sigma == "fitted")]
     if not fit.converged:
         found.append(Sentence("The fit did not converge: neither values nor error bars are final.", True))
-    if ratio > _GOOD:
+    if ratio > GOOD:
         found.append(
             Sentence(
                 f"Do not trust the error bars: the model misses the records by {ratio_text(ratio)} times the noise "
@@ -92,11 +94,30 @@ def _error_bars(fit: Fit) -> list[Sentence]:
     return found
 
 
+def _noise(fit: Fit) -> list[Sentence]:
+    """Where the noise floor itself is in doubt."""
+    found = []
+    vague = [r for r in fit.campaign.traces if r.noise.relative_error >= _VAGUE]
+    if vague:
+        names = listed([f"{r.name} (±{100 * r.noise.relative_error:.0f} %)" for r in vague])
+        advice = 'give it (noise = "12 nm"), or record some periods at rest'
+        text = f"The data alone leave the noise floor uncertain in {names}, so error/noise says little there: {advice}."
+        found.append(Sentence(text, True))
+    low = [s for s in fit.scores if s.error_over_noise < _LOW]
+    if low:
+        names = listed([f"{s.name} ({ratio_text(s.error_over_noise)})" for s in low])
+        text = (
+            f"The error is well below the noise floor in {names}: that floor is too high, and the error bars too wide."
+        )
+        found.append(Sentence(text, True))
+    return found
+
+
 def _numerics(fit: Fit) -> list[Sentence]:
     found = []
     error = significant(fit.step_error, 2)
     if fit.step_error <= _STEP:
-        text = f"Halving the solver's step changes no fitted record by more than {error} of its noise floor: negligible."
+        text = f"Halving the solver's step changes no record by more than {error} of its noise floor: negligible."
         found.append(Sentence(text))
     else:
         text = (
@@ -106,7 +127,8 @@ def _numerics(fit: Fit) -> list[Sentence]:
         found.append(Sentence(text, True))
     if fit.campaign.sweeps:
         count = len(fit.campaign.sweeps)
-        text = f"{count} sweep{'s are' if count > 1 else ' is'} in the campaign; only traces are fitted and judged here."
+        many = "s are" if count > 1 else " is"
+        text = f"{count} sweep{many} in the campaign; only traces are fitted and judged here."
         found.append(Sentence(text))
     return found
 
@@ -131,8 +153,8 @@ def _physics(fit: Fit) -> list[Sentence]:
         found.append(
             Sentence(
                 "The polynomial of pzt-hysteresis has no memory and carries over badly to other frequencies than those "
-                f"it was fitted at ({span}): on measured PZT stages, trained at 20 Hz, it left 9.6 % at others where play "
-                "operators (prandtl-ishlinskii) left 4.0 %.",
+                f"it was fitted at ({span}): on measured PZT stages, trained at 20 Hz, it left 9.6 % at others where "
+                "play operators (prandtl-ishlinskii) left 4.0 %.",
                 warning=highest > 3 * lowest,
             )
         )
@@ -151,21 +173,22 @@ def _closure(fit: Fit, device: Platform) -> Sentence:
         legs = max(device.length_1, device.length_2) / min(device.length_1, device.length_2)
         unequal = " Legs as unequal as these cost up to 10 % at double stress." if legs > 1.5 else ""
         return Sentence(
-            'The stress gradient rests on the closure "frame", which finite elements confirm within 1–2 % over ±60 µm. It is '
-            f"beam theory: no plate effects, no finite corner.{unequal}"
+            'The stress gradient rests on the closure "frame", which finite elements confirm within 1–2 % over ±60 µm. '
+            f"It is beam theory: no plate effects, no finite corner.{unequal}"
         )
     if closure == "sign-change":
         return Sentence(
-            'The stress gradient rests on the closure "sign-change", a phenomenological law for the force near zero: its '
-            "parameters describe the records and are not stresses. Only closure = \"frame\" agrees with finite elements.",
+            'The stress gradient rests on the closure "sign-change", a phenomenological law for the force near zero: '
+            "its parameters describe the records and are not stresses. Only the closure "
+            '"frame" agrees with finite elements.',
             True,
         )
     yaw = " The stage of this device may turn in its plane, so this applies here." if device.in_plane == "yaw" else ""
     return Sentence(
         'The closure decides the stress gradient. "axial-force" (the paper\'s) is 11–16 % off finite elements with '
-        "restraint = 1, needs a restraint from 0.06 to 2.6 depending on how the stage is held in plane, and where the stage "
-        f"may turn about z it can give the gradient the wrong sign.{yaw} Its buckling under high stress belongs to the "
-        'closure too. Before reading the gradient as a stress, fit again with closure = "frame" (within 1–2 % of finite '
-        "elements).",
+        "restraint = 1, needs a restraint from 0.06 to 2.6 depending on how the stage is held in plane, and where the "
+        f"stage may turn about z it can give the gradient the wrong sign.{yaw} Its buckling under high stress belongs "
+        'to the closure too. Before reading the gradient as a stress, fit again with closure = "frame" (within '
+        "1–2 % of finite elements).",
         True,
     )

@@ -51,7 +51,7 @@ def label(axes: Axes, x: str = "", y: str = "", title: str = "") -> None:
     axes.set_xlabel(x, fontsize=_SIZE, color=INK, labelpad=2)
     axes.set_ylabel(y, fontsize=_SIZE, color=INK, labelpad=3)
     if title:
-        axes.set_title(title, fontsize=_SIZE, color=FAINT, loc="left", pad=4, y=1.0)  # a given y spares a search for one
+        axes.set_title(title, fontsize=_SIZE, color=FAINT, loc="left", pad=4, y=1.0)  # a given y spares a search
 
 
 def key(figure: Figure, right: float, y: float, *entries: tuple[str, str]) -> None:

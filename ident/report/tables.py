@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Sequence
+from collections.abc import Sequence
 
 from ..campaign.device import Device
 from ..fit.identifiability import Combination
@@ -40,7 +40,9 @@ def parameter_sheet(fit: Fit) -> Sheet:
         rows.append((e.name, value, f"± {shown.error}" if shown.error else "", shown.unit, remark))
         marks.append(_mark(e))
     note = "A value in brackets is one of many that fit equally well." if unsure else ""
-    columns = (Column("parameter"), Column("value", True), Column("error"), Column("unit"), Column("remark", wraps=True))
+    columns = (
+        Column("parameter"), Column("value", True), Column("std. error"), Column("unit"), Column("remark", wraps=True),
+    )  # fmt: skip
     return Sheet("Parameters", columns, tuple(rows), tuple(marks), note)
 
 
@@ -60,16 +62,17 @@ def record_sheet(fit: Fit) -> Sheet:
     rows = [_score_row(s.name, "held out" if s.holdout else "fitted", s, common) for s in ordered]
     marks: list[Mark] = ["warning" if s.error_over_noise > 1.1 else "" for s in ordered]
     rows += [_score_row(name, "", score, common) for name, score in totals]
-    marks += ["total"] * len(totals)
+    marks.extend("total" for _ in totals)
+    unit, note = common.unit, "error/noise = 1 is as good as the data allow."
     columns = (
-        Column("record", wraps=True), Column("use"), Column("samples", True), Column(f"rms error ({common.unit})", True),
-        Column(f"noise floor ({common.unit})", True), Column("error/noise", True),
+        Column("record", wraps=True), Column("use"), Column("samples", True), Column(f"rms error ({unit})", True),
+        Column(f"noise floor ({unit})", True), Column("error/noise", True),
     )  # fmt: skip
-    return Sheet("Error per record", columns, tuple(rows), tuple(marks), "error/noise = 1 is as good as the data allow.")
+    return Sheet("Error per record", columns, tuple(rows), tuple(marks), note)
 
 
 def error_scale(score: RecordScore | Score, device: Device) -> Scale:
-    """The unit for an error and its noise floor: that of the noise, as long as the error has no more than four digits."""
+    """The unit for an error and its noise floor: that of the noise while the error has four digits at most."""
     chosen = scale(score.noise_rmse, "m", device)
     return chosen if score.rmse < 1e4 * chosen.factor else scale(score.rmse, "m", device)
 
@@ -104,10 +107,12 @@ def _combination(c: Combination, fit: Fit) -> str:
         return f"only {_sum(c.weights, names)}{owner} is determined; its value is {value}; the rest is not"
     largest = max(c.weights, key=abs)
     powers = [w / largest for w in c.weights]
-    product = " · ".join(name if abs(p - 1) < 5e-3 else f"{name}^{p:.2f}" for p, name in zip(powers, names, strict=True))
+    parts = zip(powers, names, strict=True)
+    product = " · ".join(name if abs(p - 1) < 5e-3 else f"{name}^{p:.2f}" for p, name in parts)
     percent = significant(100 * c.deviation / abs(largest), 2)
     value = significant(math.exp(min(max(c.value / largest, -700.0), 700.0)), 4)
-    return f"only the product {product}{owner} is determined; its value is {value} in SI, to {percent} %; the rest is not"
+    known = f"its value is {value} in SI, to {percent} %"
+    return f"only the product {product}{owner} is determined; {known}; the rest is not"
 
 
 def _sum(weights: tuple[float, ...], names: list[str]) -> str:
@@ -120,7 +125,7 @@ def _sum(weights: tuple[float, ...], names: list[str]) -> str:
 
 
 def listed(names: Sequence[str]) -> str:
-    """"a, b and c"."""
+    """ "a, b and c"."""
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
@@ -167,8 +172,8 @@ def correlation_sentences(fit: Fit, limit: float = 0.9) -> tuple[str, ...]:
             r = float(fit.covariance[i, j]) / (deviation[i] * deviation[j])
             if abs(r) > limit:
                 pairs.append((r, fit.estimates[fit.free[i]].name, fit.estimates[fit.free[j]].name))
+    words = {True: "both can grow together", False: "one can grow as the other shrinks"}
     return tuple(
-        f"{a} and {b} are poorly told apart: {'both can grow together' if r > 0 else 'one can grow as the other shrinks'}"
-        f" (correlation {r:.2f})"
+        f"{a} and {b} are poorly told apart: {words[r > 0]} (correlation {r:.2f})"
         for r, a, b in sorted(pairs, key=lambda pair: -abs(pair[0]))
     )
