@@ -103,6 +103,7 @@ def _over_time(
     low.set_ylim(-1.08 * max(largest, 3.0), 1.08 * max(largest, 3.0))
     low.set_xlim(time[0], time[-1])
     shade = " (shaded: shown above)" if len(pieces) > 1 else " (shaded: ±2)"
+    shade += ", grey: not counted" if record.skip else ""
     label(low, f"time ({name})", "÷ noise floor", f"residual, measured − model, in noise floors{shade}")
     for axes in (top, low):
         axes.yaxis.set_label_coords(-0.077, 0.5)
@@ -110,7 +111,6 @@ def _over_time(
         for axes in (top, low) if len(pieces) == 1 else (low,):
             axes.axvspan(time[0], time[record.skip], color="#f3f3f3", lw=0)
             axes.axvline(time[record.skip], color=FAINT, lw=0.8, ls=":")
-        low.text(time[record.skip], low.get_ylim()[1], " counted from here", fontsize=8, color=FAINT, va="top")
 
 
 def _pieces(n: int, period: float) -> list[tuple[int, int]]:

@@ -146,7 +146,8 @@ def _cards(fit: Fit) -> list[tuple[str, str, bool]]:
 
 
 def _sentence(text: str) -> str:
-    return text[0].upper() + text[1:] + "."
+    begins_with_a_name = "." in text.split()[0]
+    return (text if begins_with_a_name else text[0].upper() + text[1:]) + "."
 
 
 def _versions() -> list[tuple[str, str]]:

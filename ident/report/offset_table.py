@@ -9,7 +9,7 @@ from ..campaign.record import Trace
 from ..fit.result import Fit
 from .drive_words import drive_words
 from .offset import Offset, offsets
-from .quantity import Scale, neat, scale, show_in
+from .quantity import Scale, scale, show_in
 from .sheet import Column, Mark, Sheet
 
 _COLUMNS = (
@@ -40,7 +40,7 @@ def _sheet(record: Trace, rows: tuple[Offset, ...], device: Device) -> Sheet:
             model = model._replace(error="")
         ratio = abs(row.difference.value) / row.difference.error if row.difference.error > 0 else 0.0
         cells.append((row.measure.name, *(_pm(s.value, s.error) for s in (data, model, apart)), chosen.unit,
-                      f"{neat(ratio, 2)} σ"))  # fmt: skip
+                      f"{ratio:.1f} σ"))  # fmt: skip
         marks.append("warning" if ratio > 3 else "")
     marks_: tuple[Mark, ...] = tuple(marks)
     title = f"Zero-point offset: {record.name} ({drive_words(record, device)})"

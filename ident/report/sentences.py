@@ -40,11 +40,12 @@ def verdict(fit: Fit) -> str:
         worst = max((s for s in fit.scores if not s.holdout), key=lambda s: s.error_over_noise)
         text = f"{model} does not describe {records}: the error is {ratio_text(ratio)} times the noise floor"
         text += f" (worst in {worst.name}, {ratio_text(worst.error_over_noise)})." if n > 1 else "."
-        text += " Something is missing from it."
+        text += " Something is missing from it; `ident diagnose` looks for it."
     text += _heldout(fit)
-    fitted = [e for e in fit.estimates if e.fitted]
-    known = [e for e in fitted if not e.flags]
-    text += f" {len(known)} of {len(fitted)} fitted parameters are determined and differ from zero."
+    if ratio <= GOOD:
+        fitted = [e for e in fit.estimates if e.fitted]
+        known = sum(not e.flags for e in fitted)
+        text += f" {known} of {len(fitted)} fitted parameters are determined and differ from zero."
     return text if fit.converged else text + " The fit did not converge; its numbers are provisional."
 
 

@@ -67,16 +67,19 @@ def test_names_and_titles_cannot_break_the_page(make_fit, tmp_path):
 def test_other_parts_of_the_program_add_sections(make_fit, tmp_path):
     sheet = Sheet("Ranking", (Column("effect"), Column("gain", True)), (("end-stop", "0.4"),))
     section = Section("What is missing", ["A paragraph."], [sheet], [Picture("a picture", PNG)])
-    page = write_report(make_fit(), tmp_path, {"sections": [section], "parent": "runs/0"}).read_text(encoding="utf-8")
+    fit = make_fit(traces=(sine_trace("a.csv", 8.0, 317.0),))
+    page = write_report(fit, tmp_path, {"sections": [section], "parent": "runs/0"}).read_text(encoding="utf-8")
     for words in ("What is missing", "A paragraph.", "Ranking", "end-stop", 'alt="a picture"', "runs/0"):
         assert words in page
 
 
-def test_of_many_records_the_worst_are_drawn(make_fit, tmp_path):
-    many = tuple(sine_trace(f"r{i:02d}.csv", 3.0, 400.0, samples=200) for i in range(20))
-    page = write_report(make_fit(traces=many), tmp_path).read_text(encoding="utf-8")
-    assert len(re.findall("<img", page)) == 17
-    assert "Left out: " in page
+def test_of_many_records_the_worst_are_drawn(make_fit, tmp_path, monkeypatch):
+    monkeypatch.setattr("ident.report.html._MOST_FIGURES", 1)
+    fit = make_fit(heldout_misfit=0.1)
+    page = write_report(fit, tmp_path).read_text(encoding="utf-8")
+    assert len(re.findall("<img", page)) == 2
+    assert "Left out: first_8V.csv, second_3V.csv" in page
+    assert "03_held_out_5V.png" not in page and (tmp_path / "figures" / "01_held_out_5V.png").exists()
 
 
 @pytest.mark.parametrize(
@@ -126,5 +129,5 @@ def test_the_envelope_keeps_every_peak():
 
 def test_pyplot_is_never_imported(make_fit, tmp_path):
     had = "matplotlib.pyplot" in sys.modules
-    write_report(make_fit(), tmp_path)
+    write_report(make_fit(traces=(sine_trace("a.csv", 8.0, 317.0),)), tmp_path)
     assert had or "matplotlib.pyplot" not in sys.modules
