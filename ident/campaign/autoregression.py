@@ -1,8 +1,8 @@
 """Colour of noise: an autoregressive spectrum fitted to a residual, part of which a signal fit has taken away.
 
-A residual r = (1 − P) e, with P the projection on M fitted columns, has at frequency k the expected power S_k (1 − h_k),
-h_k being the leverage of the columns there. What is missing, h_k S_k, is filled in with the fit itself and the fit
-repeated (expectation maximisation); frequencies that stick out, and those that the columns own, count as missing.
+A residual r = (1 − P) e, P projecting on M fitted columns, has at frequency k the expected power S_k (1 − h_k), h_k
+being the leverage of the columns there. What is missing, h_k S_k, is filled in with the fit itself and the fit repeated
+(expectation maximisation); frequencies that stick out, and those that the columns own, count as missing.
 
 Source: P. Whittle, "Estimation and information in stationary time series", Ark. Mat. 2 (1953) 423; A. P. Dempster,
 N. M. Laird, D. B. Rubin, J. R. Stat. Soc. B 39 (1977) 1; the order by G. Schwarz, Ann. Stat. 6 (1978) 461.
@@ -38,7 +38,7 @@ def leverage_of(basis: np.ndarray) -> np.ndarray:
 
 
 def ar_spectrum(ar: np.ndarray, innovation: float, n: int) -> np.ndarray:
-    """(n//2 + 1,) power spectrum σ²/|1 − Σ a_j e^{−iωj}|², normalised so that its mean over all frequencies is the variance."""
+    """(n//2 + 1,) power spectrum σ²/|1 − Σ a_j e^{−iωj}|²; its mean over all frequencies is the variance."""
     polynomial = np.zeros(n)
     polynomial[0] = 1.0
     polynomial[1 : len(ar) + 1] = -np.asarray(ar)

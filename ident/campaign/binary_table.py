@@ -70,7 +70,9 @@ def _table(name: str, pairs: list[Pair]) -> Table:
 
 def read_mat(path: Path, name: str) -> Table:
     """MATLAB files: scipy up to version 7, h5py for version 7.3."""
-    if path.read_bytes()[:512].startswith(b"MATLAB 7.3") or path.read_bytes()[512:520] == b"\x89HDF\r\n\x1a\n":
+    with open(path, "rb") as file:
+        head = file.read(520)
+    if b"\x89HDF\r\n\x1a\n" in (head[:8], head[512:]):
         return read_hdf(path, name)
     from scipy.io import loadmat
     from scipy.io.matlab import MatReadError

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-
-from typing import Any, Mapping
+from typing import Any
 
 from .device import Device, Platform
 from .record import Record, Sweep, Trace

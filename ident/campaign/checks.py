@@ -172,6 +172,12 @@ def check_drive(file: str, drive: np.ndarray, response: np.ndarray, start: str, 
                 what, where=file, do='name the right drive column, or write start = "unknown" for a free decay'
             )
         notes.append(f"{file}: the drive is constant; the record is taken as a free decay.")
+    varying = response - np.mean(response)
+    copy = (drive - np.mean(drive)) * (np.std(response) / max(float(np.std(drive)), 1e-300))
+    if np.ptp(drive) > 0 and min(np.max(np.abs(varying - copy)), np.max(np.abs(varying + copy))) < 1e-6 * np.std(
+        response
+    ):
+        notes.append(f"{file}: drive and response are the same signal; was a column exported twice?")
     if start == "rest":
         first = abs(float(response[0] - np.median(response[:3])))
         size = float(np.std(response))

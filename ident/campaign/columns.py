@@ -46,8 +46,8 @@ _TIME = _words(
     "t, time, times, zeit, timestamp, time stamp, x axis, x value, second, seconds, sec, elapsed time, temps"
 )
 _DRIVE = _words(
-    "u, drive, drv, input, excitation, vin, v in, u in, uin, stimulus, command, actuation, drive voltage, drive signal, "
-    "input voltage, driving voltage, excitation voltage, source, v drive, drive v, u drive, anregung"
+    "u, drive, drv, input, excitation, vin, v in, u in, uin, stimulus, command, actuation, drive voltage, source, "
+    "drive signal, input voltage, driving voltage, excitation voltage, v drive, drive v, u drive, anregung"
 )
 _DRIVE_STRONG = _words("drive, driving, input, excitation, stimulus, command, actuation, actuator, vin, uin, anregung")
 _DRIVE_WEAK = _words("v, voltage, volt, volts, u, spannung, in, source")

@@ -44,7 +44,7 @@ def _has_series(period: float) -> bool:
 def half_step_drive(record: Trace, substeps: int = 1) -> tuple[np.ndarray, np.ndarray]:
     """The drive and its derivative on the half-step grid of a Runge-Kutta solver with `substeps` steps per sample.
 
-    V is the not-a-knot cubic spline through the samples. V̇ is the derivative of the Fourier series of the drive if it is
+    V is the not-a-knot cubic spline through the samples. V̇ is the derivative of the drive's Fourier series if it is
     periodic, otherwise of a smoothing spline that leaves out what the noise of the drive column hides.
 
     **Returns:** V (2 (n−1) `substeps` + 1,) in V, V̇ of the same shape in V/s.
@@ -73,7 +73,7 @@ def _slope(drive: np.ndarray, substeps: int, period: float | None) -> np.ndarray
 
 
 def _fourier_series(drive: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:
-    """(weights, orders) of the Fourier series Σ Re(w exp(2πi k x/P)), k ≥ 1; harmonics within the noise are left out."""
+    """(weights, orders) of the series Σ Re(w exp(2πi k x/P)), k ≥ 1, without harmonics that are within the noise."""
     n = len(drive)
     if period == round(period):
         size = int(period)
@@ -124,8 +124,8 @@ def _series(weights: np.ndarray, rates: np.ndarray, points: np.ndarray) -> np.nd
 def _smoothed(drive: np.ndarray) -> np.ndarray:
     """The drive smoothed by a third-order difference penalty whose weight minimises the expected error of the slope.
 
-    A penalty λ passes the frequency θ (rad per sample) with H = 1/(1 + λ (2 sin θ/2)⁶). With the spectrum S of the drive
-    above its noise floor N the error of the slope is Σ θ² ((1 − H)² S + H² N).
+    A penalty λ passes the frequency θ (rad per sample) with H = 1/(1 + λ (2 sin θ/2)⁶). With the spectrum S of the
+    drive above its noise floor N the error of the slope is Σ θ² ((1 − H)² S + H² N).
     """
     n = len(drive)
     if n < 32:

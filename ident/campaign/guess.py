@@ -55,6 +55,7 @@ def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
     if len(outputs) == 1 and (reading := outputs.pop()) in _READINGS:
         output = base_unit(reading)
         source = base_unit(inputs.pop()) if len(inputs) == 1 else "V"
-        what = f'The response is in {output}, so the device is taken as an oscillator (output = "{output}", input = "{source}").'
+        units = f'output = "{output}", input = "{source}"'
+        what = f"The response is in {output}, so the device is taken as an oscillator ({units})."
         return Oscillator(output, source), [what]
     return Platform(), ["No device given: the nominal platform is assumed."]

@@ -14,8 +14,8 @@ def with_hum(
 ) -> tuple[Autoregression, float]:
     """The noise with the mains lines that stand out of it, and the share of its power that is hum.
 
-    **Arguments:** `residual` (n,) of a fit of the orthonormal `basis` (n, M), `lines` rates in rad per sample, `fit`: the
-    noise without regard to hum.
+    **Arguments:** `residual` (n,) of a fit of the orthonormal `basis` (n, M), `lines` rates in rad per sample, `fit`:
+    the noise without regard to hum.
     """
     n = len(residual)
     time, power, covariance = np.arange(n), 0.0, np.zeros(MAX_ORDER + 1)

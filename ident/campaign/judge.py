@@ -20,7 +20,7 @@ class Judgement:
     **Arguments:**
 
     - `samples`, `duration` (s), `rate` (Hz): how much was recorded.
-    - `frequency`: of the drive, Hz, rms(V̇)/rms(V)/2π; `periods`: of the drive in the record, None if it is not periodic.
+    - `frequency`: of the drive, Hz, rms(V̇)/rms(V)/2π; `periods`: of the drive in the record, or None.
     - `amplitude`: half the peak-to-peak drive, V; `distortion`: rms of the drive's harmonics over its fundamental
       (for a drive that has one fundamental), else None.
     - `samples_per_period`; `clipped`: share of the response that sticks to its limits.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -191,9 +192,7 @@ def _sweep(spec: RecordSpec, table: Table, device: Device) -> tuple[Sweep, list[
 
 def _amplitude_unit(column: Column) -> tuple[Column, float]:
     """The column in its plain unit, and the factor from peak-to-peak or rms to amplitude."""
-    from dataclasses import replace
-
-    if column.unit is None or find_unit(column.unit) is not None:
+    if column.unit is None or find_unit(column.unit, rare=False) is not None:
         return column, 1.0
     unit, factor = peak_unit(column.unit)
     return replace(column, unit=unit), factor

@@ -1,4 +1,4 @@
-"""The noise floor of a record, from the data alone: what neither repeats with the drive nor decays with the oscillator."""
+"""The noise floor of a record, from the data alone: what neither repeats with the drive nor dies away."""
 
 from __future__ import annotations
 

@@ -14,8 +14,8 @@ from .record import NoiseFloor
 def pooled(floors: Sequence[NoiseFloor], lengths: Sequence[int]) -> list[NoiseFloor]:
     """The noise floors with one common colour, if theirs agree within their errors; otherwise as they are.
 
-    Each record keeps the strength of its own innovations, which is well known; the ratio of σ to it, which depends on the
-    slowest noise and is poorly known, is shared: log ratios are averaged with the weights of their errors.
+    Each record keeps the strength of its own innovations, which is well known; the ratio of σ to it, which depends on
+    the slowest noise and is poorly known, is shared: log ratios are averaged with the weights of their errors.
 
     **Arguments:** `floors`: those that were estimated; `lengths`: samples of each record.
     """

@@ -4,7 +4,7 @@ A response to a periodic drive is a Fourier series plus a transient. With the tr
 weak nonlinearity can only add products of the two: poles −jα + i(jω ± kω_drive), and slow changes of them.
 No parameter of a model enters, so the noise floor does not depend on the model being right.
 
-Source: A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations, 1979, ch. 4 (combination tones of a weakly nonlinear oscillator).
+Source: A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations, 1979, ch. 4 (combination tones of weak nonlinearity).
 """
 
 from __future__ import annotations
@@ -114,8 +114,8 @@ def find_transient(
 ) -> Pole | None:
     """The pole of the transient by separable least squares; None if there is no transient to be seen.
 
-    **Arguments:** `response` (n,), `drive_rate`: rad per sample or None, `count`: harmonics of the drive, `avoid`: rates
-    of lines that are no transient (mains hum).
+    **Arguments:** `response` (n,), `drive_rate`: rad per sample or None, `count`: harmonics of the drive, `avoid`:
+    rates of lines that are no transient (mains hum).
     """
     n = len(response)
     steady, _ = orthonormal(harmonic_columns(n, drive_rate, count))

@@ -19,7 +19,7 @@ class Column:
 
     **Arguments:**
 
-    - `header`: as written in the file; `stem`: the header without its unit; `unit`: the unit, or None if none is stated.
+    - `header`: as written in the file; `stem`: the header without its unit; `unit`: None if none is stated.
     - `doubtful`: what stands in brackets in the header but is no unit.
     - `position`: 1 for the first column; `cells`: (n,) texts or numbers; `lines`: (n,) line of each cell in the file.
     """
@@ -88,9 +88,13 @@ def is_number(cell: str) -> bool:
         return False
 
 
+# What may follow an underscore or a blank: a short list, so that "V_in" is not taken for inches.
 _SUFFIX_UNITS = frozenset(
-    "s ms us ns min V mV uV kV m mm um nm pm micron Hz kHz MHz rad deg A mA uA N mN uN Pa kPa MPa K C kg mg Vpp Vrms "
-    "volt volts second seconds hertz m/s mm/s rad/s m/s^2".split()
+    re.split(
+        " ",
+        "s ms us ns min V mV uV kV m mm um nm pm micron Hz kHz MHz rad deg A mA uA N mN uN Pa kPa MPa K C kg mg "
+        "Vpp Vrms volt volts second seconds hertz m/s mm/s rad/s m/s^2",
+    )
 )
 
 

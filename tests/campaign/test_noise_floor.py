@@ -1,0 +1,160 @@
+"""The noise floor is found without the model, within 10 % of the truth, whatever the drive, start and colour."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ident.campaign.autoregression import fit_autoregression, levinson, variance_of
+from ident.campaign.noise import noise_floor
+from ident.campaign.noise_pool import pooled
+from ident.campaign.period import find_period
+from ident.campaign.record import NoiseFloor
+from tests.campaign.records import coloured, multisine, respond, sine
+
+WHITE: tuple[float, ...] = ()
+SINES = [
+    (317, 90, 0.0),
+    (505, 60, 0.0),
+    (200, 100, 0.0),
+    (480, 25, 0.0),
+    (150, 33.3, 0.0),
+    (317, 40, 0.4),
+    (505, 61.7, 0.4),
+]
+
+
+@pytest.fixture(scope="module")
+def clean():
+    """Responses to a sine, one per (frequency, samples per period, lead); lead 0 starts from rest."""
+    return {case: respond(sine(case[0]), 2000, case[0] * case[1], lead=case[2]) for case in SINES}
+
+
+def _floor(record, noise) -> NoiseFloor:
+    time, drive, response = record
+    return noise_floor(time, drive, response + noise, find_period(drive))
+
+
+@pytest.mark.parametrize("case", SINES, ids=str)
+@pytest.mark.parametrize("level", [0.001, 0.01, 0.03])
+def test_white_noise(clean, case, level):
+    rng = np.random.default_rng(int(case[0]))
+    sigma = level * np.std(clean[case][2])
+    floor = _floor(clean[case], coloured(rng, 2000, WHITE, sigma))
+    assert floor.ar == ()
+    assert floor.sigma == pytest.approx(sigma, rel=0.10)
+    assert floor.relative_error < 0.05 and floor.method
+
+
+@pytest.mark.parametrize(("ar", "allowed"), [((0.5,), 0.10), ((0.9,), 0.20), ((1.2, -0.5), 0.12)], ids=str)
+def test_coloured_noise(clean, ar, allowed):
+    rng = np.random.default_rng(5)
+    ratios, orders = [], []
+    for record in clean.values():
+        sigma = 0.005 * np.std(record[2])
+        floor = _floor(record, coloured(rng, 2000, ar, sigma))
+        ratios.append(floor.sigma / sigma)
+        orders.append(len(floor.ar))
+    assert np.median(ratios) == pytest.approx(1.0, abs=0.06)
+    assert np.max(np.abs(np.array(ratios) - 1)) < allowed
+    assert orders.count(len(ar)) >= len(orders) - 1
+
+
+@pytest.mark.parametrize("ar", [(0.5,), (0.9,), (0.95,)], ids=str)
+def test_records_of_one_sensor_share_the_colour(clean, ar):
+    rng = np.random.default_rng(8)
+    sigmas = [0.01 * float(np.std(record[2])) for record in clean.values()]
+    pairs = zip(clean.values(), sigmas, strict=True)
+    floors = [_floor(record, coloured(rng, 2000, ar, sigma)) for record, sigma in pairs]
+    shared = pooled(floors, [2000] * len(floors))
+    assert len({floor.ar for floor in shared}) == 1
+    ratios = np.array([floor.sigma / sigma for floor, sigma in zip(shared, sigmas, strict=True)])
+    assert np.max(np.abs(ratios - 1)) < 0.10
+
+
+def test_different_colours_are_not_shared():
+    floors = [NoiseFloor(1.0, (0.5,), "a", 0.02), NoiseFloor(1.0, (0.95,), "b", 0.05)]
+    assert pooled(floors, [2000, 2000]) == floors
+
+
+def test_mains_hum_is_noise():
+    rng = np.random.default_rng(2)
+    time, drive, response = respond(sine(317), 2000, 317 * 25, lead=0.4)
+    noise = coloured(rng, 2000, WHITE, 0.01) + 0.01 * np.sqrt(2) * np.sin(2 * np.pi * 50 * time)
+    floor = _floor((time, drive, response), noise)
+    assert floor.sigma == pytest.approx(0.01 * np.sqrt(2), rel=0.15)
+    assert "hum" in floor.method and floor.ar
+
+
+@pytest.mark.parametrize("ar", [(), (0.5,), (0.9,)], ids=str)
+def test_repeats_of_a_multisine(ar):
+    rng = np.random.default_rng(4)
+    drive = multisine(0.05, range(1, 30), rng)
+    record = respond(drive, 2000, 10_000, lead=0.3)
+    assert find_period(record[1]) == pytest.approx(500)
+    floor = _floor(record, coloured(rng, 2000, ar, 0.01))
+    assert floor.sigma == pytest.approx(0.01, rel=0.12)
+    assert "repeats" in floor.method and len(floor.ar) == len(ar)
+
+
+def test_a_swept_sine_leaves_the_high_frequencies():
+    rng = np.random.default_rng(6)
+    record = respond(
+        lambda t: np.sin(2 * np.pi * (100 * np.asarray(t) + 0.5 * 500 / 0.2 * np.asarray(t) ** 2)), 2000, 1e4
+    )
+    floor = _floor(record, coloured(rng, 2000, WHITE, 0.02))
+    assert floor.sigma == pytest.approx(0.02, rel=0.25)
+    assert floor.relative_error >= 0.1 and "frequencies" in floor.method
+
+
+def test_a_band_without_free_frequencies_says_so():
+    rng = np.random.default_rng(7)
+    drive = lfilter_noise(rng, 6000)
+    floor = noise_floor(np.arange(6000.0), drive, drive + 0.01 * rng.standard_normal(6000), None)
+    assert floor.relative_error >= 0.5 and "taken as white" in floor.method
+
+
+def lfilter_noise(rng, n):
+    """Noise in the lower 70 % of the frequencies, and none above."""
+    spectrum = np.fft.rfft(rng.standard_normal(n))
+    spectrum[int(0.35 * n) :] = 0
+    return np.fft.irfft(spectrum, n)
+
+
+def test_a_free_decay_has_a_noise_floor():
+    rng = np.random.default_rng(9)
+    time = np.arange(2000) / 2e4
+    decay = np.exp(-40 * time) * np.cos(2 * np.pi * 480 * time)
+    floor = noise_floor(time, np.zeros(2000), decay + 0.003 * rng.standard_normal(2000), None)
+    assert floor.sigma == pytest.approx(0.003, rel=0.1)
+
+
+def test_a_noiseless_record_has_a_floor_above_zero(clean):
+    record = clean[SINES[0]]
+    assert 0 < noise_floor(*record, find_period(record[1])).sigma < 1e-3
+
+
+def test_levinson_solves_yule_walker():
+    ar = np.array([0.7, -0.3, 0.1])
+    impulse = np.zeros(4000)
+    impulse[0] = 1.0
+    for k in range(1, 4000):
+        impulse[k] = sum(ar[j] * impulse[k - 1 - j] for j in range(min(3, k)))
+    covariance = np.array([np.sum(impulse[: 4000 - lag] * impulse[lag:]) for lag in range(4)])
+    found, innovation = levinson(covariance, 3)
+    np.testing.assert_allclose(found, ar, atol=1e-9)
+    assert innovation == pytest.approx(1.0)
+    assert variance_of(ar, 1.0) == pytest.approx(covariance[0])
+
+
+def test_missing_frequencies_do_not_bias_the_colour():
+    rng = np.random.default_rng(10)
+    ratios = []
+    for _ in range(8):
+        noise = coloured(rng, 2000, (0.8,), 1.0)
+        holes = np.zeros(1001, dtype=bool)
+        holes[20::37] = holes[21::37] = True
+        spectrum = np.fft.rfft(noise)
+        spectrum[holes] += 300.0
+        ratios.append(fit_autoregression(np.fft.irfft(spectrum, 2000), None, 6, holes).sigma)
+    assert np.mean(ratios) == pytest.approx(1.0, abs=0.05)
