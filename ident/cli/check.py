@@ -22,7 +22,7 @@ def command(campaign: tuple[str, ...], as_json: bool) -> None:
       ident check data/platform_317hz
     """
     from ident.campaign import read_campaign
-    from ident.report.data_judgement import judgement_dict, judgement_sheet, what_the_records_tell
+    from ident.report.data_judgement import about, judgement_dict, judgement_sheet, remarks, what_the_records_tell
 
     data = read_campaign(campaign)
     if as_json:
@@ -31,9 +31,10 @@ def command(campaign: tuple[str, ...], as_json: bool) -> None:
     say(data.title)
     say()
     say_sheet(judgement_sheet(data))
-    say("Noise floors")
     for record in data.records:
-        say(f"  {record.name}: {record.noise.method}")
+        say(about(record, data))
+        for remark in remarks(record):
+            say(f"  ! {remark}")
     if data.notes:
         say("\nAssumed and found")
         for note in data.notes:

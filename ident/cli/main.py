@@ -90,7 +90,7 @@ def ident() -> None:
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run one command line and return its exit code."""
     debug = bool(os.environ.get(_DEBUG))
-    _quiet(debug)
+    _prepare(debug)
     try:
         code = ident.main(args=None if arguments is None else list(arguments), prog_name="ident", standalone_mode=False)
         return code if isinstance(code, int) else 0
@@ -127,8 +127,11 @@ def _fail(message: str, code: int) -> int:
     return code
 
 
-def _quiet(debug: bool) -> None:
-    """Warnings of libraries are for developers: the user gets results and one line per error."""
+def _prepare(debug: bool) -> None:
+    """Set up the process: warnings of libraries are for developers, and the user gets one line per error."""
+    # Our matrices are tall and thin; OpenBLAS's threads, which wait by spinning, made reading a campaign ten times
+    # slower on a busy machine. JAX has threads of its own. It works because nothing has imported numpy yet.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a console without "µ" prints "?" instead of failing

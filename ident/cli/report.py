@@ -22,8 +22,9 @@ def command(run: str) -> None:
     from ident.report.html import write_report
     from ident.report.run_folder import load_run, read_run
 
-    progress("reading the run and compiling the model")
+    told = read_run(run)
+    progress("reading the campaign and compiling the model")
     fit = load_run(run)
     progress("writing the report")
-    write_report(fit, Path(run), {"command": read_run(run)["command"]})
+    write_report(fit, Path(run), {"command": told["command"]})
     say(str(Path(run) / "report.html"))
