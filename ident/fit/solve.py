@@ -1,8 +1,8 @@
 """Least squares by optimistix: its Levenberg–Marquardt descent and trust region, on normal equations.
 
 `optimistix.least_squares` would compile the whole simulation a second time inside its own loop, which costs a cold fit
-several seconds; here its descent and its search run on the (u, u) normal equations, and the simulation is compiled once.
-Every parameter is scaled by the length of its column of the Jacobian, so that one damping suits all units.
+several seconds; here its descent and its search run on the (u, u) normal equations, and the simulation is compiled
+once. Every parameter is scaled by the length of its column of the Jacobian, so that one damping suits all units.
 
 Source: D. W. Marquardt, An algorithm for least-squares estimation of nonlinear parameters, J. SIAM 11 (1963) 431, §III.
 """
@@ -27,7 +27,10 @@ _SMALL_STEP = 1e-4  # in standard errors of the single parameter
 _SMALL_GAIN = 1e-9  # of the cost
 
 _DESCENT = optx.DampedNewtonDescent(linear_solver=lx.Cholesky())
-_SEARCH = optx.ClassicalTrustRegion()
+# The damping may fall as soon as nine tenths of the promised gain come true: with the default, 99 %, a start far from
+# the
+# minimum crawls (mean of 20 starts at ±30 %: 83 steps, one not there after 400; so 51 steps, all there).
+_SEARCH = optx.ClassicalTrustRegion(high_cutoff=0.9, low_cutoff=0.1)
 
 
 class Solution(NamedTuple):
@@ -87,7 +90,8 @@ def least_squares(static: Static, data: Data, start: Unknowns, robust: bool = Fa
         before = float(point.info.f)
         point, trial, accept, gain = _advance(first, point, trial, normal)
         cost = float(point.info.f)
-        # Done when the model of the cost promises nothing more, twice running: a single small step may only be a damped one.
+        # Done when the model of the cost promises nothing more, twice running: a single small step may only be a
+        # damped one.
         moved = float(jnp.max(jnp.abs(trial - point.y), initial=0.0))
         settled = float(gain) < _SMALL_GAIN * cost + 1e-6 or moved < _SMALL_STEP
         quiet = quiet + 1 if bool(accept) and settled and (bool(first) or before - cost < 1e-3 + 1e-7 * cost) else 0

@@ -1,0 +1,1 @@
+"""Whether fits reach the same minimum wherever they start."""
