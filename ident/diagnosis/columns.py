@@ -16,6 +16,7 @@ from typing import Any
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array, lax
 
 from ..effects.effect import Drive, State
@@ -23,40 +24,30 @@ from ..response import Equation
 from ..response.transient import Lane, System, assemble, half_step_time, rates_along
 from .trajectory import Path
 
-
-@eqx.filter_jit
-def columns(equation: Equation, substeps: int, values: Array, directions: Array, lanes: Lane, path: Path) -> Array:
-    """Change of the readings per unit change of the parameters along each direction.
-
-    **Arguments:** `values` and `directions`, (d, m): at which parameter values, and along which direction, each column
-    is taken; all must agree in the effects that are on. `path`: (lanes, 2 n + 1).
-
-    **Returns:** (d, lanes, samples), m per unit of the direction.
-    """
-    return jax.vmap(partial(_lane_columns, equation, substeps, values, directions), out_axes=1)(lanes, path)
-
-
-def _lane_columns(equation: Equation, substeps: int, values: Array, directions: Array, lane: Lane, path: Path) -> Array:
-    def acting(at: Array) -> tuple[Array, Array]:
-        return _force_and_sensor(equation, 2 * substeps, at, lane, path)
-
-    pushed, seen = jax.vmap(lambda at, along: jax.jvp(acting, (at,), (along,))[1])(values, directions)
-    system = assemble(equation, values[0], lane)
-    stiffness, damping = _linearised(system, lane, path)
-    z, v = _respond(pushed / system.mass, stiffness, damping, lane.step, substeps)
-    by_z, by_v = _sensor_slopes(system, lane, path, 2 * substeps)
-    return seen + by_z * z + by_v * v
+_CHUNK = 32  # columns solved together: one compiled program serves any number of them
 
 
 @eqx.filter_jit
-def push_columns(equation: Equation, substeps: int, values: Array, pushes: Array, lanes: Lane, path: Path) -> Array:
-    """Change of the readings by given extra forces on the stage.
+def contributions(
+    equation: Equation, substeps: int, values: Array, directions: Array, lanes: Lane, path: Path
+) -> tuple[Array, Array]:
+    """What the terms of a model change in the force on the stage and in the sensor, along given motions.
 
-    **Arguments:** `values`, (m,); `pushes`, (d, lanes, 2 n + 1) N on the half-step grid.
+    **Arguments:** `values` and `directions`, (d, m): at which parameter values, and along which direction, each row is
+    taken; `path`: (lanes, 2 n + 1).
 
-    **Returns:** (d, lanes, samples), m.
+    **Returns:** forces (d, lanes, 2 n + 1), N, and readings (d, lanes, samples), m, per unit of the direction.
     """
 
+    def one(lane: Lane, path: Path) -> tuple[Array, Array]:
+        acting = partial(_force_and_sensor, equation, 2 * substeps, lane=lane, path=path)
+        return jax.vmap(lambda at, along: jax.jvp(acting, (at,), (along,))[1])(values, directions)
+
+    return jax.vmap(one, out_axes=1)(lanes, path)
+
+
+@eqx.filter_jit
+def _responses(equation: Equation, substeps: int, values: Array, pushes: Array, lanes: Lane, path: Path) -> Array:
     def one(lane: Lane, path: Path, push: Array) -> Array:
         system = assemble(equation, values, lane)
         z, v = _respond(push / system.mass, *_linearised(system, lane, path), lane.step, substeps)
@@ -66,19 +57,37 @@ def push_columns(equation: Equation, substeps: int, values: Array, pushes: Array
     return jax.vmap(one, in_axes=(0, 0, 1), out_axes=1)(lanes, path, pushes)
 
 
+def push_columns(
+    equation: Equation, substeps: int, values: np.ndarray, pushes: np.ndarray, lanes: Lane, path: Path
+) -> np.ndarray:
+    """Change of the readings by given extra forces on the stage, through the model's dynamics linearised on the motion.
+
+    **Arguments:** `values`, (m,) SI; `pushes`, (d, lanes, 2 n + 1) N on the half-step grid.
+
+    **Returns:** (d, lanes, samples), m.
+    """
+    pushes, found = np.asarray(pushes), []
+    for first in range(0, len(pushes), _CHUNK):
+        part = pushes[first : first + _CHUNK]
+        padded = np.zeros((_CHUNK, *part.shape[1:]))
+        padded[: len(part)] = part
+        found.append(np.asarray(_responses(equation, substeps, values, padded, lanes, path))[: len(part)])
+    return np.concatenate(found)
+
+
 def _hidden(system: System, lane: Lane, path: Path) -> tuple[tuple[Array, ...], ...]:
     """Each effect's hidden states along a given motion, on the half-step grid."""
     return tuple(rates_along(effect, system, lane, path.z, path.v) for effect in system.effects)
 
 
-def _force_and_sensor(equation: Equation, stride: int, values: Array, lane: Lane, path: Path) -> tuple[Array, Array]:
+def _force_and_sensor(equation: Equation, stride: int, values: Array, *, lane: Lane, path: Path) -> tuple[Array, Array]:
     """Total force on the stage on the half-step grid, and the sensor's addition at the samples, on a given motion."""
     system = assemble(equation, values, lane)
     time = half_step_time(lane)
     force = system.gain * lane.voltage - system.damping * path.v - system.stiffness * path.z
     seen = jnp.zeros_like(time[::stride])
+    drive = lambda v, r: Drive(v, r, system.omega, system.gain)
     for effect, hidden in zip(system.effects, _hidden(system, lane, path), strict=True):
-        drive = lambda v, r: Drive(v, r, system.omega, system.gain)
         if effect.overrides("force"):
             one = lambda z, v, h, u, r, t, e=effect: e.force(State(z, v, h), drive(u, r), t)
             force = force + jax.vmap(one)(path.z, path.v, hidden, lane.voltage, lane.rate, time)

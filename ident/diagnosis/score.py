@@ -1,7 +1,9 @@
 """Which effect is missing: score statistics of every candidate, from the one definition of each effect.
 
-The residual of the fit is regressed on what each candidate would add to the readings, after everything that the model can
-already absorb (its parameters, initial states, mains hum) is projected out. Shapes are tried on their grids. The drop of
+The residual of the fit is regressed on what each candidate would add to the readings, after everything that the model
+can
+already absorb (its parameters, initial states, mains hum) is projected out. Shapes are tried on their grids. The drop
+of
 χ² ranks the candidates; whether the best one is real is judged after whitening by the colour of what is left, so that
 coloured noise raises no alarm.
 
@@ -21,19 +23,19 @@ from scipy.signal import lfilter
 
 from ..campaign.device import Platform
 from ..effects.effect import AbstractEffect
-from ..errors import UserError
 from ..fit import Fit
 from ..fit.problem import evaluate
 from ..model import Model
 from ..response import Equation
-from .columns import columns
+from .columns import contributions, push_columns
 from .trajectory import Scene, lay_out
 from .whiten import Piece, make_piece, prediction_filter, whiten
 
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """A fit prepared for regressions: whitened residual (n,) without what the model absorbs, and how to project a column.
+    """A fit prepared for regressions: whitened residual (n,) without what the model absorbs, and how to project a
+    column.
 
     **Arguments:** `starts`: first sample of each record within n; `absorbed`: (n, q) orthonormal.
     """
@@ -65,7 +67,8 @@ class Candidate(NamedTuple):
 
     - `drop`: predicted fall of χ²; `predicted_gain`: the same as a share of the excess over noise; `dof`: columns used.
     - `p_value`: probability of such a fall by chance, coloured noise allowed for.
-    - `values`: estimated parameters by short name (SI), the shapes at their best grid point; `errors`: of the amplitudes.
+    - `values`: estimated parameters by short name (SI), the shapes at their best grid point; `errors`: of the
+      amplitudes.
     - `signature`: (dof, n) orthonormal projected columns, by which candidates are compared.
     """
 
@@ -103,12 +106,16 @@ def prepare(fit: Fit) -> Bench:
 
 
 def stack(bench: Bench, model: Model, values: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """Whitened columns of all fitted records, (d, n)."""
-    scene, equation = bench.scene, Equation(model)
-    found = [
-        np.asarray(columns(equation, substeps, values, directions, group.lanes, path))
-        for substeps, group, path in zip(scene.static.substeps, scene.data.groups, scene.paths, strict=True)
-    ]
+    """Whitened columns of all fitted records, (d, n): what moving the parameters of `model` along each direction does.
+
+    `values` and `directions` are (d, m). The terms of `model` push; the bench's own model answers.
+    """
+    scene, fitted = bench.scene, bench.fit
+    found = []
+    for substeps, group, path in zip(scene.static.substeps, scene.data.groups, scene.paths, strict=True):
+        pushes, seen = contributions(Equation(model), substeps, values, directions, group.lanes, path)
+        through = push_columns(Equation(fitted.model), substeps, fitted.values, np.asarray(pushes), group.lanes, path)
+        found.append(through + np.asarray(seen))
     return by_record(bench, found)
 
 
@@ -138,15 +145,19 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     if effect.platform_only and not isinstance(bench.fit.model.device, Platform):
         return None
     settings = {k: v for k, v in bench.fit.campaign.settings.get(effect.name, {}).items() if isinstance(v, str)}
-    try:
-        model = bench.fit.model + effect(None, settings)
-    except UserError:  # it builds on an effect that is not there
+    fitted = bench.fit
+    if effect.needs and effect.needs not in fitted.model.names:
         return None
+    # The candidate alone (with the effect it builds on) pushes: the same program then serves every model and campaign.
+    alone = tuple(e for e in fitted.model.effects if e.name == effect.needs)
+    model = Model(fitted.model.device, (*alone, effect(None, settings)))
     instance = model.effects[-1]
-    first = len(bench.fit.values)
+    own = [p.name for p in model.parameters[: len(model.parameters) - len(instance.parameters)]]
+    known = np.array([fitted.value(name) for name in own])
+    first = len(known)
     amplitudes = [i for i, p in enumerate(instance.declared()) if p.kind == "amplitude" and (p.fitted or p.default)]
     points = _grid(instance, bench)
-    values = np.array([np.concatenate([bench.fit.values, point]) for point in points for _ in amplitudes])
+    values = np.array([np.concatenate([known, point]) for point in points for _ in amplitudes])
     directions = np.array([np.eye(values.shape[1])[first + a] for _ in points for a in amplitudes])
     raw = stack(bench, model, values, directions)
     projected = bench.project(raw)

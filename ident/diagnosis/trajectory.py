@@ -1,6 +1,8 @@
-"""The trajectory that the stage really took, as far as a record tells: the model's own, corrected by the smoothed residual.
+"""The trajectory that the stage really took, as far as a record tells: the model's own, corrected by the smoothed
+residual.
 
-Terms of a missing effect are evaluated where the stage was, not where the wrong model puts it. The model's state carries
+Terms of a missing effect are evaluated where the stage was, not where the wrong model puts it. The model's state
+carries
 the fast motion exactly; only the slowly varying misfit needs smoothing, so that velocities stay clean at 3 % noise.
 """
 
@@ -62,7 +64,7 @@ def lay_out(fit: Fit) -> Scene:
     """The scene of a fit: its model's states, corrected by the smoothed residual of each record."""
     records = fit.campaign.fitted
     groups, layout = make_groups(records, 1.0 / fit.scales.period, float(fit.values[1]))
-    static, data = assemble(fit.model, fit.campaign, groups, layout, fit.values)
+    static, data = assemble(fit.model, fit.campaign, groups, layout, fit.values, fit.scales)
     unknowns = begin(groups, static)
     if static.starts_free:
         unknowns = fit_starts(static, data, unknowns)

@@ -1,4 +1,5 @@
-"""Residuals and columns in units of white noise, record by record, with what is known to be a nuisance projected out."""
+"""Residuals and columns in units of white noise, record by record, with what is known to be a nuisance projected
+out."""
 
 from __future__ import annotations
 

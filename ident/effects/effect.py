@@ -15,9 +15,10 @@ From this one definition come the simulation, its derivatives, the fit, the help
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import Any, ClassVar, Literal, Mapping, NamedTuple, Self
+from typing import Any, ClassVar, Literal, NamedTuple, Self
 
 from ..campaign.device import Device, Platform
 
@@ -46,8 +47,10 @@ class Drive(NamedTuple):
 class Parameter:
     """One number of an effect, declared where the physics is.
 
-    An `amplitude` enters so that zero means absent. A `shape` (a gap, a time, a yield) is meaningless while the effect is
-    off; its `grid` lists values to try, in multiples of the data's own `scale`.
+    An `amplitude` enters so that zero means absent. A `shape` (a gap, a time, a yield) is meaningless while the
+    effect is
+    off; its `grid` lists values to try and its `limits` where it keeps its meaning, in multiples of the data's own
+    `scale`.
     """
 
     kind: Literal["amplitude", "shape"]
@@ -58,6 +61,7 @@ class Parameter:
     grid: tuple[float, ...]
     scale: Scale
     fitted: bool
+    limits: tuple[float, float] | None = None
     name: str = ""
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -80,14 +84,25 @@ def amplitude(
 
 
 def shape(
-    unit: str, doc: str = "", *, grid: tuple[float, ...], scale: Scale = "one", positive: bool = True, fitted: bool = True
+    unit: str,
+    doc: str = "",
+    *,
+    grid: tuple[float, ...],
+    scale: Scale = "one",
+    limits: tuple[float, float] | None = None,
+    positive: bool = True,
+    fitted: bool = True,
 ) -> Any:
     """Declare a parameter that says how an effect looks, not how large it is.
 
     **Arguments:** `grid`, values worth trying in multiples of the data's `scale` ("displacement": its largest value in
-    the records, likewise "velocity" and "voltage"; "period": 1/f0; "duration" of a record; "one": SI as written).
+    the records, likewise "velocity" and "voltage"; "period": 1/f0; "duration" of a record; "one": SI as written);
+    `limits`, where it keeps its meaning (default: a third of the smallest to three times the largest of the grid), so
+    that a fit cannot turn one effect into another; none if it may be negative.
     """
-    return Parameter("shape", unit, doc, grid[len(grid) // 2], positive, grid, scale, fitted)
+    if limits is None and positive:
+        limits = (min(grid) / 3, max(grid) * 3)
+    return Parameter("shape", unit, doc, grid[len(grid) // 2], positive, grid, scale, fitted, limits)
 
 
 @dataclass(frozen=True)
@@ -164,7 +179,9 @@ class AbstractEffect:
             object.__setattr__(self, key, value)
 
     def __setattr__(self, key: str, value: Any) -> None:
-        raise AttributeError(f"an effect is a value: use {type(self).__name__}(…, {key}={value!r}) to get a changed one")
+        raise AttributeError(
+            f"an effect is a value: use {type(self).__name__}(…, {key}={value!r}) to get a changed one"
+        )
 
     def with_values(self, **values: Scalar) -> Self:
         """The same effect with other parameter values."""

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from ..campaign.campaign import Campaign
-from ..model import Model
+from ..model import Model, ModelParameter
 from ..response import Equation, Group
 from ..response.groups import Layout
+from .coordinates import to_coordinates
+from .guess import DataScales
 from .problem import Data, Static, Unknowns
 
 
@@ -17,16 +19,18 @@ def assemble(
     groups: tuple[Group, ...],
     layout: Layout,
     values: np.ndarray,
+    scales: DataScales | None = None,
 ) -> tuple[Static, Data]:
     """The arrays of a fit whose unknowns are the model's fitted parameters, at `values` (m,) SI."""
     parameters = model.parameters
     free = tuple(i for i, p in enumerate(parameters) if p.fitted)
-    positive = np.array([parameters[i].positive for i in free])
+    bounds = np.array([_bounds(parameters[i], float(values[i]), scales) for i in free]).reshape(-1, 2)
     priors = [campaign.priors.get(parameters[i].name) for i in free]
     data = Data(
         groups,
         np.asarray(values, float),
-        positive,
+        bounds[:, 0],
+        bounds[:, 1],
         np.ones(len(free)),
         np.zeros(len(free)),
         np.array([0.0 if p is None else p.mean for p in priors]),
@@ -36,11 +40,23 @@ def assemble(
     return static, at_values(data, static, np.asarray(values, float))
 
 
+def _bounds(parameter: ModelParameter, value: float, scales: DataScales | None) -> tuple[float, float]:
+    if not parameter.positive:
+        return -np.inf, np.inf
+    if parameter.limits is None or scales is None:
+        return 0.0, np.inf
+    unit = getattr(scales, parameter.limits_scale)
+    # A value that the user gave outside the usual limits moves them.
+    low, high = parameter.limits[0] * unit, parameter.limits[1] * unit
+    return (low if value > low else value / 3), (high if value < high else value * 3)
+
+
 def at_values(data: Data, static: Static, values: np.ndarray) -> Data:
     """The same fit with x = 0 at `values`."""
     chosen = values[list(static.free)]
-    anchor = np.where(data.positive, np.log(np.where(data.positive, np.maximum(chosen, 1e-300), 1.0)), chosen)
-    scale = np.where(data.positive, 1.0, np.where(chosen == 0, 1.0, np.abs(chosen)))
+    lower, upper = np.asarray(data.lower), np.asarray(data.upper)
+    anchor = to_coordinates(chosen, lower, upper)
+    scale = np.where(np.isfinite(lower), 1.0, np.where(chosen == 0, 1.0, np.abs(chosen)))
     return data._replace(template=values, anchor=anchor, scale=scale)
 
 

@@ -2,48 +2,50 @@
 
 from __future__ import annotations
 
-from typing import Sequence
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from ..campaign.campaign import Campaign
-from ..campaign.record import Trace
 from ..model import Model, ModelParameter
 from ..response import make_groups
 from ..response.groups import Layout
+from .coordinates import slopes
 from .guess import DataScales
 from .identifiability import identifiability
 from .judge import combine, score_record
 from .problem import Data, Static, Unknowns, evaluate, read_groups
 from .reading import read
 from .result import Estimate, Fit, SigmaChoice, Start
+from .solve import Solution
 from .uncertainty import Linearisation, covariance, linearise
 
 
-def finish(
-    model: Model,
-    campaign: Campaign,
-    static: Static,
-    data: Data,
-    unknowns: Unknowns,
-    layout: Layout,
-    starts: tuple[Start, ...],
-    sigma: SigmaChoice,
-    scales: DataScales,
-    converged: bool,
-) -> Fit:
+class Minimum(NamedTuple):
+    """Where least squares ended: the arrays of the fit, the `best` solution, and every start."""
+
+    static: Static
+    data: Data
+    layout: Layout
+    best: Solution
+    starts: tuple[Start, ...]
+    scales: DataScales
+
+
+def finish(model: Model, campaign: Campaign, minimum: Minimum, sigma: SigmaChoice) -> Fit:
     """Everything that is known of a solution."""
-    records = campaign.fitted
+    static, data, layout, best, starts, scales = minimum
+    unknowns, records = best.unknowns, campaign.fitted
     found = evaluate(static, data, unknowns)
     values = np.asarray(found.values)
     free, parameters = list(static.free), model.parameters
-    positive = np.asarray(data.positive)
     in_x = linearise(found, layout, records)
     scale = np.asarray(data.scale)
     linear = Linearisation(in_x.jacobian / scale, in_x.residual, in_x.spread / np.outer(scale, scale))
-    stretch = np.where(positive, values[free], 1.0)  # d(physical value)/d(coordinate)
+    stretch = slopes(values[free], data.lower, data.upper)  # d(physical value)/d(coordinate)
     spectrum = covariance(linear, np.asarray(data.prior_weight) * stretch)
-    judged = identifiability([parameters[i] for i in free], values[free], positive, spectrum)
+    judged = identifiability([parameters[i] for i in free], values[free], stretch, spectrum)
     inside = [np.asarray(found.readings[g][lane, :n]) for g, lane, n in layout.places]
     finer, heldout = _finer_and_heldout(model, campaign, static, data, unknowns, layout, values, scales)
     step_error = max(
@@ -58,7 +60,7 @@ def finish(
         model,
         campaign,
         values,
-        _estimates(parameters, values, free, matrix, judged.determined, positive),
+        _estimates(parameters, values, free, matrix, judged.determined, data),
         static.free,
         matrix,
         judged.combinations,
@@ -66,7 +68,7 @@ def finish(
         scores,
         starts,
         sigma,
-        converged,
+        best.converged,
         step_error,
         scales,
         spectrum,
@@ -104,13 +106,19 @@ def _finer_and_heldout(
     return pick(finer, 0), read(model, values, alone) if alone else pick(places, len(groups))
 
 
+def _at_bound(value: float, lower: float, upper: float, error: float) -> bool:
+    if np.isfinite(upper):
+        return value < 1.02 * lower or value > 0.98 * upper
+    return lower == 0.0 and error > 3 * abs(value)
+
+
 def _estimates(
     parameters: Sequence[ModelParameter],
     values: np.ndarray,
     free: list[int],
     matrix: np.ndarray,
     determined: np.ndarray,
-    positive: np.ndarray,
+    data: Data,
 ) -> tuple[Estimate, ...]:
     estimates = []
     for i, parameter in enumerate(parameters):
@@ -123,7 +131,7 @@ def _estimates(
         flags: tuple[str, ...] = ()
         if not determined[k]:
             flags = ("undetermined",)
-        elif positive[k] and error > 3 * abs(value):
+        elif _at_bound(value, float(data.lower[k]), float(data.upper[k]), error):
             flags = ("at-bound",)
         elif error > abs(value):
             flags = ("not-significant",)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Callable
 
 import numpy as np
 
@@ -15,8 +15,8 @@ from ..response import make_groups
 from ..response.groups import Layout
 from . import solve
 from .assemble import assemble, at_values, begin
-from .finish import finish
-from .guess import data_scales, guess_linear
+from .finish import Minimum, finish
+from .guess import LinearGuess, data_scales, guess_linear
 from .problem import Data, Evaluation, Static, evaluate
 from .result import Fit, SigmaChoice, Start
 from .starts import base_values, random_points, starting_points
@@ -34,14 +34,14 @@ def fit(
     starts: int = 0,
     spread: float = 0.3,
     seed: int = 0,
-    initial: np.ndarray | None = None,
+    initial: np.ndarray | Sequence[np.ndarray] | None = None,
     report: Report = lambda _: None,
 ) -> Fit:
     """Fit a model to the traces of a campaign that are not held out.
 
     Minimises Σ ((measured − model)/σ)² over the fitted parameters and the initial states of the records that do not
     start at rest, from the records' own linear guess, from the effects' grids, and from `starts` random points within
-    ±`spread` of the best; or from `initial` (SI, all parameters) alone.
+    ±`spread` of the best; or from `initial` alone, one point or several (SI, all parameters).
 
     **Arguments:** `sigma`: "known" (noise floors as given or estimated), "scaled" (error bars times the error over
     noise), "fitted" (each record's own residual); `robust`: large residuals count linearly; `report`: called with
@@ -49,40 +49,64 @@ def fit(
 
     **Raises:** UserError if there is nothing to fit.
     """
+    found = minimise(
+        model, campaign, robust=robust, starts=starts, spread=spread, seed=seed, initial=initial, report=report
+    )
+    if sigma == "fitted":
+        at = evaluate(found.static, found.data, found.best.unknowns)
+        campaign = _with_residual_noise(campaign, at, found.layout)
+        again = fit(model, campaign, robust=robust, initial=np.asarray(at.values), report=report)
+        return replace(again, sigma="fitted", starts=found.starts)
+    report("uncertainties")
+    return finish(model, campaign, found, sigma)
+
+
+def minimise(
+    model: Model,
+    campaign: Campaign,
+    *,
+    robust: bool = False,
+    starts: int = 0,
+    spread: float = 0.3,
+    seed: int = 0,
+    initial: np.ndarray | Sequence[np.ndarray] | None = None,
+    report: Report = lambda _: None,
+) -> Minimum:
+    """The least-squares minimum alone, without uncertainties; arguments as in `fit`."""
     records = campaign.fitted
     if not records:
         what = "the campaign has sweeps only, and fitting needs" if campaign.sweeps else "the campaign has no"
         raise UserError(f"{what} at least one trace that is not held out", do="add a record with holdout = false")
-    report("reading the resonance off the records")
-    guess = guess_linear(records, model.linear.nominal_frequency)
+    told = [] if initial is None else list(np.atleast_2d(np.asarray(initial, float)))
+    if told:
+        guess = LinearGuess(float(told[0][0]), float(told[0][1]), float("nan"), float("nan"))
+    else:
+        report("reading the resonance off the records")
+        guess = guess_linear(records, model.linear.nominal_frequency)
     scales = data_scales(records, guess.frequency)
-    base = base_values(model, guess, scales) if initial is None else np.asarray(initial, float)
+    base = told[0] if told else base_values(model, guess, scales)
     groups, layout = make_groups(records, max(guess.frequency, float(base[0])), guess.quality)
-    static, data = assemble(model, campaign, groups, layout, base)
+    static, data = assemble(model, campaign, groups, layout, base, scales)
     report(f"compiling the model ({len(static.free)} parameters, {len(records)} records)")
-    points = [base] if initial is not None else starting_points(model, base, scales)
-    if initial is None and starts:
+    points = told or starting_points(model, base, scales)
+    if not told and starts:
         points = [base, *random_points(model, base, starts, spread, seed)]
-    candidates = _first_errors(static, data, points)[: None if starts else _KEPT_STARTS]
+    candidates = _first_errors(static, data, points)[: None if starts or told else _KEPT_STARTS]
     solutions = []
     for number, (first, point) in enumerate(candidates, 1):
         report(f"least squares, start {number} of {len(candidates)}")
-        solutions.append((first, *solve.least_squares(static, at_values(data, static, point), begin(groups, static), robust)))
+        there = at_values(data, static, point)
+        solutions.append((first, *solve.least_squares(static, there, begin(groups, static), robust)))
     _, data, best = min(solutions, key=lambda s: s[2].cost if np.isfinite(s[2].cost) else np.inf)
     samples = sum(int(np.count_nonzero(group.weight)) for group in groups)
     per_sample = lambda cost: float(np.sqrt(cost / samples))
     table = tuple(Start(first, per_sample(s.cost), s.steps, s.converged) for first, _, s in solutions)
-    if sigma == "fitted":
-        found = evaluate(static, data, best.unknowns)
-        campaign, values = _with_residual_noise(campaign, found, layout), np.asarray(found.values)
-        again = fit(model, campaign, robust=robust, initial=values, report=report)
-        return replace(again, sigma="fitted", starts=table)
-    report("uncertainties")
-    return finish(model, campaign, static, data, best.unknowns, layout, table, sigma, scales, best.converged)
+    return Minimum(static, data, layout, best, table, scales)
 
 
 def _first_errors(static: Static, data: Data, points: list[np.ndarray]) -> list[tuple[float, np.ndarray]]:
-    """Starting points with the error over noise at each, best first; the initial states are fitted for the judgement."""
+    """Starting points with the error over noise at each, best first; the initial states are fitted for the
+    judgement."""
     judged = []
     for point in points:
         unknowns = begin(data.groups, static)

@@ -1,15 +1,17 @@
 """Starting values read off the records themselves: resonance, quality factor, drive gain, and the size of everything.
 
-For a trial resonance the response of a linear oscillator to the measured drive is one filter; gain, initial states and an
-offset then follow from linear least squares (variable projection: G. H. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973)
-413). Every record is weighted by its own size, so that a strongly nonlinear one does not rule the others.
+For a trial resonance the response of a linear oscillator to the measured drive is one filter; gain, initial states
+and an
+offset then follow from linear least squares (variable projection: G. H. Golub, V. Pereyra, SIAM J. Numer. Anal. 10
+(1973) 413). Every record is weighted by its own size, so that a strongly nonlinear one does not rule the others.
 """
 
 from __future__ import annotations
 
 import cmath
 import math
-from typing import NamedTuple, Sequence
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from scipy import optimize, signal
@@ -112,8 +114,8 @@ def _highest_content(record: Trace) -> float:
 def oscillator_filter(frequency: float, quality: float, step: float) -> tuple[np.ndarray, np.ndarray]:
     """Digital filter (b, a) of z̈ + (ω0/Q) ż + ω0² z = u, exact for an input that is linear between samples.
 
-    The response to one triangle of input is the second difference of the response p(t) to a ramp; the poles are those of
-    the oscillator, so three terms of that response fix the numerator.
+    The response to one triangle of input is the second difference of the response p(t) to a ramp; the poles are those
+    of the oscillator, so three terms of that response fix the numerator.
 
     Source: K. J. Åström, B. Wittenmark, Computer-Controlled Systems, 1997, §2.3 (first-order hold).
     """

@@ -8,7 +8,8 @@ Source: G. A. F. Seber, C. J. Wild, Nonlinear Regression, 1989, §3.4.
 
 from __future__ import annotations
 
-from typing import NamedTuple, Sequence
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,7 +20,8 @@ _INVOLVED = 0.1  # share of a null direction that makes a parameter part of it
 
 
 class Combination(NamedTuple):
-    """A determined combination Σ weights·names = `value` ± `deviation` in `unit` (ln of a product where `logarithmic`)."""
+    """A determined combination Σ weights·names = `value` ± `deviation` in `unit` (ln of a product where
+    `logarithmic`)."""
 
     names: tuple[str, ...]
     weights: tuple[float, ...]
@@ -37,9 +39,9 @@ class Identifiability(NamedTuple):
 
 
 def identifiability(
-    parameters: Sequence[ModelParameter], values: np.ndarray, positive: np.ndarray, found: Covariance
+    parameters: Sequence[ModelParameter], values: np.ndarray, stretch: np.ndarray, found: Covariance
 ) -> Identifiability:
-    """Judge each fitted parameter: (p,) `values` SI, `positive` those fitted through their logarithm."""
+    """Judge each fitted parameter: (p,) `values` SI, `stretch` dp/dc of each coordinate."""
     if found.null.shape[1] == 0:
         return Identifiability(np.ones(len(parameters), bool), ())
     involved = np.linalg.norm(found.null, axis=1) > _INVOLVED
@@ -47,7 +49,7 @@ def identifiability(
     same_unit = len({parameters[i].unit for i in index}) == 1
     logarithmic = not same_unit
     # Coordinates of the optimiser → physical values (or their logarithms where the units differ).
-    to_physical = np.where(positive, values, 1.0)[index]
+    to_physical = stretch[index]
     if logarithmic:
         to_physical = to_physical / np.where(values[index] == 0, 1.0, values[index])
     null = found.null[index] / found.lengths[index, None] * to_physical[:, None]

@@ -9,9 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .coordinates import slopes
 from .problem import Data, Evaluation, Static, Unknowns, evaluate
 
-# A hundred-thousandth of a standard error: keeps the equations solvable along directions that the data leave free, and is
+# A hundred-thousandth of a standard error: keeps the equations solvable along directions that the data leave free,
+# and is
 # far too weak to move any that they determine.
 _RIDGE = 1e-5
 _SOFT = 3.0  # robust loss: residuals beyond this many noise floors count linearly
@@ -71,7 +73,7 @@ def _with_prior(data_part: Normal, found: Evaluation, static: Static, data: Data
     values = np.asarray(found.values)[list(static.free)]
     weight = np.asarray(data.prior_weight)
     off = (values - data.prior_mean) * weight
-    slope = weight * np.asarray(data.scale) * np.where(data.positive, values, 1.0)
+    slope = weight * np.asarray(data.scale) * slopes(values, data.lower, data.upper)
     gradient[:p] += slope * off
     matrix[np.arange(p), np.arange(p)] += slope**2
     matrix[np.diag_indices_from(matrix)] += _RIDGE**2

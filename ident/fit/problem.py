@@ -1,13 +1,12 @@
 """A fit as arrays: residuals in units of the noise floor, and their Jacobian record by record.
 
 The unknowns are x, the fitted parameters in unbounded coordinates (ln p for positive ones) divided by `scale`, and the
-initial states of the records that do not start at rest. A record's initial state moves that record only, so the Jacobian
-costs p + 2 tangent simulations whatever the number of records (p if all start at rest).
+initial states of the records that do not start at rest. A record's initial state moves that record only, so the
+Jacobian costs p + 2 tangent simulations whatever the number of records (p if all start at rest).
 """
 
 from __future__ import annotations
 
-from functools import partial
 from typing import NamedTuple
 
 import equinox as eqx
@@ -17,6 +16,7 @@ import numpy as np
 from jax import Array
 
 from ..response import Equation, Group, simulate_group
+from .coordinates import to_values
 
 Numbers = Array | np.ndarray
 
@@ -40,13 +40,14 @@ class Data(NamedTuple):
     **Arguments:**
 
     - `groups`: the records; `template`: (m,) SI values of all parameters, fitted or not.
-    - `positive`, `scale`, `anchor`: (p,) of the fitted ones: fitted through the logarithm; unit and origin of x.
+    - `lower`, `upper`: (p,) bounds of the fitted ones (see coordinates); `scale`, `anchor`: (p,) unit and origin of x.
     - `prior_mean`, `prior_weight`: (p,) SI; weight 1/deviation, 0 without a prior.
     """
 
     groups: tuple[Group, ...]
     template: Numbers
-    positive: Numbers
+    lower: Numbers
+    upper: Numbers
     scale: Numbers
     anchor: Numbers
     prior_mean: Numbers
@@ -65,8 +66,7 @@ _WORST = 1e8  # residual of a simulation that overflowed: finite, so that the st
 
 def physical(static: Static, data: Data, x: Numbers) -> Array:
     """All parameters of the model in SI, (m,), from the unknowns x (p,)."""
-    coordinates = x * data.scale + data.anchor
-    values = jnp.where(data.positive, jnp.exp(jnp.where(data.positive, coordinates, 0.0)), coordinates)
+    values = to_values(x * data.scale + data.anchor, data.lower, data.upper)
     return jnp.asarray(data.template).at[jnp.array(static.free, int)].set(values)
 
 

@@ -11,7 +11,7 @@ from ..model import Model
 from ..response import make_groups
 from . import solve
 from .assemble import assemble, begin
-from .finish import finish
+from .finish import Minimum, finish
 from .guess import data_scales, guess_linear
 from .reading import fit_starts
 from .result import Fit, SigmaChoice, Start
@@ -39,8 +39,9 @@ def fit_at(
     scales = data_scales(records, guess.frequency)
     first = float(base_values(model, guess, scales)[0])  # the search chose its solver step from the same numbers
     groups, layout = make_groups(records, max(guess.frequency, first), guess.quality)
-    static, data = assemble(model, campaign, groups, layout, np.asarray(values, float))
+    static, data = assemble(model, campaign, groups, layout, np.asarray(values, float), scales)
     data, unknowns = solve.rescale(static, data, begin(groups, static))
     if any(record.start != "rest" for record in records):
         unknowns = fit_starts(static, data, unknowns)
-    return finish(model, campaign, static, data, unknowns, layout, tuple(starts), sigma, scales, converged)
+    there = solve.Solution(unknowns, float("nan"), 0, converged)
+    return finish(model, campaign, Minimum(static, data, layout, there, tuple(starts), scales), sigma)

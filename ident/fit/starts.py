@@ -1,9 +1,10 @@
-"""Where a fit starts: the linear guess from the records, the grids of the shape parameters, and random ones on request."""
+"""Where a fit starts: the linear guess from the records, the grids of the shape parameters, and random ones on
+request."""
 
 from __future__ import annotations
 
 import itertools
-from typing import Sequence
+from collections.abc import Sequence
 
 import numpy as np
 

@@ -1,6 +1,7 @@
 """Covariance of the fitted parameters, with a reason wherever it cannot be given.
 
-The fit weighs every sample by 1/σ. Noise that is correlated in time makes neighbouring samples say the same thing twice,
+The fit weighs every sample by 1/σ. Noise that is correlated in time makes neighbouring samples say the same thing
+twice,
 so the covariance is the sandwich (JᵀJ)⁻¹ Jᵀ R J (JᵀJ)⁻¹ with R the correlation of the noise; for white noise R = 1.
 Initial states are eliminated record by record (a Schur complement).
 
@@ -9,7 +10,8 @@ Source: H. White, Asymptotic Theory for Econometricians, 2001, §4.2; C. R. Rao,
 
 from __future__ import annotations
 
-from typing import NamedTuple, Sequence
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from scipy import signal
@@ -70,7 +72,8 @@ class Covariance(NamedTuple):
     - `matrix`: (p, p), the null directions left out.
     - `null`: (p, k) unit vectors (in coordinates scaled to unit columns of J) along which the data say nothing.
     - `lengths`: (p,) column lengths of J by which the coordinates were scaled.
-    - `singular_values`: of the scaled Jacobian, largest first; `directions`: (p, p) the matching right vectors, columns.
+    - `singular_values`: of the scaled Jacobian, largest first; `directions`: (p, p) the matching right vectors,
+      columns.
     """
 
     matrix: np.ndarray

@@ -2,8 +2,8 @@
 
     (M + m) z̈ + (M ω0/Q) ż + M ω0² z = G V + Σ forces of the effects
 
-For the platform M is the stage's mass, m the record's load and G = K_f d31/T_p; for a generic oscillator M = 1, m = 0 and
-G is called the gain. ω0 and Q are those of the unloaded stage.
+For the platform M is the stage's mass, m the record's load and G = K_f d31/T_p; for a generic oscillator M = 1, m = 0
+and G is called the gain. ω0 and Q are those of the unloaded stage.
 """
 
 from __future__ import annotations

@@ -77,7 +77,7 @@ class Model:
         for effect in self.effects:
             own += [
                 ModelParameter(f"{effect.name}.{p.name}", p.unit, p.default, p.positive, p.fitted, p.kind,
-                               p.grid, p.scale, p.doc)
+                               p.grid, p.scale, p.limits, p.scale, p.doc)
                 for p in effect.declared()
             ]  # fmt: skip
         start = dict(self.start)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from ..effects.effect import Scale
 
 
@@ -18,6 +16,7 @@ class ModelParameter:
     - `name`: "effect.parameter"; `unit`: of the SI value.
     - `value`: where a fit starts (SI); for a shape it is a multiple of the data's `scale` until the data are known.
     - `positive`: the value is fitted through its logarithm, so it cannot reach or cross zero.
+    - `limits`: where a shape keeps its meaning, in multiples of the data's `limits_scale`; a fit stays inside.
     - `fitted`: whether a fit moves it; `grid`: other starting values.
     """
 
@@ -29,13 +28,10 @@ class ModelParameter:
     kind: str = "amplitude"
     grid: tuple[float, ...] = ()
     scale: Scale = "one"
+    limits: tuple[float, float] | None = None
+    limits_scale: Scale = "one"
     doc: str = field(default="", compare=False)
 
     @property
     def effect(self) -> str:
         return self.name.rpartition(".")[0]
-
-
-def to_free(values: np.ndarray, positive: np.ndarray) -> np.ndarray:
-    """Coordinates without bounds: ln p for positive parameters, p for the others."""
-    return np.where(positive, np.log(np.where(positive, values, 1.0)), values)

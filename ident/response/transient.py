@@ -1,7 +1,7 @@
 """Transient response: fixed-step Runge–Kutta of order 4 in one scan, driven by the measured voltage.
 
-One lane is one record. The carry is a tuple of scalars, so that XLA keeps the whole loop in registers; forces that depend
-on the drive alone are computed before the loop, on the half-step grid that RK4 needs.
+One lane is one record. The carry is a tuple of scalars, so that XLA keeps the whole loop in registers; forces that
+depend on the drive alone are computed before the loop, on the half-step grid that RK4 needs.
 
 Source: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 1993, §II.1.
 """
@@ -36,8 +36,8 @@ class Equation:
 class Lane(NamedTuple):
     """One record as the solver sees it.
 
-    **Arguments:** `step`, s, of the Runge–Kutta method; `voltage` and `rate`, (2 n + 1,) V and V/s on the half-step grid;
-    `omega`, rad/s; `load`, kg.
+    **Arguments:** `step`, s, of the Runge–Kutta method; `voltage` and `rate`, (2 n + 1,) V and V/s on the half-step
+    grid; `omega`, rad/s; `load`, kg.
     """
 
     step: Array
@@ -158,7 +158,8 @@ def _runge_kutta(f: Any, y: tuple[Array, ...], at: list[tuple[Array, ...]], h: A
 
 
 def rates_along(effect: AbstractEffect, system: System, lane: Lane, z: Array, v: Array) -> tuple[Array, ...]:
-    """Hidden states of one effect along a given motion (2 n + 1,), on the half-step grid; midpoints are interpolated."""
+    """Hidden states of one effect along a given motion (2 n + 1,), on the half-step grid; midpoints are
+    interpolated."""
     initial = tuple(jnp.asarray(h) + 0.0 * system.stiffness for h in effect.state0())
     if not initial:
         return ()

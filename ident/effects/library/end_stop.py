@@ -20,8 +20,9 @@ class EndStop(AbstractEffect):
 
     above = amplitude("N/m", "contact stiffness of the upper stop, k_a")
     below = amplitude("N/m", "contact stiffness of the lower stop, k_b")
-    gap = shape("m", "gap from rest to the upper stop, g", grid=(0.4, 0.55, 0.7, 0.85), scale="displacement")
-    exponent = shape("1", "exponent of the contact law, n", grid=(1.0, 1.5))
+    gap = shape("m", "gap from rest to the upper stop, g", grid=(0.4, 0.55, 0.7, 0.85),
+                limits=(0.2, 1.0), scale="displacement")  # fmt: skip
+    exponent = shape("1", "exponent of the contact law, n", grid=(1.0, 1.5), limits=(0.8, 1.8))
     asymmetry = shape("1", "lower gap over upper gap, a", grid=(1.0,), fitted=False)
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:

@@ -1,0 +1,99 @@
+"""Confirming a candidate: the model with the effect is fitted in full simulation, from the size that the score
+predicts."""
+
+from __future__ import annotations
+
+import itertools
+from typing import NamedTuple
+
+import numpy as np
+
+from ..effects.effect import AbstractEffect
+from ..fit import Fit, fit
+from ..fit.fit import minimise
+from ..fit.problem import evaluate
+from ..model import Model
+from .score import Bench, Candidate
+from .whiten import whiten
+
+
+class Confirmed(NamedTuple):
+    """A candidate after its refit.
+
+    **Arguments:** `model` and `values` (SI) of the refit; `chi2`: whitened, comparable with the bench's; `gain`: share
+    of the bench's excess over noise that it removed; `criterion`: χ² plus ln n per fitted parameter.
+    """
+
+    candidate: Candidate
+    model: Model
+    values: np.ndarray
+    chi2: float
+    gain: float
+    criterion: float
+
+
+_MOST_STARTS = 6
+
+
+def extend(model: Model, effect: type[AbstractEffect], settings: dict[str, str] | None = None) -> Model:
+    """The model with one effect more, its settings as the campaign has them."""
+    return model + effect(None, settings)
+
+
+def confirm(bench: Bench, effect: type[AbstractEffect], candidate: Candidate) -> Confirmed:
+    """Refit with the candidate on; shapes of effects accepted before are tried on their grids again."""
+    before = bench.fit
+    settings = {k: v for k, v in before.campaign.settings.get(effect.name, {}).items() if isinstance(v, str)}
+    model = extend(before.model, effect, settings)
+    first = np.concatenate([before.values, _start(model, candidate)])
+    return weigh(bench, model, candidate, [first, *_reprofiled(model, first, before)][:_MOST_STARTS])
+
+
+def weigh(bench: Bench, model: Model, candidate: Candidate, starts: list[np.ndarray]) -> Confirmed:
+    """Refit a model from given starts and weigh it against the bench's own."""
+    found = minimise(model, bench.fit.campaign, initial=starts)
+    at = evaluate(found.static, found.data, found.best.unknowns)
+    records = bench.fit.campaign.fitted
+    rows = [
+        (record.response - np.asarray(at.readings[g][lane, :n]))[None]
+        for record, (g, lane, n) in zip(records, found.layout.places, strict=True)
+    ]
+    chi2 = float(sum(np.sum(whiten(piece, row) ** 2) for piece, row in zip(bench.pieces, rows, strict=True)))
+    gain = (bench.chi2 - chi2) / max(bench.chi2 - bench.n, 1e-9)
+    return Confirmed(
+        candidate, model, np.asarray(at.values), chi2, gain, chi2 + len(found.static.free) * float(np.log(bench.n))
+    )
+
+
+def accept(confirmed: Confirmed, before: Fit) -> Fit:
+    """The confirmed model as a Fit with uncertainties."""
+    return fit(confirmed.model, before.campaign, initial=confirmed.values)
+
+
+def _start(model: Model, candidate: Candidate) -> np.ndarray:
+    """The effect's parameters as scored; an amplitude that cannot be negative starts small instead."""
+    effect = model.effects[-1]
+    declared = {p.name: p for p in effect.declared()}
+    values = []
+    for p in effect.parameters:
+        value = candidate.values.get(p.name, p.default)
+        if declared[p.name].positive and value <= 0:
+            value = abs(candidate.errors.get(p.name, value)) or p.default
+        values.append(value)
+    return np.array(values)
+
+
+def _reprofiled(model: Model, first: np.ndarray, before: Fit) -> list[np.ndarray]:
+    """Starts with the shapes of earlier effects at each point of their grids: a new term may free them."""
+    starts = []
+    for i, p in enumerate(model.parameters[: len(before.values)]):
+        if p.kind == "shape" and p.fitted and len(p.grid) > 1:
+            for g in p.grid:
+                point = first.copy()
+                point[i] = g * getattr(before.scales, p.scale)
+                starts.append(point)
+    return (
+        starts
+        if len(starts) < _MOST_STARTS
+        else list(itertools.islice(starts, 0, None, len(starts) // _MOST_STARTS + 1))
+    )
