@@ -7,8 +7,6 @@ samples; dV/dt must not amplify the noise of the drive column.
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import CubicSpline, make_interp_spline
-from scipy.linalg import solveh_banded
 
 from .period import find_period, fourier_basis, least_squares
 from .record import Trace
@@ -52,6 +50,8 @@ def half_step_drive(record: Trace, substeps: int = 1) -> tuple[np.ndarray, np.nd
     Source: C. de Boor, A Practical Guide to Splines, 1978, ch. IV; P. H. C. Eilers, "A perfect smoother",
     Anal. Chem. 75 (2003) 3631, doi:10.1021/ac034173t.
     """
+    from scipy.interpolate import CubicSpline  # here, because its import costs more than reading a campaign
+
     n = len(record.drive)
     index = np.arange(n, dtype=float)
     grid = np.arange(2 * (n - 1) * substeps + 1) / (2 * substeps)
@@ -68,6 +68,8 @@ def _slope(drive: np.ndarray, substeps: int, period: float | None) -> np.ndarray
         return np.zeros(len(grid))
     if period is not None and _has_series(period):
         return _fourier_slope(drive, period, grid)
+    from scipy.interpolate import make_interp_spline
+
     smooth = _smoothed(drive)
     return make_interp_spline(np.arange(n, dtype=float), smooth, k=5).derivative()(grid)
 
@@ -150,6 +152,8 @@ def _smoothed(drive: np.ndarray) -> np.ndarray:
 
 def _penalised(values: np.ndarray, weight: float) -> np.ndarray:
     """Solution of (1 + λ DᵀD) s = v with third differences D, in O(n)."""
+    from scipy.linalg import solveh_banded
+
     n = len(values)
     stencil = np.array([-1.0, 3.0, -3.0, 1.0])
     bands = np.zeros((4, n))  # upper form: bands[3 − k, j] is the k-th off-diagonal of column j

@@ -49,7 +49,8 @@ class Trace:
     **Arguments:**
 
     - `name`: the file as the campaign names it.
-    - `time`: (n,) s, uniform; `drive`: (n,) V; `response`: (n,) m (an oscillator's columns: their own SI-prefixed-free unit).
+    - `time`: (n,) s, uniform; `drive`: (n,) V; `response`: (n,) m (an oscillator's columns: their own
+      SI-prefixed-free unit).
     - `start`: "rest" (z = ż = 0 at the first sample), "steady", or "unknown" (initial state is fitted).
     - `load`: extra mass on the stage, kg.
     - `skip`: number of leading samples that are simulated but not counted.
@@ -79,7 +80,8 @@ class Trace:
 class Sweep:
     """An amplitude-frequency curve.
 
-    `frequency` (n,) Hz, `level` (n,) drive amplitude in V, `amplitude` (n,) m, `phase` (n,) rad or None, `up` (n,) bool.
+    `frequency` (n,) Hz, `level` (n,) drive amplitude in V, `amplitude` (n,) m, `phase` (n,) rad or None, `up` (n,)
+    bool.
     """
 
     name: str

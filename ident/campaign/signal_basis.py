@@ -19,6 +19,10 @@ LEVELS = 5
 and all of these changing slowly, as an amplitude-dependent frequency makes them."""
 
 
+FIRST = 600
+"""Samples (8 per period) in which the transient is looked for: later it has died, or is as plain as before."""
+
+
 @dataclass(frozen=True)
 class Pole:
     """The transient: `rate` ω in rad per sample, `decay` α per sample."""
@@ -126,7 +130,7 @@ def find_transient(
         return None
     fastest = max(float(np.max(rates)), drive_rate or 0.0)
     block = max(1, int(2 * np.pi / fastest / 8))
-    thin = _thinned(response, block)
+    thin = _thinned(response, block)[:FIRST]
     thin_rate = None if drive_rate is None else drive_rate * block
     length = len(thin)
     harmonics, _ = orthonormal(harmonic_columns(length, thin_rate, min(count, 6)))
