@@ -1,0 +1,139 @@
+"""Functions of what a record shows (where the stage was, how the drive went), as rows that a regression can weigh.
+
+A missing force is looked for as a sum of B-splines of one coordinate or of a pair, with kinks and steps beside them
+that no smooth spline has, or as a sum of what the displacement or the voltage leaves behind: plays and relaxations.
+
+Source: C. de Boor, A Practical Guide to Splines, 1978, ch. IX (B-splines); P. Krejčí, Hysteresis, Convexity and
+Dissipation, 1996, §II.2 (plays span the rate-independent memories).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import BSpline
+from scipy.signal import lfilter
+
+from ..effects.effect import Scale
+from ..response import Group
+
+COORDINATES = ("z", "v", "V", "dV", "t")
+UNITS = {"z": "m", "v": "m/s", "V": "V", "dV": "V", "t": "s"}  # dV is V̇/ω, so that records of any frequency compare
+SCALES: Mapping[str, Scale] = {"z": "displacement", "v": "velocity", "V": "voltage", "dV": "voltage", "t": "duration"}
+
+_SINGLE, _PAIRED, _DEGREE = 18, 6, 3
+_WIDTHS = (0.02, 0.05, 0.1, 0.18, 0.3, 0.45, 0.6, 0.8)  # of the plays, in parts of the largest value
+_TIMES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 40.0)  # of the relaxations, in periods of the resonance
+
+_STEPS = (0.02, 0.05, 0.1)  # widths of the steps, in parts of the largest value
+
+Places = dict[str, np.ndarray]  # SI: each coordinate (lanes, points); "z history" and "V history" (rows, lanes, points)
+
+
+class Size(NamedTuple):
+    """Range of one coordinate in the records, and its largest absolute value (SI)."""
+
+    low: float
+    high: float
+    largest: float
+
+
+def places(group: Group, z: np.ndarray, v: np.ndarray, stride: int, period: float, largest: Sequence[float]) -> Places:
+    """The coordinates and memories along a motion, SI.
+
+    **Arguments:** `z`, `v`: (lanes, points); `stride` thins the drive's half-step grid to those points; `period` of the
+    resonance, s; `largest`: absolute values of z and V in all records.
+    """
+    lanes = group.lanes
+    omega = np.where(lanes.omega > 0, lanes.omega, np.inf)[:, None]
+    half = 0.5 * np.asarray(lanes.step)
+    time = half[:, None] * np.arange(lanes.voltage.shape[1])
+    thin = lambda x: np.asarray(x)[:, ::stride]
+    found = {"z": z, "v": v, "V": thin(lanes.voltage), "dV": thin(lanes.rate / omega), "t": thin(time)}
+    for name, size in zip(("z", "V"), largest, strict=True):
+        found[f"{name} history"] = memories(found[name], half * stride, period, size)
+    return found
+
+
+def sizes(found: list[Places]) -> dict[str, Size]:
+    """Range of each coordinate over all groups."""
+    ranges = {}
+    for name in COORDINATES:
+        low = min(float(np.min(place[name])) for place in found)
+        high = max(float(np.max(place[name])) for place in found)
+        ranges[name] = Size(low, high, max(abs(low), abs(high)) or 1.0)
+    return ranges
+
+
+def one(name: str, place: Places, size: Size) -> np.ndarray:
+    """Functions of one coordinate: a cubic spline, and unless it is time a kink and steps at zero; (k, …)."""
+    smooth = splines(place[name], size, _SINGLE)
+    if name == "t":
+        return smooth
+    x = place[name] / size.largest
+    steps = [np.tanh(x / width) for width in _STEPS]
+    return np.concatenate([smooth, np.stack([np.sqrt(x * x + 1e-4), sharp(x), *steps])])
+
+
+def sharp(x: np.ndarray) -> np.ndarray:
+    """The sign of x, averaged over the part of the half-step grid that each point stands for.
+
+    The solver weighs whole and half steps as 1 to 2; a jump sampled at points alone would come early or late by up to
+    half a step, which is what remains of a friction force after a fit.
+    """
+    part = np.where(np.arange(x.shape[-1]) % 2 == 0, 1 / 3, 2 / 3)
+    return np.clip(x / np.maximum(part * np.abs(np.gradient(x, axis=-1)), 1e-6), -1.0, 1.0)
+
+
+def pair(names: tuple[str, str], place: Places, ranges: Mapping[str, Size]) -> np.ndarray:
+    """Products of splines of two coordinates, (k, …)."""
+    first, second = (splines(place[name], ranges[name], _PAIRED) for name in names)
+    return (first[:, None] * second[None]).reshape(-1, *first.shape[1:])
+
+
+def splines(x: np.ndarray, size: Size, count: int) -> np.ndarray:
+    """Cubic B-splines on evenly spaced knots over the range, constant beyond it; (count, *x.shape)."""
+    low, high = size.low, size.high if size.high > size.low else size.low + 1.0
+    knots = np.concatenate([[low] * _DEGREE, np.linspace(low, high, count - _DEGREE + 1), [high] * _DEGREE])
+    matrix = BSpline.design_matrix(np.clip(x.ravel(), low, high), knots, _DEGREE)
+    return matrix.toarray().T.reshape(count, *x.shape)
+
+
+def memories(x: np.ndarray, step: np.ndarray, period: float, largest: float) -> np.ndarray:
+    """What a signal leaves behind: plays of several widths, and how far it is ahead of its own relaxations; (k, …).
+
+    **Arguments:** `x`, (lanes, points); `step`, (lanes,) s between points; `period` of the resonance, s; `largest`
+    absolute value of `x`.
+    """
+    held = plays(x, np.array(_WIDTHS) * largest)
+    late = [x - relaxed(x, step, time * period) for time in _TIMES]
+    return np.concatenate([held, np.stack(late)])
+
+
+def memory_names() -> tuple[tuple[str, float], ...]:
+    """Kind ("play" or "late") and number (part of the largest value, or periods) of each row of `memories`."""
+    return tuple(("play", w) for w in _WIDTHS) + tuple(("late", t) for t in _TIMES)
+
+
+def plays(x: np.ndarray, widths: np.ndarray) -> np.ndarray:
+    """Play operators of half widths (k,) along (lanes, points), all zero before; (k, lanes, points)."""
+    found = np.empty((x.shape[1], len(widths), x.shape[0]))
+    state = np.zeros(found.shape[1:])
+    low, high = x.T[:, None] - widths[:, None], x.T[:, None] + widths[:, None]
+    for k in range(len(found)):
+        state = np.minimum(np.maximum(state, low[k]), high[k])
+        found[k] = state
+    return np.moveaxis(found, 0, 2)
+
+
+def relaxed(x: np.ndarray, step: np.ndarray, time: float) -> np.ndarray:
+    """First-order lag of (lanes, points) from zero, exact for straight lines between the points."""
+    found = np.empty_like(x)
+    for lane, h in enumerate(step):
+        decay = float(np.exp(-h / time))
+        mean = time / h * (1 - decay)
+        start = np.array([-(1 - mean) * x[lane, 0]])  # so that the first value is zero
+        found[lane] = lfilter([1 - mean, mean - decay], [1.0, -decay], x[lane], zi=start)[0]
+    return found
