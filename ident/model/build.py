@@ -10,7 +10,7 @@ from ..effects.effect import AbstractEffect
 from ..effects.registry import Registry, find, registry
 from ..errors import UserError
 from .model import Model
-from .settings import LISTS, check_priors, check_settings, check_starts, listed, parameter_names, place_of
+from .settings import LISTS, check_priors, check_settings, check_starts, check_units, listed, parameter_names, place_of
 
 
 def build_model(campaign: Campaign, effects: Sequence[str] | None = None) -> Model:
@@ -28,6 +28,7 @@ def build_model(campaign: Campaign, effects: Sequence[str] | None = None) -> Mod
     where = place_of(campaign, "model", "effects") if effects is None else ""
     check_settings(campaign, known)
     check_priors(campaign, known)
+    check_units(campaign, known)
     try:
         model = Model(campaign.device)
         for name in _needed_first(names, known):

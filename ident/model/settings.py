@@ -7,10 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from ..campaign.campaign import Campaign
+from ..campaign.device import Platform
 from ..campaign.document import read_document
 from ..effects.effect import Choice
 from ..effects.registry import Registry
 from ..errors import UserError
+from ..units import parse_quantity, to_si, unit
 from .linear import linear_part
 from .model import Model
 
@@ -109,6 +111,34 @@ def check_priors(campaign: Campaign, known: Registry) -> None:
             raise UserError(
                 f"[priors]: there is no parameter {full!r}", where=place_of(campaign, "priors", full), do=do
             )
+
+
+def check_units(campaign: Campaign, known: Registry) -> None:
+    """Quantities of settings and priors are of the kind of their parameter: no stress is given in nanometres.
+
+    The file is read once more, because a campaign holds SI numbers only. An oscillator's units are its own.
+    """
+    if campaign.path is None or not isinstance(campaign.device, Platform):
+        return
+    document = read_document(campaign.path, campaign.path.name)
+    parameters = {f"{effect.name}.{p.name}": p.unit for effect in known.values() for p in effect.parameters}
+    prefix, (frequency, _, gain) = _linear_names(campaign)
+    parameters |= {f"{prefix}.{frequency}": "Hz", f"{prefix}.{gain}": linear_part(campaign.device).gain_unit}
+    for owner, settings in campaign.settings.items():
+        for key in settings:
+            text, full = document.values["effect"][owner][key], f"{owner}.{key}"
+            if isinstance(text, str) and full in parameters:
+                parse_quantity(text, unit(parameters[full]).dimension, where=place_of(campaign, "effect", owner, key))
+    for full in campaign.priors:
+        told = _prior_table(document.values["priors"], full).get("unit")
+        if told is not None and full in parameters:
+            to_si(1.0, told, unit(parameters[full]).dimension, where=place_of(campaign, "priors", full))
+
+
+def _prior_table(priors: Mapping[str, Any], full: str) -> Mapping[str, Any]:
+    """The table of one prior, under its full name or nested as unquoted dots nest it."""
+    owner, _, name = full.rpartition(".")
+    return priors[full] if full in priors else priors[owner][name]
 
 
 def check_starts(campaign: Campaign, model: Model) -> None:

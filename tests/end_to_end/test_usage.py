@@ -64,6 +64,8 @@ def test_a_mistake_is_answered_in_one_line_and_writes_nothing(line, words, small
         ('[effect.cubic-stiffness]\nk3 = "soft"', ["k3", "not a number"]),
         ('[effect.cubic-stiffness]\nfixed = ["q"]', ["'q'"]),
         ('[effect.residual-stress]\nclosure = "frme"', ["frme", '"frame"']),
+        ('[effect.residual-stress]\nsigma12 = "80 nm"', ["a length", "a stress"]),
+        ('[priors]\n"residual-stress.sigma12" = { normal = [80, 20], unit = "um" }', ["a length", "a stress"]),
         ("[effect.platform]\nquality = 0", ["not positive"]),
         ('[effect.platform]\nfixed = ["quality"]\nfree = ["quality"]', ["both fixed and free"]),
         ('[priors]\n"cubic-stiffness.k4" = { normal = [1, 1] }', ["cubic-stiffness.k3"]),
