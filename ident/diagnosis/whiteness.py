@@ -1,0 +1,88 @@
+"""Whether a residual is noise: its correlation with itself and with the drive."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy import stats
+
+
+class Correlation(NamedTuple):
+    """A correlation function with its test.
+
+    **Arguments:** `lags` (k,): samples or seconds; `values` (k,); `band`: what noise stays within in 99 of 100 lags;
+    `p_value`: probability that noise alone correlates so much over all lags together.
+    """
+
+    lags: np.ndarray
+    values: np.ndarray
+    band: float
+    p_value: float
+
+
+_LJUNG_BOX = 24
+_SLIGHT = 0.05  # correlation that an estimated noise colour leaves of itself
+
+
+def whiteness(white: Sequence[np.ndarray], orders: Sequence[int]) -> Correlation:
+    """Autocorrelation of white residuals of several records, and the portmanteau test.
+
+    Q = Σ_records n (n + 2) Σ_k ρ_k²/(n − k) is χ² with one degree of freedom per lag, less the `orders` of the
+    autoregressions that were estimated to whiten the records. A mean correlation below 0.05 is not called colour.
+
+    Source: G. M. Ljung, G. E. P. Box, 1978, Biometrika 65, 297, doi:10.1093/biomet/65.2.297.
+    """
+    q, freedom, pooled, n_all = 0.0, 0, np.zeros(_LJUNG_BOX), 0
+    for e, order in zip(white, orders, strict=True):
+        n = len(e)
+        last = min(_LJUNG_BOX, n // 4)
+        e = e - e.mean()
+        power = float(e @ e) or 1.0
+        rho = np.array([float(e[:-k] @ e[k:]) / power for k in range(1, last + 1)])
+        q += n * (n + 2) * float(np.sum(rho**2 / (n - np.arange(1, last + 1))))
+        freedom += max(last - order, 1)
+        pooled[:last] += n * rho
+        n_all += n
+    slight = n_all * _SLIGHT**2  # one lag as large as that in every record
+    p = float(stats.ncx2.sf(q, freedom, slight))
+    return Correlation(np.arange(1, _LJUNG_BOX + 1), pooled / n_all, 2.58 / np.sqrt(n_all), p)
+
+
+def drive_correlation(
+    white: Sequence[np.ndarray], drives: Sequence[np.ndarray], steps: Sequence[float], lags: np.ndarray
+) -> Correlation:
+    """Cross-correlation of the residuals with the drive `lags` seconds before, and its test.
+
+    The residual is regressed on the lagged drives; the χ² they explain counts as many degrees of freedom as they have
+    independent directions (two for a sine). Correlation at negative lags: the drive follows the residual.
+    """
+    values, chi2, freedom, n_all = np.zeros(len(lags)), 0.0, 0, 0
+    for e, drive, step in zip(white, drives, steps, strict=True):
+        rows = lagged(drive - np.mean(drive), np.round(lags / step).astype(int))
+        n = len(e)
+        lengths = np.linalg.norm(rows, axis=1)
+        if not np.all(lengths > 0):
+            continue
+        values += n * (rows @ e) / lengths / (float(np.linalg.norm(e)) or 1.0)
+        rows = rows / lengths[:, None]
+        powers, turn = np.linalg.eigh(rows @ rows.T)
+        kept = powers > 1e-3 * powers[-1]
+        chi2 += float(np.sum((turn[:, kept].T @ (rows @ e)) ** 2 / powers[kept]))
+        freedom += int(kept.sum())
+        n_all += n
+    p = float(stats.chi2.sf(chi2, freedom)) if freedom else 1.0
+    return Correlation(lags, values / max(n_all, 1), 2.58 / np.sqrt(max(n_all, 1)), p)
+
+
+def lagged(signal: np.ndarray, shifts: np.ndarray) -> np.ndarray:
+    """Copies of a signal (n,) delayed by so many samples, zero where there was none; (k, n)."""
+    n = len(signal)
+    rows = np.zeros((len(shifts), n))
+    for row, shift in zip(rows, shifts, strict=True):
+        if 0 <= shift < n:
+            row[shift:] = signal[: n - shift]
+        elif -n < shift < 0:
+            row[:shift] = signal[-shift:]
+    return rows

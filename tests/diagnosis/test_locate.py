@@ -1,0 +1,119 @@
+"""Where a model fails: misfits put in one place are found there, and noise is left alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ident.campaign.campaign import Campaign
+from ident.campaign.device import Oscillator
+from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.diagnosis.locate import Where, locate
+from ident.diagnosis.score import Bench, prepare
+from ident.diagnosis.where_words import statements, summary
+from ident.diagnosis.whiteness import drive_correlation, lagged, whiteness
+from ident.fit import Fit, fit
+from ident.fit.reading import read
+from ident.model import Model
+from ident.report.where_figure import where_figure
+
+VALUES = np.array([100.0, 20.0, 4e5])  # Hz, 1, output/s² per volt
+NOISE = 0.003
+
+
+def sine_record(volts: float, hertz: float, seed: int, holdout: bool = False) -> Trace:
+    t = np.arange(800) / 4000.0
+    drive = volts * np.sin(2 * np.pi * hertz * t)
+    channel = Channel("V", 1.0)
+    empty = Trace(f"{volts:g}V_{hertz:g}Hz.csv", t, drive, np.ones(800), channel, channel, NoiseFloor(NOISE), "rest",
+                  holdout, period=4000.0 / hertz)  # fmt: skip
+    clean = read(Model(Oscillator()), VALUES, [empty])[0]
+    return replace(empty, response=clean + NOISE * np.random.default_rng(seed).standard_normal(800))
+
+
+def campaign(seed: int = 0) -> Campaign:
+    plan = [(1.0, 50.0), (2.0, 80.0), (3.0, 125.0)]
+    records = tuple(sine_record(v, f, 10 * seed + i) for i, (v, f) in enumerate(plan))
+    return Campaign("three sines", records, Oscillator())
+
+
+@pytest.fixture(scope="module")
+def fitted() -> Fit:
+    return fit(Model(Oscillator()), campaign(), initial=VALUES)
+
+
+@pytest.fixture(scope="module")
+def bench(fitted: Fit) -> Bench:
+    return prepare(fitted)
+
+
+def disturbed(bench: Bench, number: int, misfit: np.ndarray) -> Where:
+    """The bench with a misfit, in noise floors, put into one record."""
+    residual = bench.residual.copy()
+    residual[bench.starts[number] :][: len(misfit)] += misfit
+    return locate(replace(bench, residual=residual))
+
+
+def test_nothing_is_said_of_noise(bench: Bench) -> None:
+    rng = np.random.default_rng(3)
+    for _ in range(40):
+        noise = bench.project(rng.standard_normal((1, bench.n)))[0]
+        where = locate(replace(bench, residual=noise))
+        assert statements(where) == []
+        assert summary(where).startswith("No part of the records stands out")
+
+
+def test_a_misfit_is_found_in_its_record_and_harmonic(bench: Bench) -> None:
+    third = 3.0 * np.sin(2 * np.pi * 3 * 50.0 * np.arange(800) / 4000.0)
+    where = disturbed(bench, 0, third)
+    words = summary(where)
+    assert "1V_50Hz.csv" in words
+    assert "third harmonic" in words
+    assert where.harmonics is not None and int(np.argmax(where.harmonics.excess)) == 3
+    assert where.misfit == pytest.approx(800 * 4.5, rel=0.15)
+
+
+def test_a_misfit_is_found_in_its_time(bench: Bench) -> None:
+    burst = np.where(np.arange(800) < 120, 4.0, 0.0) * (-1.0) ** np.arange(800)
+    said = {s.axis: s.words for s in statements(disturbed(bench, 2, burst))}
+    assert "first" in said["time"]
+
+
+def test_an_offset_is_the_constant_part(bench: Bench) -> None:
+    where = disturbed(bench, 1, np.full(800, 1.0))
+    assert "in the constant part" in summary(where)
+
+
+def test_a_floor_stated_too_low_is_no_place(bench: Bench) -> None:
+    rng = np.random.default_rng(5)
+    where = locate(replace(bench, residual=1.3 * bench.project(rng.standard_normal((1, bench.n)))[0]))
+    assert statements(where) == []
+    assert "a noise floor stated too low" in summary(where)
+
+
+def test_whiteness_rejects_colour_only() -> None:
+    rng = np.random.default_rng(1)
+    white = rng.standard_normal(2000)
+    coloured = white[1:] + 0.5 * white[:-1]
+    assert whiteness([white], [0]).p_value > 0.001
+    assert whiteness([coloured], [0]).p_value < 1e-12
+    assert whiteness([coloured], [0]).values[0] == pytest.approx(0.4, abs=0.06)  # 0.5/(1 + 0.5²)
+
+
+def test_drive_correlation_is_found_at_its_lag() -> None:
+    rng = np.random.default_rng(2)
+    drive = rng.standard_normal(3000)
+    e = rng.standard_normal(3000) + 0.3 * lagged(drive, np.array([7]))[0]
+    found = drive_correlation([e], [drive], [1.0], np.arange(-5.0, 15.0))
+    assert found.p_value < 1e-12
+    assert found.lags[int(np.argmax(np.abs(found.values)))] == 7
+    alone = drive_correlation([rng.standard_normal(3000)], [drive], [1.0], np.arange(-5.0, 15.0))
+    assert alone.p_value > 0.001
+
+
+def test_the_figure_draws(bench: Bench) -> None:
+    figure = where_figure(locate(bench))
+    assert len(figure.axes) == 8
+    assert "No part of the records stands out" in figure.texts[0].get_text()
