@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 
 os.environ["MPLBACKEND"] = "Agg"  # before anything imports matplotlib: no test may open a window
-# The threads of OpenBLAS wait by spinning, and several test processes would spin for the same cores. Read by the workers
-# of pytest-xdist when they import numpy.
+# The threads of OpenBLAS wait by spinning, and several test processes would spin for the same cores. The workers of
+# pytest-xdist read it when they import numpy.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from hypothesis import HealthCheck, settings

@@ -11,8 +11,9 @@ import numpy as np
 from ..effects.effect import AbstractEffect
 from ..fit import Fit, fit
 from ..fit.fit import minimise
+from ..fit.guess import DataScales
 from ..fit.problem import evaluate
-from ..model import Model
+from ..model import Model, make_effect
 from .score import Bench, Candidate
 from .whiten import whiten
 
@@ -35,17 +36,11 @@ class Confirmed(NamedTuple):
 _MOST_STARTS = 6
 
 
-def extend(model: Model, effect: type[AbstractEffect], settings: dict[str, str] | None = None) -> Model:
-    """The model with one effect more, its settings as the campaign has them."""
-    return model + effect(None, settings)
-
-
 def confirm(bench: Bench, effect: type[AbstractEffect], candidate: Candidate) -> Confirmed:
     """Refit with the candidate on; shapes of effects accepted before are tried on their grids again."""
     before = bench.fit
-    settings = {k: v for k, v in before.campaign.settings.get(effect.name, {}).items() if isinstance(v, str)}
-    model = extend(before.model, effect, settings)
-    first = np.concatenate([before.values, _start(model, candidate)])
+    model = before.model + make_effect(before.campaign, effect.name, {effect.name: effect})
+    first = np.concatenate([before.values, start_of(model, candidate, before.scales)])
     return weigh(bench, model, candidate, [first, *_reprofiled(model, first, before)][:_MOST_STARTS])
 
 
@@ -70,15 +65,18 @@ def accept(confirmed: Confirmed, before: Fit) -> Fit:
     return fit(confirmed.model, before.campaign, initial=confirmed.values)
 
 
-def _start(model: Model, candidate: Candidate) -> np.ndarray:
-    """The effect's parameters as scored; an amplitude that cannot be negative starts small instead."""
+def start_of(model: Model, candidate: Candidate | None, scales: DataScales) -> np.ndarray:
+    """Parameters of the model's last effect as scored, or as declared if the score saw nothing; an amplitude that
+    cannot be negative starts small instead."""
     effect = model.effects[-1]
     declared = {p.name: p for p in effect.declared()}
+    known = {} if candidate is None else candidate.values
     values = []
     for p in effect.parameters:
-        value = candidate.values.get(p.name, p.default)
+        value = known.get(p.name, p.default * getattr(scales, p.scale))
         if declared[p.name].positive and value <= 0:
-            value = abs(candidate.errors.get(p.name, value)) or p.default
+            value = abs(candidate.errors.get(p.name, value)) if candidate is not None else 0.0
+            value = value or p.default or 1e-3
         values.append(value)
     return np.array(values)
 

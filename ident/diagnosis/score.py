@@ -25,7 +25,7 @@ from ..campaign.device import Platform
 from ..effects.effect import AbstractEffect
 from ..fit import Fit
 from ..fit.problem import evaluate
-from ..model import Model
+from ..model import Model, make_effect
 from ..response import Equation
 from .columns import contributions, push_columns
 from .trajectory import Scene, lay_out
@@ -144,13 +144,12 @@ def score(bench: Bench, library: Mapping[str, type[AbstractEffect]]) -> list[Can
 def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     if effect.platform_only and not isinstance(bench.fit.model.device, Platform):
         return None
-    settings = {k: v for k, v in bench.fit.campaign.settings.get(effect.name, {}).items() if isinstance(v, str)}
     fitted = bench.fit
     if effect.needs and effect.needs not in fitted.model.names:
         return None
     # The candidate alone (with the effect it builds on) pushes: the same program then serves every model and campaign.
     alone = tuple(e for e in fitted.model.effects if e.name == effect.needs)
-    model = Model(fitted.model.device, (*alone, effect(None, settings)))
+    model = Model(fitted.model.device, (*alone, make_effect(fitted.campaign, effect.name, {effect.name: effect})))
     instance = model.effects[-1]
     own = [p.name for p in model.parameters[: len(model.parameters) - len(instance.parameters)]]
     known = np.array([fitted.value(name) for name in own])

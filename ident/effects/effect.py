@@ -135,7 +135,8 @@ class AbstractEffect:
     - `state0()` and `rate(state, drive, t)`: hidden states of its own and their time derivatives, in `hidden_units`;
     - `prepare()`: whatever is constant along a trajectory, computed once and found in `self.prepared`.
 
-    An effect that builds on another names it in `needs`, and finds it in `self.partner`.
+    An effect that builds on another names it in `needs`, and finds it in `self.partner`. One with a kink says in
+    `steps_per_period` how finely a period of the resonance must be divided to follow it.
     """
 
     name: ClassVar[str] = ""
@@ -145,6 +146,7 @@ class AbstractEffect:
     hidden_units: ClassVar[tuple[str, ...]] = ()
     platform_only: ClassVar[bool] = False
     needs: ClassVar[str] = ""
+    steps_per_period: ClassVar[int] = 0
     acts_on: ClassVar[str] = ""
 
     parameters: ClassVar[tuple[Parameter, ...]] = ()

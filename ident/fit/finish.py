@@ -96,7 +96,11 @@ def _finer_and_heldout(
     groups, finer = make_groups(campaign.fitted, 1.0 / scales.period, float(values[1]), substeps=finer_steps)
     alone = campaign.heldout if any(record.start != "rest" for record in campaign.heldout) else ()
     beside = () if alone else campaign.heldout
-    more, places = make_groups(beside, 1.0 / scales.period, float(values[1])) if beside else ((), Layout((), ()))
+    more, places = (
+        make_groups(beside, 1.0 / scales.period, float(values[1]), model.steps_per_period)
+        if beside
+        else ((), Layout((), ()))
+    )
     paths = read_groups(
         static._replace(substeps=finer.substeps + places.substeps),
         data._replace(groups=groups + more),

@@ -85,7 +85,7 @@ def minimise(
         guess = guess_linear(records, model.linear.nominal_frequency)
     scales = data_scales(records, guess.frequency)
     base = told[0] if told else base_values(model, guess, scales)
-    groups, layout = make_groups(records, max(guess.frequency, float(base[0])), guess.quality)
+    groups, layout = make_groups(records, max(guess.frequency, float(base[0])), guess.quality, model.steps_per_period)
     static, data = assemble(model, campaign, groups, layout, base, scales)
     report(f"compiling the model ({len(static.free)} parameters, {len(records)} records)")
     points = told or starting_points(model, base, scales)

@@ -52,7 +52,8 @@ def identifiability(
     to_physical = stretch[index]
     if logarithmic:
         to_physical = to_physical / np.where(values[index] == 0, 1.0, values[index])
-    null = found.null[index] / found.lengths[index, None] * to_physical[:, None]
+    lengths = np.where(found.lengths > 0, found.lengths, 1.0)[index]  # a parameter without any effect has no length
+    null = found.null[index] / lengths[:, None] * to_physical[:, None]
     basis, _, _ = np.linalg.svd(null)
     complement = basis[:, found.null.shape[1] :]
     matrix = found.matrix[np.ix_(index, index)] * np.outer(to_physical, to_physical)

@@ -172,7 +172,9 @@ def _width(fit: Fit, index: int, logarithmic: bool) -> tuple[float, float]:
 
 def _problem(fit: Fit, name: str) -> tuple[Static, Data]:
     model = replace(fit.model, held=fit.model.held | {name}, freed=fit.model.freed - {name})
-    groups, layout = make_groups(fit.campaign.fitted, 1.0 / fit.scales.period, float(fit.values[1]))
+    groups, layout = make_groups(
+        fit.campaign.fitted, 1.0 / fit.scales.period, float(fit.values[1]), fit.model.steps_per_period
+    )
     return assemble(model, fit.campaign, groups, layout, fit.values)
 
 

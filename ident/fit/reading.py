@@ -17,7 +17,7 @@ from .problem import Data, Static, Unknowns, evaluate, read_groups
 
 def read(model: Model, values: np.ndarray, records: Sequence[Trace]) -> list[np.ndarray]:
     """Readings of a model with given parameters; initial states of records that do not start at rest are fitted."""
-    groups, layout = make_groups(records, float(values[0]), float(values[1]))
+    groups, layout = make_groups(records, float(values[0]), float(values[1]), model.steps_per_period)
     held = replace(model, held=frozenset(p.name for p in model.parameters), freed=frozenset())
     static, data = assemble(held, Campaign("", tuple(records), model.device), groups, layout, values)
     unknowns = begin(groups, static)

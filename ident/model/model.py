@@ -59,6 +59,11 @@ class Model:
         return linear_part(self.device)
 
     @property
+    def steps_per_period(self) -> int:
+        """Solver steps per period of the resonance that the sharpest effect needs."""
+        return max((effect.steps_per_period for effect in self.effects), default=0)
+
+    @property
     def key(self) -> tuple[Any, ...]:
         """What decides the compiled code."""
         return (self.device, tuple(effect.key for effect in self.effects))

@@ -47,14 +47,15 @@ _LONGEST_PADDING = 1.5  # a record is padded to at most this multiple of its own
 
 
 def make_groups(
-    records: Sequence[Trace], frequency: float, quality: float, substeps: Sequence[int] | None = None
+    records: Sequence[Trace], frequency: float, quality: float, finest: int = 0, substeps: Sequence[int] | None = None
 ) -> tuple[tuple[Group, ...], Layout]:
     """Pack records into batches with a solver step small enough for their noise floors.
 
-    **Arguments:** `frequency` (Hz) and `quality` of the resonance, roughly; `substeps`, solver steps per sample of
+    **Arguments:** `frequency` (Hz) and `quality` of the resonance, roughly; `finest`, steps per period of the
+    resonance that the sharpest effect of the model needs; `substeps`, solver steps per sample of
     each record, if they are to be other than that.
     """
-    substeps = substeps or [_substeps(record, frequency, quality) for record in records]
+    substeps = substeps or [_substeps(record, frequency, quality, finest) for record in records]
     order = sorted(range(len(records)), key=lambda i: (substeps[i], len(records[i].time)))
     bins: list[list[int]] = []
     for i in order:
@@ -72,11 +73,13 @@ def make_groups(
     return groups, Layout(tuple(substeps[members[0]] for members in bins), tuple(places))
 
 
-def _substeps(record: Trace, frequency: float, quality: float) -> int:
+def _substeps(record: Trace, frequency: float, quality: float, finest: int) -> int:
     """Steps per sample that keep the Runge–Kutta phase error, (ωh)⁴/120 per radian over 2Q radians, below σ/10."""
     signal = float(np.std(record.response)) or 1.0
     allowed = 0.1 * min(max(record.noise.sigma / signal, 1e-4), 0.1)
     largest = (120 * allowed / max(2 * quality, 2.0)) ** 0.25
+    if finest:
+        largest = min(largest, 2 * math.pi / finest)
     omega = 2 * math.pi * frequency
     return int(np.clip(math.ceil(omega * record.step / largest - 0.05), 1, 32))
 

@@ -19,6 +19,7 @@ class BoucWen(AbstractEffect):
         "Arch. Comput. Methods Eng. 16, 161, §2"
     )
     mistaken_for = ("coulomb-friction", "viscoelastic-support", "bouc-wen-drive")
+    steps_per_period = 120
     hidden_units = ("1",)
 
     friction = amplitude("N", "force when fully slipping, F_y")

@@ -6,7 +6,7 @@ from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
 
 
 class CoulombFriction(AbstractEffect):
-    """Friction of constant size against the motion: F = −F_c tanh(ż/v_s), v_s a fiftieth of the largest velocity.
+    """Friction of constant size against the motion: F = −F_c tanh(ż/v_s), v_s a few hundredths of the largest velocity.
 
     The smooth step stands for the sign function, which no fixed-step solver follows.
     """
@@ -17,9 +17,12 @@ class CoulombFriction(AbstractEffect):
         "Olsson, Åström, Canudas de Wit, Gäfvert, Lischinsky, Friction models and compensation, 1998, Eur. J. Control 4"
     )
     mistaken_for = ("bouc-wen", "quadratic-damping")
+    steps_per_period = 250
 
     friction = amplitude("N", "friction force")
-    velocity = shape("m/s", "velocity over which the force turns", grid=(0.02,), scale="velocity", fitted=False)
+    velocity = shape(
+        "m/s", "velocity over which the force turns", grid=(0.01, 0.05), limits=(0.003, 0.15), scale="velocity"
+    )
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         return -self.friction * jnp.tanh(state.v / self.velocity)

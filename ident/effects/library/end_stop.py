@@ -17,6 +17,7 @@ class EndStop(AbstractEffect):
     equation = "F = −k_a g ((z − g)₊/g)ⁿ + k_b g ((−z − a g)₊/g)ⁿ"
     source = "K. L. Johnson, Contact Mechanics, 1985, §4.2"
     mistaken_for = ("cubic-stiffness", "quadratic-stiffness", "sensor-nonlinearity")
+    steps_per_period = 120
 
     above = amplitude("N/m", "contact stiffness of the upper stop, k_a")
     below = amplitude("N/m", "contact stiffness of the lower stop, k_b")

@@ -27,6 +27,7 @@ class PrandtlIshlinskii(AbstractEffect):
         "Prandtl-Ishlinskii approach, 2003, Eur. J. Control 9, 407, §2"
     )
     mistaken_for = ("bouc-wen-drive", "pzt-hysteresis", "drive-lag", "creep")
+    steps_per_period = 120
     hidden_units = ("V",) * _PLAYS
 
     weight = amplitude("1", "mean weight of the plays, w")

@@ -18,6 +18,7 @@ class SecondMode(AbstractEffect):
     equation = "reading = z + a x, ẍ + (ω₂/Q₂) ẋ + ω₂² x = ω₂² V, ω₂ = 2π/T₂"
     source = "D. J. Ewins, Modal Testing, 2000, ch. 2 (modal superposition)"
     mistaken_for = ("sensor-crosstalk", "drive-lag", "sensor-lag")
+    steps_per_period = 120
     hidden_units = ("V", "V/s")
 
     travel = amplitude("m/V", "static travel per volt, a")

@@ -1,0 +1,51 @@
+"""What `ident add` and `ident remove` share: parent in, changed fit out, errors before and after."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from .fit import command_line
+from .output import progress, say, say_fit, say_json, say_sheet
+
+
+def change(run: str, effect: str, output: str | None, *, adding: bool, force: bool, as_json: bool) -> None:
+    """Load the run, change its model, refit, write the new run and print what it brought."""
+    from ident.report.run_folder import check_target, load_run, read_lineage, read_run, write_run
+
+    name = Path(effect).stem.replace("_", "-") if effect.endswith(".py") else effect
+    folder = Path(output) if output else Path(f"{run.rstrip('/')}{'+' if adding else '-'}{name}")
+    check_target(folder, force)
+    read_run(run)  # a wrong folder is answered before anything is compiled
+    progress("reading the parent run")
+    parent = load_run(run)
+
+    from ident.diagnosis.change import add, lineage_entry, remove
+    from ident.effects.registry import find, registry
+    from ident.report.story import change_sheet, staircase_section
+
+    if adding and effect.endswith(".py"):
+        files = (*parent.campaign.effect_files, Path(effect))
+        fresh = set(registry(files)) - set(registry(parent.campaign.effect_files))
+        parent = replace(parent, campaign=replace(parent.campaign, effect_files=files))
+        name = sorted(fresh)[0]
+    elif adding:
+        name = effect
+    if adding:
+        after = add(parent, find(name, registry(parent.campaign.effect_files)), progress)
+        entry = lineage_entry(parent, after, str(run), added=name)
+    else:
+        after = remove(parent, effect, progress)
+        entry = lineage_entry(parent, after, str(run), removed=effect)
+    lineage = [*read_lineage(run), entry]
+    write_run(
+        after, folder, force=force, command=command_line(), lineage=lineage,
+        extra={"sections": [staircase_section(lineage)], "parent": str(run)}, report=progress,
+    )  # fmt: skip
+    if as_json:
+        say_json(read_run(folder))
+        return
+    say_fit(after)
+    say_sheet(change_sheet(lineage[-1:]))
+    say(f"run folder: {folder}")
+    say(f"report:     {folder / 'report.html'}")

@@ -1,0 +1,67 @@
+"""One effect more, or one less: refits from a parent, and the entry of the lineage that says what came of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ..effects.effect import AbstractEffect
+from ..fit import Fit, fit
+from ..fit.judge import Score
+from ..fit.starts import starting_points
+from ..model import make_effect
+from .confirm import start_of
+from .score import prepare, score
+
+Report = Callable[[str], None]
+
+
+def add(parent: Fit, effect: type[AbstractEffect], report: Report = lambda _: None) -> Fit:
+    """The parent's model with one effect more, fitted from the parent's values and the size that the score predicts.
+
+    **Raises:** UserError if the model has the effect, or the effect cannot act on this device.
+    """
+    model = parent.model + make_effect(parent.campaign, effect.name, {effect.name: effect})
+    report(f"estimating {effect.name} along the measured motion")
+    found = score(prepare(parent), {effect.name: effect})
+    first = np.concatenate([parent.values, start_of(model, found[0] if found else None, parent.scales)])
+    grid = starting_points(model, first, parent.scales, 4)[1:]
+    return fit(model, parent.campaign, initial=[first, *grid], report=report)
+
+
+def remove(parent: Fit, name: str, report: Report = lambda _: None) -> Fit:
+    """The parent's model without one effect, fitted from the parent's values."""
+    model = parent.model - name
+    kept = [v for p, v in zip(parent.model.parameters, parent.values, strict=True) if p.effect != name]
+    return fit(model, parent.campaign, initial=np.array(kept), report=report)
+
+
+def lineage_entry(
+    before: Fit, after: Fit, parent: str, *, added: str | None = None, removed: str | None = None
+) -> dict:
+    """What lineage.json keeps of one step: what changed, the errors, and the parameters that moved with it."""
+    moved = {
+        e.name: {"before": e.value, "after": after.value(e.name), "unit": e.unit, "standard_error": e.standard_error}
+        for e in before.estimates
+        if e.fitted and e.name in {p.name for p in after.model.parameters}
+    }
+    return {
+        "parent": parent,
+        "added": added,
+        "removed": removed,
+        "effects": list(after.model.names),
+        "before": errors(before),
+        "after": errors(after),
+        "parameters": moved,
+    }
+
+
+def errors(fitted: Fit) -> dict[str, Any]:
+    """Error over noise and rms error (SI) on fitted and on held-out records."""
+    return {"fitted": _score(fitted.fitted), "holdout": _score(fitted.holdout)}
+
+
+def _score(found: Score | None) -> dict[str, float] | None:
+    return None if found is None else {"rmse": found.rmse, "error_over_noise": found.error_over_noise}
