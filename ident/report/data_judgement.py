@@ -10,7 +10,7 @@ import numpy as np
 from ..campaign.campaign import Campaign
 from ..campaign.device import Platform
 from ..campaign.drive import drive_frequency
-from ..campaign.judge import Judgement, judge
+from ..campaign.judge import judge
 from ..campaign.record import Record, Sweep, Trace
 from .drive_words import drive_sine, drive_words
 from .quantity import Scale, scale, show_in, significant
@@ -73,36 +73,43 @@ def _differs(record: Trace, others: tuple[Trace, ...]) -> bool:
 
 
 def judgement_sheet(campaign: Campaign) -> Sheet:
-    """All records in one table: how each was driven, its size beside its noise floor, and what is unusual."""
+    """All records in one table: how long each is, and its size beside its noise floor."""
     common = scale(max(record.noise.sigma for record in campaign.records), "m", campaign.device)
-    rows = tuple(_row(record, campaign, common) for record in campaign.records)
+    rows = tuple(_row(record, common) for record in campaign.records)
     marks: tuple[Mark, ...] = tuple("" if row[-1] == "good" else "warning" for row in rows)
     columns = (
-        Column("record", wraps=True), Column("use"), Column("drive", wraps=True), Column("n", True),
-        Column("kHz", True),
-        Column(f"rms ({common.unit})", True), Column(f"noise ({common.unit})", True), Column("judgement", wraps=True),
+        Column("record"), Column("use"), Column("samples", True), Column("kHz", True),
+        Column(f"rms ({common.unit})", True), Column(f"noise ({common.unit})", True), Column("judgement"),
     )  # fmt: skip
     coloured = any(record.noise.ar for record in campaign.records)
     note = "* coloured noise: neighbouring samples share part of it; error bars take that into account."
     return Sheet("Records", columns, rows, marks, note if coloured else "")
 
 
-def _row(record: Record, campaign: Campaign, common: Scale) -> tuple[str, ...]:
+def _row(record: Record, common: Scale) -> tuple[str, ...]:
     use = "held out" if record.holdout else "fitted"
-    noise = show_in(record.noise.sigma, None, common, 3).value + ("*" if record.noise.ar else "")
     if isinstance(record, Sweep):
-        size = float(np.sqrt(np.mean(record.amplitude**2)))
-        drive, n, rate, words = _sweep_words(record), len(record.frequency), "–", ""
+        size, n, rate = float(np.sqrt(np.mean(record.amplitude**2))), len(record.frequency), "–"
     else:
-        found = judge(record)
-        size, drive, n = found.size, drive_words(record, campaign.device), found.samples
-        rate, words = significant(found.rate / 1e3, 3), "; ".join(_remarks(found))
-    return (record.name, use, drive, str(n), rate, show_in(size, None, common, 3).value, noise, words or "good")
+        size, n, rate = float(np.std(record.response)), len(record.time), significant(1e-3 / record.step, 3)
+    noise = show_in(record.noise.sigma, None, common, 3).value + ("*" if record.noise.ar else "")
+    verdict = "see below" if remarks(record) else "good"
+    return (record.name, use, str(n), rate, show_in(size, None, common, 3).value, noise, verdict)
 
 
-def _remarks(found: Judgement) -> list[str]:
-    clipped = [f"{found.clipped:.1%} of the response sticks to a limit"] if found.clipped > _CLIPPED else []
-    return [*clipped, *found.remarks]
+def about(record: Record, campaign: Campaign) -> str:
+    """How a record was driven and how its noise floor was found, in one line."""
+    drive = _sweep_words(record) if isinstance(record, Sweep) else drive_words(record, campaign.device)
+    return f"{record.name}: {drive}. Noise floor: {record.noise.method}."
+
+
+def remarks(record: Record) -> tuple[str, ...]:
+    """What is unusual about a record, in words."""
+    if isinstance(record, Sweep):
+        return ()
+    found = judge(record)
+    clipped = (f"{found.clipped:.1%} of the response sticks to a limit",) if found.clipped > _CLIPPED else ()
+    return (*clipped, *found.remarks)
 
 
 def _sweep_words(record: Sweep) -> str:
