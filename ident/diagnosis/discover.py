@@ -21,7 +21,8 @@ from ..effects.effect import AbstractEffect
 from ..fit import Fit, fit
 from ..model import Model
 from .confirm import Confirmed, accept, confirm
-from .score import Bench, Candidate, confusability, prepare, score, significant
+from .score import Bench, Candidate, prepare, score, significant
+from .ties import tie_set
 
 Verdict = Literal["adequate", "identified", "ambiguous", "not-in-library"]
 Library = Mapping[str, type[AbstractEffect]]
@@ -32,13 +33,15 @@ _SHORTLIST = 3
 _NEAR = 0.1  # of the excess: candidates this near the best are confirmed too
 _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
 _TIED_CRITERION = 10.0  # difference of the information criterion below which data do not choose
-_TIED_SIGNATURE = 0.99
 _SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
 _HURT = 1.02  # held-out error may grow by this factor before a term is refused
 
 
 class Step(NamedTuple):
-    """One addition: what, how much it was predicted and confirmed to gain, what it ties with, and the fit after it."""
+    """One addition: what, how much it was predicted and confirmed to gain, what it ties with, and the fit after it.
+
+    `reasons`: why it ties, in words; `tied`: the candidates that do, as scored on `bench`, the fit before.
+    """
 
     added: str
     predicted_gain: float
@@ -46,6 +49,9 @@ class Step(NamedTuple):
     tie_set: tuple[str, ...]
     role: Literal["effect", "shape-refinement"]
     fit: Fit
+    reasons: tuple[str, ...] = ()
+    tied: tuple[Candidate, ...] = ()
+    bench: Bench | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +142,9 @@ def _best_step(
         share = (bench.chi2 - found.chi2) / first_excess
         role = "effect" if share > _SHAPE or not _names_effects(bench) else "shape-refinement"
         name, predicted = found.candidate.name, found.candidate.predicted_gain
-        return Step(name, predicted, found.gain, _ties(found, tried, real), role, after)
+        ties = tie_set(bench, found.candidate, real, library, tried)
+        tied = tuple(c for c in real if c.name in ties.names)
+        return Step(name, predicted, found.gain, ties.names, role, after, ties.reasons, tied, bench)
     return None
 
 
@@ -156,14 +164,6 @@ def _hurts(before: Fit, after: Fit) -> bool:
     if before.holdout is None or after.holdout is None:
         return False
     return after.holdout.error_over_noise > _HURT * before.holdout.error_over_noise
-
-
-def _ties(found: Confirmed, tried: list[Confirmed], real: list[Candidate]) -> tuple[str, ...]:
-    """Names that these records do not tell from the one chosen: near in the criterion, or the same signature."""
-    near = {c.candidate.name for c in tried if c.criterion - found.criterion < _TIED_CRITERION}
-    near |= {c.name for c in real if c.name not in {t.candidate.name for t in tried}
-             and confusability(found.candidate, c) > _TIED_SIGNATURE}  # fmt: skip
-    return (found.candidate.name, *sorted(near - {found.candidate.name}))
 
 
 def _without_impostors(start: Fit, steps: list[Step], library: Library, report: Report) -> list[Step]:

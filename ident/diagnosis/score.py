@@ -79,6 +79,7 @@ class Candidate(NamedTuple):
     p_value: float
     values: Mapping[str, float]
     errors: Mapping[str, float]
+    units: Mapping[str, str]
     signature: np.ndarray
 
 
@@ -176,10 +177,11 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     estimate = dict(zip(names, (float(x) for x in point), strict=True))
     estimate |= {names[a]: float(x) for a, x in zip(amplitudes, size, strict=True)}
     errors = {names[a]: float(x) for a, x in zip(amplitudes, spread, strict=True)}
+    units = {p.name: p.unit for p in instance.declared()}
     tried = basis.shape[1] + len(instance.declared()) - len(amplitudes)
     excess = max(bench.chi2 - bench.n, 1e-9)
     p = chance(bench, basis, tried)
-    return Candidate(effect.name, drop, min(drop / excess, 1.0), tried, p, estimate, errors, basis.T)
+    return Candidate(effect.name, drop, min(drop / excess, 1.0), tried, p, estimate, errors, units, basis.T)
 
 
 def _grid(effect: AbstractEffect, bench: Bench) -> list[np.ndarray]:

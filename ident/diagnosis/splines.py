@@ -29,7 +29,8 @@ _TIMES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 40.0)  # of the relaxations, in 
 
 _STEPS = (0.02, 0.05, 0.1)  # widths of the steps, in parts of the largest value
 
-Places = dict[str, np.ndarray]  # SI: each coordinate (lanes, points); "z history" and "V history" (rows, lanes, points)
+# SI: each coordinate (lanes, points); "z history" and "V history" (rows, lanes, points); "step" (lanes,) s
+Places = dict[str, np.ndarray]
 
 
 class Size(NamedTuple):
@@ -52,8 +53,9 @@ def places(group: Group, z: np.ndarray, v: np.ndarray, stride: int, period: floa
     time = half[:, None] * np.arange(lanes.voltage.shape[1])
     thin = lambda x: np.asarray(x)[:, ::stride]
     found = {"z": z, "v": v, "V": thin(lanes.voltage), "dV": thin(lanes.rate / omega), "t": thin(time)}
+    found["step"] = half * stride
     for name, size in zip(("z", "V"), largest, strict=True):
-        found[f"{name} history"] = memories(found[name], half * stride, period, size)
+        found[f"{name} history"] = memories(found[name], found["step"], period, size)
     return found
 
 

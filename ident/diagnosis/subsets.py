@@ -69,12 +69,16 @@ def blocks_of(coordinates: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:
 
 
 class Solution(NamedTuple):
-    """A regression: fall of χ², directions used, coefficients (k,) and their covariance (k, k) for noise of one."""
+    """A regression on k rows.
+
+    **Arguments:** `drop`: fall of χ²; `dof`: directions used; `coefficients` (k,); `spread` (k, dof): the directions,
+    so that `rows.T @ spread` is orthonormal and `spread @ spread.T` the coefficients' covariance for white noise of one.
+    """
 
     drop: float
     dof: int
     coefficients: np.ndarray
-    covariance: np.ndarray
+    spread: np.ndarray
 
 
 def regress(rows: np.ndarray, target: np.ndarray) -> Solution:
@@ -87,7 +91,7 @@ def regress(rows: np.ndarray, target: np.ndarray) -> Solution:
     directions = vectors[:, kept] / np.sqrt(values[kept])
     along = directions.T @ ((rows @ target) / scale)
     spread = directions / scale[:, None]
-    return Solution(float(along @ along), int(kept.sum()), spread @ along, spread @ spread.T)
+    return Solution(float(along @ along), int(kept.sum()), spread @ along, spread)
 
 
 def rank(bench: Bench, stage: Stage) -> list[Ranked]:
@@ -111,6 +115,16 @@ def _candidates(sets: Sequence[tuple[str, ...]]) -> Iterator[tuple[Side, tuple[s
 def _judge(
     bench: Bench, stage: Stage, side: Side, coordinates: tuple[str, ...], known: dict[tuple[bool, tuple], np.ndarray]
 ) -> Ranked:
+    solved = regress(_rows(bench, stage, side, coordinates, known), bench.residual)
+    after = (bench.chi2 - solved.drop) / bench.n
+    criterion = bench.chi2 - solved.drop + solved.dof * np.log(bench.n) * max(1.0, after)
+    share = (solved.drop - solved.dof) / max(bench.chi2 - bench.n, 1e-9)
+    return Ranked(side, coordinates, solved.drop, solved.dof, share, after, criterion)
+
+
+def _rows(
+    bench: Bench, stage: Stage, side: Side, coordinates: tuple[str, ...], known: dict[tuple[bool, tuple], np.ndarray]
+) -> np.ndarray:
     parts = []
     for block in blocks_of(coordinates):
         rows = known.get((side == "sensor", block))
@@ -119,11 +133,17 @@ def _judge(
             if len(block) == 1:
                 known[side == "sensor", block] = rows
         parts.append(rows)
-    solved = regress(np.concatenate(parts), bench.residual)
-    after = (bench.chi2 - solved.drop) / bench.n
-    criterion = bench.chi2 - solved.drop + solved.dof * np.log(bench.n) * max(1.0, after)
-    share = (solved.drop - solved.dof) / max(bench.chi2 - bench.n, 1e-9)
-    return Ranked(side, coordinates, solved.drop, solved.dof, share, after, criterion)
+    return np.concatenate(parts)
+
+
+def spline_rows(bench: Bench, stage: Stage, side: Side, coordinates: tuple[str, ...]) -> np.ndarray:
+    """Projected whitened rows (k, n) of all functions of a set of coordinates."""
+    return _rows(bench, stage, side, coordinates, {})
+
+
+def spline_functions(stage: Stage, coordinates: tuple[str, ...], place: Places) -> np.ndarray:
+    """The same functions at given places, (k, lanes, points)."""
+    return np.concatenate([functions_of(stage, block, place) for block in blocks_of(coordinates)])
 
 
 def smallest_sufficient(ranked: Sequence[Ranked]) -> list[Ranked]:
@@ -133,10 +153,11 @@ def smallest_sufficient(ranked: Sequence[Ranked]) -> list[Ranked]:
     near = _NEAR if best.share < _NEARLY_ALL else _NEAR_ALL
     chance = 3.0 * np.sqrt(2.0 * best.dof) * max(1.0, best.chi2_per_sample)
     enough = [r for r in ranked if gain(r) > gain(best) - max(near * gain(best), chance)]
-    return sorted(enough, key=lambda r: (_dimension(r), r.criterion))
+    return sorted(enough, key=lambda r: (dimension(r), r.criterion))
 
 
-def _dimension(found: Ranked) -> float:
+def dimension(found: Ranked) -> float:
+    """How much a set of coordinates supposes: nothing for a constant, one for each coordinate, a memory almost one."""
     if found.coordinates == ("1",):
         return 0.0
     return len(found.coordinates) - 0.1 * (found.coordinates[-1] == "history")

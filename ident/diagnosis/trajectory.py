@@ -63,7 +63,7 @@ def _states(static: Static, data: Data, values: np.ndarray, starts: tuple) -> tu
 def lay_out(fit: Fit) -> Scene:
     """The scene of a fit: its model's states, corrected by the smoothed residual of each record."""
     records = fit.campaign.fitted
-    groups, layout = make_groups(records, 1.0 / fit.scales.period, float(fit.values[1]))
+    groups, layout = make_groups(records, 1.0 / fit.scales.period, float(fit.values[1]), fit.model.steps_per_period)
     static, data = assemble(fit.model, fit.campaign, groups, layout, fit.values, fit.scales)
     unknowns = begin(groups, static)
     if static.starts_free:

@@ -19,6 +19,7 @@ import numpy as np
 import optimistix as optx
 from jax import Array
 
+from .coordinates import slopes
 from .normal import Normal, normal_equations, pack, unpack
 from .problem import Data, Static, Unknowns, evaluate
 
@@ -70,7 +71,8 @@ def rescale(static: Static, data: Data, unknowns: Unknowns) -> tuple[Data, Unkno
     """Choose the unit of every x such that a unit step changes the residuals by one at this point."""
     found = evaluate(static, data, unknowns)
     squares = sum(np.sum(np.asarray(j) ** 2, axis=(1, 2)) for j in found.by_x)
-    length = np.sqrt(squares + np.asarray(data.prior_weight) ** 2)
+    stretch = slopes(np.asarray(found.values)[list(static.free)], data.lower, data.upper) * np.asarray(data.scale)
+    length = np.sqrt(squares + (np.asarray(data.prior_weight) * stretch) ** 2)
     coordinates = np.asarray(unknowns.x) * np.asarray(data.scale) + np.asarray(data.anchor)
     usable = np.isfinite(length) & (length > 0)
     scale = np.where(usable, np.asarray(data.scale) / np.where(usable, length, 1.0), data.scale)

@@ -39,6 +39,7 @@ def origin(campaign: Campaign, folder: Path) -> dict[str, Any]:
     return {
         "title": campaign.title,
         "files": [_relative(path, folder) for path in campaign.files],
+        "effect_files": [_relative(path, folder) for path in campaign.effect_files],
         "checksums": dict(campaign.checksums),
     }
 
@@ -69,7 +70,11 @@ def restore(document: dict[str, Any], folder: Path) -> tuple[Model, Campaign, np
     """Model, campaign and parameter values (m,) SI of a `run.json`, from the campaign's files and the names in it."""
     kept = document["state"]
     campaign = _campaign(document["campaign"], folder)
-    floors = [NoiseFloor(**{**told, "ar": tuple(told["ar"])}) for told in kept["noise"]]
+    told = [(folder / file).resolve() for file in document["campaign"].get("effect_files", ())]
+    known_files = {path.resolve() for path in campaign.effect_files}
+    added = tuple(path for path in told if path not in known_files)
+    campaign = replace(campaign, effect_files=(*campaign.effect_files, *added))
+    floors = [NoiseFloor(**{**floor, "ar": tuple(floor["ar"])}) for floor in kept["noise"]]
     records = tuple(replace(record, noise=noise) for record, noise in zip(campaign.records, floors, strict=True))
     known = registry(campaign.effect_files)
     effects = tuple(find(name, known)(campaign.device, kept["settings"].get(name)) for name in document["effects"])

@@ -1,0 +1,52 @@
+"""`ident diagnose`: where a fit fails, which effect is missing, what to measure next."""
+
+from __future__ import annotations
+
+import click
+
+from .options import json_option, run_argument
+
+
+@click.command("diagnose", short_help="Where a fit fails, which effect is missing, what to measure next.")
+@run_argument
+@click.option("--write-effect", "target", metavar="FILE", help="Write what the library lacks as an effect of your own.")
+@json_option
+def command(run: str, target: str | None, as_json: bool) -> None:
+    """Ask of RUN: is its model adequate; if not, where does it fail, which effect is missing and how sure is that,
+    what could be mistaken for it, and which record would settle it. RUN gets a diagnosis.json; its fit stays.
+
+    \b
+    Example:
+      ident diagnose runs/a
+      ident diagnose runs/a --write-effect my_effect.py
+    """
+    from pathlib import Path
+
+    from ident.errors import UserError
+    from ident.report.run_folder import load_run, read_run, write_json
+
+    from .output import progress, say, say_json
+
+    read_run(run)
+    if target is not None and Path(target).exists():
+        raise UserError("this file exists already", where=target, do="choose another name")
+    progress("reading the run")
+    fitted = load_run(run)
+
+    from ident.diagnosis.document import diagnosis_dict
+
+    from .walk import examine, tell
+
+    found = examine(fitted, None if target is None else Path(target))
+    document = diagnosis_dict(found)
+    write_json(Path(run) / "diagnosis.json", document)
+    if as_json:
+        say_json(document)
+        return
+    tell(found)
+    if found.effect_file is not None:
+        say(f"next: ident add {run} {found.effect_file}")
+    elif target is not None:
+        say(f"{target} was not written: effects of the library explain these records")
+    if found.effect_file is None and found.discovery.steps:
+        say(f"next: ident add {run} {found.discovery.steps[0].added}")

@@ -1,0 +1,47 @@
+"""`ident discover`: the whole loop by itself."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .options import campaign_argument, effects_option, force_option, json_option
+
+
+@click.command("discover", short_help="Find the missing effects one by one, until the noise floor.")
+@campaign_argument
+@effects_option
+@click.option("-o", "--output", metavar="RUN", help="Run folder to write; runs/NAME if not given.")
+@force_option
+@json_option
+def command(
+    campaign: tuple[str, ...], effects: tuple[str, ...] | None, output: str | None, force: bool, as_json: bool
+) -> None:
+    """Fit CAMPAIGN, see where the model fails, add the effect that explains it, and go on until the noise floor.
+
+    The run folder holds the last model with the report of every step, and diagnosis.json. If no effect of the library
+    explains the records, what is missing is estimated and written as an effect file of your own to refine.
+
+    \b
+    Example:
+      ident discover data/mystery_platform -o runs/mystery
+    """
+    from ident.campaign import read_campaign
+    from ident.report.run_folder import check_target
+
+    from .fit import default_folder
+    from .output import progress
+
+    data = read_campaign(campaign)
+    folder = Path(output) if output else default_folder(campaign)
+    check_target(folder, force)
+
+    from ident.fit import fit
+    from ident.model import build_model
+
+    from .walk import walk
+
+    model = build_model(data, effects)
+    progress(f"fitting {', '.join(model.names) or 'the linear model'}")
+    walk(fit(model, data, report=progress), folder, force=force, as_json=as_json)

@@ -1,0 +1,47 @@
+"""Beyond the library: what is missing is estimated, written as an effect file, and joins the model like any other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+from ..effects.registry import registry
+from ..fit import Fit
+from .change import add
+from .effect_file import write_effect
+from .score import Bench
+from .unknown import Unknown, find_unknown
+
+Report = Callable[[str], None]
+NAME = "unknown-effect"
+
+
+class Beyond(NamedTuple):
+    """The missing term, the file it was written to, and the fit with it."""
+
+    unknown: Unknown
+    path: Path
+    fit: Fit
+
+
+def go_beyond(bench: Bench, path: Path, report: Report = lambda _: None) -> Beyond:
+    """Estimate what a fit lacks, write it to a file that does not exist yet, and refit with it.
+
+    **Raises:** UserError if the file exists.
+    """
+    report("estimating what the library lacks, as a function of its coordinates")
+    unknown = find_unknown(bench)
+    name = free_name(bench.fit)
+    write_effect(unknown, path, name)
+    files = (*bench.fit.campaign.effect_files, path)
+    parent = replace(bench.fit, campaign=replace(bench.fit.campaign, effect_files=files))
+    return Beyond(unknown, path, add(parent, registry(files)[name], report))
+
+
+def free_name(fitted: Fit) -> str:
+    """A name that neither the model nor the campaign's own effects use."""
+    taken = set(fitted.model.names) | set(registry(fitted.campaign.effect_files))
+    names = (NAME if i == 1 else f"{NAME}-{'abcdefghijklmnopqrstuvwxyz'[i - 1]}" for i in range(1, 27))
+    return next(name for name in names if name not in taken)

@@ -1,0 +1,79 @@
+"""The four questions after a fit: is it adequate, where does it fail, which effect is missing, what to measure next."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from ..effects.effect import AbstractEffect
+from ..fit import Fit
+from .beyond import go_beyond
+from .discover import Discovery, Step, continue_from
+from .experiments import NextExperiment, next_experiments
+from .locate import Where, locate
+from .score import prepare
+from .unknown import Unknown, find_unknown
+from .where_words import summary
+
+Report = Callable[[str], None]
+_EXPERIMENTS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """Answers about a fit.
+
+    **Arguments:** `where`: where the fit fails; `unknown`: what the library lacks, if it lacks something, and
+    `effect_file`, where that was written; `next_experiments`: records that would separate what ties.
+    """
+
+    discovery: Discovery
+    where: Where
+    unknown: Unknown | None = None
+    effect_file: Path | None = None
+    next_experiments: tuple[NextExperiment, ...] = ()
+
+    @property
+    def summary(self) -> str:
+        """Where the fit that was diagnosed fails, in one paragraph."""
+        return summary(self.where)
+
+
+def diagnose(
+    fitted: Fit,
+    library: Mapping[str, type[AbstractEffect]],
+    report: Report = lambda _: None,
+    effect_file: Path | None = None,
+) -> Diagnosis:
+    """Locate the misfit, walk the loop, and look beyond the library where it does not reach.
+
+    **Arguments:** `effect_file`: where to write what the library lacks; the model with it then ends the walk.
+    """
+    report("locating the misfit")
+    bench = prepare(fitted)
+    where = locate(bench)
+    found = continue_from(fitted, library, report)
+    if found.verdict != "not-in-library":
+        return Diagnosis(found, where, next_experiments=_experiments(found, library, report))
+    if effect_file is None:
+        report("estimating what the library lacks, as a function of its coordinates")
+        return Diagnosis(found, where, find_unknown(bench))
+    beyond = go_beyond(bench, effect_file, report)
+    if beyond.fit.fitted.error_over_noise < found.final.fitted.error_over_noise:
+        name = beyond.fit.model.names[-1]
+        gain = 1 - (beyond.fit.fitted.error_over_noise**2 - 1) / max(fitted.fitted.error_over_noise**2 - 1, 1e-9)
+        step = Step(name, beyond.unknown.share, gain, (name,), "effect", beyond.fit)
+        found = replace(found, steps=(step,))
+    return Diagnosis(found, where, beyond.unknown, beyond.path)
+
+
+def _experiments(
+    found: Discovery, library: Mapping[str, type[AbstractEffect]], report: Report
+) -> tuple[NextExperiment, ...]:
+    """Records that would separate the first tie between effects."""
+    for step in found.steps:
+        if step.role == "effect" and len(step.tie_set) > 1 and step.bench is not None:
+            report(f"what would tell {' from '.join(step.tie_set[:2])}?")
+            return tuple(next_experiments(step.bench, step.tied, library, _EXPERIMENTS))
+    return ()

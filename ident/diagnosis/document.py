@@ -1,0 +1,80 @@
+"""A discovery as the JSON that other programs read (diagnosis.json)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ..fit import Fit
+from .change import lineage_entry
+from .diagnose import Diagnosis
+from .discover import Discovery
+
+FORMAT = 1
+_LISTED = 12  # candidates of the ranking worth a reader's time
+
+
+def diagnosis_dict(diagnosis: Diagnosis) -> dict[str, Any]:
+    """`diagnosis.json`: verdict, start, steps, final, ranking, and what the library lacks."""
+    found = diagnosis.discovery
+    document = {
+        "format": FORMAT,
+        "verdict": found.verdict,
+        "start": _state(found.start),
+        "steps": [
+            {
+                "added": step.added,
+                "predicted_gain": step.predicted_gain,
+                "confirmed_gain": step.confirmed_gain,
+                **_errors(step.fit),
+                "tie_set": list(step.tie_set),
+                "role": step.role,
+            }
+            for step in found.steps
+        ],
+        "final": _state(found.final),
+        "ranking": [_ranked(found, candidate) for candidate in found.ranking[:_LISTED]],
+        "next_experiments": [
+            {"record": e.record, "separates": list(e.separates), "expected_delta_chi2": e.expected_delta_chi2}
+            for e in diagnosis.next_experiments
+        ],
+        "summary": diagnosis.summary,
+    }
+    if diagnosis.unknown is not None:
+        document["unknown"] = diagnosis.unknown.as_json()
+    return document
+
+
+def lineage_of(found: Discovery, parent: str) -> list[dict[str, Any]]:
+    """One entry per step, for lineage.json and the staircase."""
+    entries, before = [], found.start
+    for step in found.steps:
+        entries.append(
+            lineage_entry(before, step.fit, parent if not entries else f"step {len(entries)}", added=step.added)
+        )
+        before = step.fit
+    return entries
+
+
+def _ranked(found: Discovery, candidate: Any) -> dict[str, Any]:
+    amplitude = next(iter(candidate.errors), None)
+    return {
+        "effect": candidate.name,
+        "predicted_gain": candidate.predicted_gain,
+        "confirmed_gain": found.confirmed.get(candidate.name),
+        "size": None if amplitude is None else candidate.values[amplitude],
+        "size_error": None if amplitude is None else candidate.errors[amplitude],
+        "parameter": amplitude,
+        "p_value": candidate.p_value,
+    }
+
+
+def _state(fitted: Fit) -> dict[str, Any]:
+    return {"effects": list(fitted.model.names), **_errors(fitted)}
+
+
+def _errors(fitted: Fit) -> dict[str, Any]:
+    heldout = fitted.holdout
+    return {
+        "error_over_noise": fitted.fitted.error_over_noise,
+        "holdout_error_over_noise": None if heldout is None else heldout.error_over_noise,
+    }

@@ -1,0 +1,167 @@
+"""What to measure next: the record that would tell apart the effects between which the present ones do not choose.
+
+Each rival, fitted to the present records, predicts every proposed record; what counts is the part d of the difference of
+two predictions that neither rival can absorb by moving its parameters as far as the present records let it,
+
+    Δχ² = min over δ₁, δ₂ of |d + J₁ δ₁ − J₂ δ₂|²/σ² + δ₁ᵀ F₁ δ₁ + δ₂ᵀ F₂ δ₂,
+
+F the Fisher information of the present records. The proposals are ranked by the smallest Δχ² of any pair.
+
+Source: G. Buzzi-Ferraris, P. Forzatti, 1983, Chem. Eng. Sci. 38, 225 (discrimination with the uncertainty of both
+predictions); W. G. Hunter, A. M. Reiner, 1965, Technometrics 7, 307.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+
+from ..campaign.campaign import Campaign
+from ..campaign.record import Channel, NoiseFloor, Trace
+from ..effects.effect import AbstractEffect
+from ..fit import Fit
+from ..fit.assemble import assemble, begin
+from ..fit.problem import evaluate
+from ..response import make_groups
+from .confirm import accept, confirm
+from .score import Bench, Candidate
+from .waveforms import Limits, Waveform, limits_of, proposals
+
+SEPARATED = 10.0  # expected Δχ² from which a record is worth taking
+_MOST_RIVALS = 4
+_NEAR = 0.03  # relative distance within which two frequencies are one proposal
+
+
+@dataclass(frozen=True, eq=False)
+class NextExperiment:
+    """A record to take.
+
+    **Arguments:** `record`: in words; `separates`: the effects that it tells apart, and `expected_delta_chi2` the
+    smallest χ² by which any two of them would then differ; `waveform`: its drive; `time` (n,), s, its samples.
+    """
+
+    record: str
+    separates: tuple[str, ...]
+    expected_delta_chi2: float
+    waveform: Waveform
+    time: np.ndarray
+
+    @property
+    def voltage(self) -> np.ndarray:
+        """Drive (n,), V."""
+        return self.waveform.voltage(self.time)
+
+
+class _Prediction(NamedTuple):
+    """What a rival says of the proposals: readings (k, n), their derivatives (k, p, n) and the present information (p, p)."""
+
+    readings: np.ndarray
+    slopes: np.ndarray
+    information: np.ndarray
+
+
+def next_experiments(
+    bench: Bench, tied: Sequence[Candidate], library: Mapping[str, type[AbstractEffect]], count: int = 3
+) -> list[NextExperiment]:
+    """Refit the model with each of the tied effects (at most four) and rank what would tell them apart."""
+    rivals = {c.name: accept(confirm(bench, library[c.name], c), bench.fit) for c in tied[:_MOST_RIVALS]}
+    return rank_experiments(rivals, count=count)
+
+
+def rank_experiments(rivals: Mapping[str, Fit], limits: Limits | None = None, count: int = 3) -> list[NextExperiment]:
+    """The proposals that tell apart most, best first; none if no proposal tells any two of the rivals apart.
+
+    **Arguments:** `rivals`: effect name → the fit of its model to the present records; `limits`: of the laboratory, else
+    those of the device and its records.
+    """
+    if len(rivals) < 2:
+        return []
+    first = next(iter(rivals.values()))
+    resonance = 1.0 / first.scales.period
+    limits = limits or limits_of(first.campaign.device, first.campaign.fitted, resonance)
+    waves = proposals(limits, resonance)
+    predictions = {name: _predict(fitted, waves, limits.time) for name, fitted in rivals.items()}
+    noise = _noise(first, [p.readings for p in predictions.values()])
+    pairs = list(combinations(rivals, 2))
+    table = np.array(
+        [[_gain(predictions[a], predictions[b], k, noise[k]) for a, b in pairs] for k in range(len(waves))]
+    )  # (k, pairs)
+    open_pairs = np.nanmax(np.where(np.isfinite(table), table, 0.0), axis=0) > SEPARATED
+    if not np.any(open_pairs):
+        return []
+    worth = np.where(np.all(np.isfinite(table), axis=1), table[:, open_pairs].min(axis=1), -np.inf)
+    if worth.max() <= SEPARATED:  # no record tells all of them apart: take the one that tells most pairs apart
+        worth = np.where(np.isfinite(worth), (table > SEPARATED).sum(axis=1) + 0.0, -np.inf)
+    chosen: list[NextExperiment] = []
+    for k in np.argsort(-worth):
+        apart = [pair for pair, gain in zip(pairs, table[k], strict=True) if gain > SEPARATED]
+        if not apart or not np.isfinite(worth[k]) or any(_alike(waves[k], c.waveform) for c in chosen):
+            continue
+        names = tuple(name for name in rivals if any(name in pair for pair in apart))
+        least = float(min(gain for gain in table[k] if gain > SEPARATED))
+        chosen.append(NextExperiment(waves[k].words, names, least, waves[k], limits.time))
+        if len(chosen) == count:
+            break
+    return chosen
+
+
+def _alike(one: Waveform, other: Waveform) -> bool:
+    return one.kind == other.kind and abs(one.hertz / other.hertz - 1) < _NEAR
+
+
+def _predict(fitted: Fit, waves: Sequence[Waveform], time: np.ndarray) -> _Prediction:
+    """Readings of a fitted model and their derivatives by its fitted parameters, for drives that start at rest."""
+    present = fitted.campaign.fitted
+    _, layout = make_groups(present, 1.0 / fitted.scales.period, float(fitted.values[1]))
+    channel, floor = Channel("", 1.0), NoiseFloor(1.0)
+    records = tuple(
+        Trace(w.words, time, w.voltage(time), np.zeros(len(time)), channel, channel, floor, "rest",
+              period=1 / (w.hertz * (time[1] - time[0])) if w.kind == "sine" else None)
+        for w in waves
+    )  # fmt: skip
+    substeps = [max(layout.substeps)] * len(records)
+    groups, places = make_groups(records, 1.0 / fitted.scales.period, float(fitted.values[1]), substeps=substeps)
+    campaign = Campaign("proposals", records, fitted.campaign.device)
+    static, data = assemble(fitted.model, campaign, groups, places, fitted.values)
+    found = evaluate(static, data, begin(groups, static))
+    scale = np.asarray(data.scale)[:, None]
+    readings = np.stack([np.asarray(found.readings[g][lane]) for g, lane, _ in places.places])
+    slopes = np.stack([np.asarray(found.by_x[g][:, lane]) / scale for g, lane, _ in places.places])
+    doubt = max(fitted.fitted.error_over_noise, 1.0)  # a model that does not reach the noise floor knows less
+    return _Prediction(readings, slopes, fitted.linear.jacobian.T @ fitted.linear.jacobian / doubt**2)
+
+
+def _noise(fitted: Fit, readings: Sequence[np.ndarray]) -> np.ndarray:
+    """Noise floor to expect of each proposal, (k,) m: that of the present records, growing with the signal if theirs does.
+
+    With fewer than three records nobody knows; then it is taken to grow with the signal and never to shrink.
+    """
+    records = fitted.campaign.fitted
+    sigma = np.log([r.noise.sigma for r in records])
+    size = np.log([float(np.std(r.response[r.skip :])) or r.noise.sigma for r in records])
+    expected = np.log(np.maximum(np.mean([np.std(r, axis=1) for r in readings], axis=0), 1e-300))
+    known = len(records) >= 3 and np.ptp(size) > 0.7
+    slope = float(np.clip(np.polyfit(size, sigma, 1)[0], 0.0, 1.0)) if known else 1.0
+    change = slope * (expected - float(np.median(size)))
+    floor = float(np.median(sigma)) + (change if known else np.maximum(change, 0.0))
+    return np.exp(floor) * max(fitted.fitted.error_over_noise, 1.0)
+
+
+def _gain(one: _Prediction, other: _Prediction, k: int, noise: float) -> float:
+    """Expected Δχ² between two rivals from proposal k; NaN if either has no finite prediction."""
+    difference = (one.readings[k] - other.readings[k]) / noise
+    slopes = np.concatenate([one.slopes[k], -other.slopes[k]]) / noise
+    if not (np.all(np.isfinite(difference)) and np.max(np.abs(difference)) < 1e6 and np.all(np.isfinite(slopes))):
+        return float("nan")
+    p = len(one.information)
+    gram = slopes @ slopes.T
+    gram[:p, :p] += one.information
+    gram[p:, p:] += other.information
+    along = slopes @ difference
+    size = np.sqrt(np.maximum(np.diag(gram), 1e-300))
+    absorbed, _, _, _ = np.linalg.lstsq(gram / np.outer(size, size), along / size, rcond=1e-12)
+    return max(float(difference @ difference - absorbed @ (along / size)), 0.0)

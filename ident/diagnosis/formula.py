@@ -1,0 +1,160 @@
+"""A short formula for what the splines have found, written in simple terms.
+
+Terms are added one by one, several beginnings side by side, while each removes a fair part of what remains.
+
+Source: D. A. Furnival, R. W. Wilson, 1974, Technometrics 16, 499 (best subsets of regressors); the weight of a term is
+that of G. Schwarz, 1978, Ann. Stat. 6, 461, with 2 ln K for the choice among K terms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from .score import Bench
+from .stage import Side, Stage, rows_of
+from .subsets import regress
+from .terms import Term, monomial, paired, remembered, single, table
+
+_BEAM = 12  # beginnings followed side by side
+_NEW = 1e-3  # squared share of a term that the others must leave for it to be added
+_WORTH = 0.2  # part of the remaining excess that a further term must remove
+_SAME = 0.01  # of what the splines explain: a formula that lacks no more says as much
+_LONGEST = 8
+
+
+class Formula(NamedTuple):
+    """A sum of terms.
+
+    **Arguments:** `coefficients` and standard `errors`, one per term, SI; `drop` of χ²; `chi2_per_sample` after;
+    `complete`: whether it explains nearly as much as the splines; `text`: "F = −3.1e9 z³".
+    """
+
+    side: Side
+    terms: tuple[Term, ...]
+    coefficients: np.ndarray
+    errors: np.ndarray
+    drop: float
+    chi2_per_sample: float
+    complete: bool
+    text: str
+
+
+class Dictionary(NamedTuple):
+    """Terms with their projected rows (k, n), each of raw length one, and those `lengths`."""
+
+    terms: tuple[Term, ...]
+    rows: np.ndarray
+    lengths: np.ndarray
+
+
+def dictionary(bench: Bench, stage: Stage, side: Side, coordinates: tuple[str, ...]) -> Dictionary:
+    """The simple terms of a set of coordinates that the model does not absorb."""
+    names = [name for name in coordinates if name not in ("1", "history")]
+    terms = [monomial([])]
+    for name in names:
+        terms += single(name, stage.ranges[name])
+    if "history" in coordinates:
+        terms += remembered(names[0], stage.ranges[names[0]], bench.fit.scales.period)
+    elif len(names) == 2:
+        terms += paired(names[0], names[1])
+    return _measured(bench, stage, side, terms)
+
+
+def _measured(bench: Bench, stage: Stage, side: Side, terms: Sequence[Term]) -> Dictionary:
+    raw = rows_of(bench, stage, side, lambda place: np.stack([term.value(place) for term in terms]))
+    lengths = np.linalg.norm(raw, axis=1)
+    rows = bench.project(raw / np.maximum(lengths, 1e-300)[:, None])
+    new = (np.sum(rows**2, axis=1) > _NEW) & (lengths > 0)
+    return Dictionary(tuple(t for t, keep in zip(terms, new, strict=True) if keep), rows[new], lengths[new])
+
+
+def write_formula(
+    bench: Bench, stage: Stage, side: Side, words: Dictionary, spline_drop: float, longest: int = 3
+) -> Formula | None:
+    """The shortest formula of at most `longest` terms that explains what the splines explain, or the best there is.
+
+    None if no term says anything.
+    """
+    if not words.terms:
+        return None
+    gram, along = words.rows @ words.rows.T, words.rows @ bench.residual
+    goal = (1 - _SAME) * spline_drop
+    beam: list[tuple[float, tuple[int, ...]]] = [(0.0, ())]
+    for _ in range(longest):
+        wider = _extend(gram, along, beam)
+        if not wider or not _worth(bench, beam[0][0], wider[0][0], len(words.terms), longest):
+            break
+        beam = wider
+        if beam[0][0] >= goal and beam[0][0] >= spline_drop - _chance(bench, spline_drop):
+            break
+    return fitted(bench, stage, side, words, beam[0][1], goal) if beam[0][1] else None
+
+
+def _chance(bench: Bench, drop: float) -> float:
+    return 0.1 * max(bench.chi2 - drop, float(bench.n))  # a twentieth of the error/noise
+
+
+def _extend(gram: np.ndarray, along: np.ndarray, beam: list[tuple[float, tuple[int, ...]]]) -> list:
+    found: dict[tuple[int, ...], float] = {}
+    for drop, chosen in beam:
+        picked = list(chosen)
+        solved = np.linalg.solve(gram[np.ix_(picked, picked)], gram[picked]) if picked else np.zeros((0, len(along)))
+        left = np.diag(gram) - np.sum(gram[picked] * solved, axis=0)
+        gain = (along - solved.T @ along[picked]) ** 2 / np.where(left > _NEW * np.diag(gram), left, np.inf)
+        for j in np.argsort(-gain)[:_BEAM]:
+            if gain[j] > 0:
+                found[tuple(sorted((*chosen, int(j))))] = drop + float(gain[j])
+    return sorted(((drop, chosen) for chosen, drop in found.items()), reverse=True)[:_BEAM]
+
+
+def _worth(bench: Bench, before: float, after: float, choices: int, longest: int) -> bool:
+    left = max(1.0, (bench.chi2 - after) / bench.n)
+    price = (np.log(bench.n) + 2 * np.log(choices)) * left
+    part = _WORTH if longest <= 3 else 0.02
+    return after - before > max(price, part * (bench.chi2 - before - bench.n))
+
+
+def fitted(bench: Bench, stage: Stage, side: Side, words: Dictionary, chosen: Sequence[int], goal: float) -> Formula:
+    """The formula of given terms, by least squares."""
+    picked = list(chosen)
+    solved = regress(words.rows[picked], bench.residual)
+    after = (bench.chi2 - solved.drop) / bench.n
+    unit = stage.sensor_unit if side == "sensor" else stage.force_unit
+    scale = unit / words.lengths[picked]
+    errors = np.linalg.norm(solved.spread, axis=1) * np.sqrt(max(after, 1.0)) * scale
+    terms = tuple(words.terms[i] for i in picked)
+    coefficients = solved.coefficients * scale
+    text = _text(side, terms, coefficients)
+    return Formula(side, terms, coefficients, errors, solved.drop, after, solved.drop >= goal, text)
+
+
+def long_formula(bench: Bench, stage: Stage, side: Side, coordinates: tuple[str, ...], spline_drop: float) -> Formula:
+    """What a file is written from where no short formula is enough: a table of one coordinate, else many terms."""
+    name = coordinates[0]
+    if len(coordinates) == 1 and name != "1":
+        absorbed = name == "z" or (side != "sensor" and name in ("v", "V"))
+        words = _measured(bench, stage, side, table(name, stage.ranges[name], gauge=absorbed))
+        return fitted(bench, stage, side, words, range(len(words.terms)), (1 - _SAME) * spline_drop)
+    words = dictionary(bench, stage, side, coordinates)
+    if len(coordinates) == 2 and "history" not in coordinates:
+        words = _measured(bench, stage, side, [*words.terms, *paired(*coordinates, degree=7)])
+    found = write_formula(bench, stage, side, words, spline_drop, _LONGEST)
+    return found if found is not None else fitted(bench, stage, side, words, [0], np.inf)
+
+
+def _text(side: Side, terms: Sequence[Term], coefficients: np.ndarray) -> str:
+    written = [(c / term.written, term.text) for term, c in zip(terms, coefficients, strict=True)]
+    parts = [f"{'−' if c < 0 else '+'} {number(abs(c))}{'' if text == '1' else ' ' + text}" for c, text in written]
+    joined = " ".join(parts)
+    if side == "sensor":
+        return f"reading = z {joined}"
+    return "F = " + (joined[2:] if joined.startswith("+ ") else "−" + joined[2:])
+
+
+def number(value: float, digits: int = 3) -> str:
+    """A number as a formula has it: 3.1e9."""
+    mantissa, _, power = f"{value:.{digits}g}".partition("e")
+    return f"{mantissa}e{int(power)}" if power else mantissa

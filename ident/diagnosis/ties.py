@@ -1,0 +1,157 @@
+"""What the missing effect could be mistaken for: the names between which these records do not choose."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..campaign.device import Platform
+from ..effects.effect import AbstractEffect
+from .confirm import Confirmed
+from .equivalences import equivalence, exact_partners, what_separates
+from .score import Bench, Candidate
+
+TIED_CRITERION = 10.0  # difference of information criteria below which records do not choose between two effects
+TIED_SIGNATURE = 0.99  # share of a signature that another effect reproduces, above which a refit has to decide
+KNOWN_SIGNATURE = 0.95  # the same for effects that are known to pass for one another
+EXACT_SIGNATURE = 0.9  # the same for effects that no record of a linear device tells apart
+
+Library = Mapping[str, type[AbstractEffect]]
+
+
+class Tie(NamedTuple):
+    """An effect that explains the misfit as well.
+
+    **Arguments:** `behind`: by how much its information criterion is worse than the best one's; `confusability`: share
+    of the best one's contribution that it reproduces, 0 to 1; `why`, `separate`: in words.
+    """
+
+    name: str
+    behind: float
+    confusability: float
+    why: str
+    separate: str
+
+
+class TieSet(NamedTuple):
+    """The best effect and those that these records do not tell from it, nearest first."""
+
+    best: str
+    ties: tuple[Tie, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return (self.best, *(tie.name for tie in self.ties))
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """One sentence per tie."""
+        return tuple(f"{self.best} or {t.name}: {t.why}; to tell them apart: {t.separate}" for t in self.ties)
+
+
+def tie_set(
+    bench: Bench,
+    best: Candidate,
+    candidates: Iterable[Candidate],
+    library: Library,
+    confirmed: Iterable[Confirmed] = (),
+) -> TieSet:
+    """The effects between which the records do not choose.
+
+    With χ² left after each, n effective samples and d parameters, effect j stays beside the best b while
+
+        n ln(χ²_j/χ²_b) + d_j − d_b < 10,
+
+    so that a misfit of the laws themselves widens the set. A parameter counts what chance gives it, 1, and not the
+    ln n that selects a model: an effect that explains the data with one number more is still an explanation. n counts
+    the independent samples in what the best one leaves. Refits replace predictions where there are any; where there
+    are none, an effect whose signature is nearly the same, or is known to pass for the other, stays in.
+
+    **Arguments:** `candidates`: as scored on the same bench; `confirmed`: refits of some of them.
+    """
+    refits = {c.candidate.name: c for c in confirmed}
+    n = independent_samples(bench, best)
+    found = []
+    for other in candidates:
+        if other.name == best.name:
+            continue
+        both = best.name in refits and other.name in refits
+        chosen = refits if both else {}
+        ratio = left_after(bench, other, chosen) / left_after(bench, best, chosen)
+        behind = n * float(np.log(ratio)) + other.dof - best.dof
+        alike = reproduced(bench, best, other)
+        enough = KNOWN_SIGNATURE if equivalence(best.name, other.name) else TIED_SIGNATURE
+        if behind < TIED_CRITERION or (not both and alike > enough and _may_catch_up(library[other.name])):
+            found.append(_tie(best, other, behind, alike, library))
+    named = {tie.name for tie in found}
+    exact = exact_partners(best.name, library) if _is_linear(bench) else []
+    for other in candidates:
+        if other.name in exact and other.name not in named and reproduced(bench, best, other) > EXACT_SIGNATURE:
+            found.append(_tie(best, other, float("nan"), 1.0, library))
+    return TieSet(best.name, tuple(sorted(found, key=lambda t: (not np.isnan(t.behind), t.behind))))
+
+
+def left_after(bench: Bench, candidate: Candidate, refits: Mapping[str, Confirmed]) -> float:
+    """χ² left with the candidate: of its refit if there is one, else as predicted."""
+    chi2 = refits[candidate.name].chi2 if candidate.name in refits else bench.chi2 - candidate.drop
+    return max(chi2, 1e-6 * bench.n)
+
+
+def independent_samples(bench: Bench, best: Candidate) -> float:
+    """Effective number of independent samples in what the best candidate leaves.
+
+    n for white noise, and about four for a single line, by the participation number (Σ P)²/Σ P² of the power spectrum.
+    """
+    left = bench.residual - (best.signature @ bench.residual) @ best.signature
+    power = np.abs(np.fft.rfft(left)) ** 2
+    participation = float(np.sum(power) ** 2 / max(float(np.sum(power**2)), 1e-300))
+    return float(np.clip(4.0 * participation, 4.0, bench.n))
+
+
+def reproduced(bench: Bench, best: Candidate, other: Candidate) -> float:
+    """Share of what the best candidate takes from the residual that the other's columns reproduce, 0 to 1."""
+    taken = (best.signature @ bench.residual) @ best.signature
+    power = float(taken @ taken)
+    return float(np.sum((other.signature @ taken) ** 2) / power) if power > 0 else 0.0
+
+
+def _may_catch_up(effect: type[AbstractEffect]) -> bool:
+    """Whether a refit can move a shape off the grid on which the effect was scored."""
+    return any(p.kind == "shape" and p.fitted for p in effect.parameters)
+
+
+def _is_linear(bench: Bench) -> bool:
+    return not bench.fit.model.effects
+
+
+def _tie(best: Candidate, other: Candidate, behind: float, alike: float, library: Library) -> Tie:
+    known = equivalence(best.name, other.name)
+    if known is not None:
+        why = known.why
+    elif alike > 0.95:
+        why = f"on these records it reproduces {100 * alike:.3g} % of the same trace"
+    else:
+        why = "it explains the misfit as well within the noise"
+    return Tie(other.name, behind, alike, why, what_separates(library[best.name], library[other.name]))
+
+
+class Unseen(NamedTuple):
+    """An effect of which these records say nothing, and why."""
+
+    name: str
+    why: str
+
+
+def unseen(bench: Bench, candidates: Sequence[Candidate], library: Library) -> tuple[Unseen, ...]:
+    """Effects that cannot be seen in these records: whatever they do, the model's own parameters absorb it."""
+    model = bench.fit.model
+    scored = {c.name for c in candidates} | set(model.names)
+    found = []
+    for effect in library.values():
+        absent = effect.platform_only and not isinstance(model.device, Platform)
+        if effect.name in scored or absent or (effect.needs and effect.needs not in model.names):
+            continue
+        found.append(Unseen(effect.name, "the model's own parameters absorb all that it adds to these records"))
+    return tuple(found)

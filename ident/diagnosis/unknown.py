@@ -1,0 +1,116 @@
+"""What a missing effect looks like when no effect of the library is it: where it acts, on what it depends, its formula.
+
+Source: S. F. Masri, T. K. Caughey, 1979, J. Appl. Mech. 46, 433 (force surfaces, here in output-error form);
+M. C. Kennedy, A. O'Hagan, 2001, J. R. Stat. Soc. B 63, 425 (what a model lacks as a function of its inputs).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from .formula import Formula, dictionary, long_formula, write_formula
+from .picture import Picture, draw
+from .score import Bench, chance
+from .stage import Side, Stage, set_stage
+from .subsets import Ranked, dimension, rank, regress, smallest_sufficient, spline_rows
+from .unknown_words import describe
+
+_TRIED = 35  # sets of coordinates: what a chance probability is multiplied by
+_PER_TERM = 0.5  # of a coordinate: what a term of the formula counts where several sets explain the same
+
+
+@dataclass(frozen=True, eq=False)
+class Unknown:
+    """The missing term, as far as these records show it.
+
+    **Arguments:**
+
+    - `side`: "force" on the stage, "drive" (through the actuator) or "sensor"; `coordinates`: of "z", "v", "V", "dV"
+      (V̇/ω, V), "t", "1" (a constant) and "history" (what came before of the coordinate named with it).
+    - `drop` of χ² by `dof` spline directions; `share` of the excess over noise explained; `chi2_before` and
+      `chi2_after` per sample; `p_value`: of such a fall by chance, coloured noise and the number of tries allowed for.
+    - `alike`: other sets that explain as much; `others`: the best of the rest.
+    - `picture`: the function with its error; `formula`: in at most three terms, None if no term helps; `written`: what
+      an effect file is written from, the formula if it says as much as the splines.
+    - `sentences`: all this in words.
+    """
+
+    side: Side
+    coordinates: tuple[str, ...]
+    drop: float
+    dof: int
+    share: float
+    chi2_before: float
+    chi2_after: float
+    p_value: float
+    alike: tuple[Ranked, ...]
+    others: tuple[Ranked, ...]
+    picture: Picture
+    formula: Formula | None
+    written: Formula
+    sentences: tuple[str, ...]
+
+    def as_json(self) -> dict[str, Any]:
+        """The entry `unknown` of diagnosis.json."""
+        alike = [{"side": r.side, "coordinates": list(r.coordinates), "share": r.share} for r in self.alike]
+        return {
+            "side": self.side,
+            "coordinates": list(self.coordinates),
+            "formula": self.formula.text if self.formula is not None else "",
+            "formula_explains": self.explained(self.formula),
+            "explains": self.share,
+            "p_value": self.p_value,
+            "alike": alike,
+            "sentences": list(self.sentences),
+        }
+
+    def explained(self, formula: Formula | None) -> float:
+        """Share of the excess over noise that a formula explains."""
+        return 0.0 if formula is None else (self.chi2_before - formula.chi2_per_sample) / (self.chi2_before - 1.0)
+
+
+def find_unknown(bench: Bench) -> Unknown:
+    """The smallest set of coordinates whose functions explain what the fit leaves, and what that function is.
+
+    The answer is meant for a misfit that no effect of the library explains; `p_value` says whether there is any.
+    """
+    stage = set_stage(bench)
+    ranked = rank(bench, stage)
+    enough = smallest_sufficient(ranked)
+    chosen, formula = _settle(bench, stage, enough)
+    side, coordinates = chosen.side, chosen.coordinates
+    rows = spline_rows(bench, stage, side, coordinates)
+    solved = regress(rows, bench.residual)
+    p = min(1.0, _TRIED * chance(bench, rows.T @ solved.spread, solved.dof))
+    complete = formula is not None and formula.complete
+    written = formula if formula and complete else long_formula(bench, stage, side, coordinates, chosen.drop)
+    if formula is not None and formula.drop >= written.drop:
+        written = formula
+    alike = tuple(r for r in enough if r is not chosen and dimension(r) <= dimension(chosen) + 0.5)
+    others = tuple(r for r in ranked if r not in enough and not set(coordinates) < set(r.coordinates))[:3]
+    picture = draw(bench, stage, side, coordinates, solved)
+    before = bench.chi2 / bench.n
+    found = Unknown(side, coordinates, chosen.drop, chosen.dof, chosen.share, before, chosen.chi2_per_sample, p, alike,
+                    others, picture, formula, written, ())  # fmt: skip
+    return replace(found, sentences=describe(found))
+
+
+def _settle(bench: Bench, stage: Stage, enough: Sequence[Ranked]) -> tuple[Ranked, Formula | None]:
+    """Of sets that explain the same, the one with the shortest formula: splines of one coordinate can mimic a memory."""
+    first = enough[0]
+    rivals = [r for r in enough[1:] if not set(first.coordinates) <= set(r.coordinates) or r.side != first.side]
+    rivals = [r for r in rivals if dimension(r) <= max(dimension(first), 1.9)][:4]
+    least = min(r.drop - r.dof for r in (first, *rivals))
+    judged = []
+    for found in (first, *rivals):
+        words = dictionary(bench, stage, found.side, found.coordinates)
+        formula = write_formula(bench, stage, found.side, words, found.drop)
+        says_it = formula is not None and formula.drop >= least - 0.05 * bench.n
+        terms = len(formula.terms) if formula and says_it else 4
+        judged.append((dimension(found) + _PER_TERM * terms, found.criterion, found, formula))
+        if len(judged) == 1 and terms == 1 and dimension(first) <= 1:
+            break
+    best = min(judged, key=lambda j: j[:2])
+    return best[2], best[3]

@@ -1,0 +1,108 @@
+"""A diagnosis in words and tables: verdict, ranking, ties, what to do next."""
+
+from __future__ import annotations
+
+from ..campaign.device import Device
+from ..diagnosis.diagnose import Diagnosis
+from ..diagnosis.score import Candidate
+from ..fit import Fit
+from .html import Picture, Section
+from .quantity import show
+from .sheet import Column, Mark, Sheet
+from .story import staircase_section
+from .style import png
+from .tables import ratio_text
+from .where_figure import where_figure
+
+_LISTED = 6
+
+
+def verdict_words(found: Diagnosis) -> str:
+    """The verdict in one or two sentences."""
+    loop = found.discovery
+    final = loop.final
+    error = f"error over noise {ratio_text(final.fitted.error_over_noise)}"
+    if loop.verdict == "adequate":
+        return f"The model is adequate: {error}, and no effect of the library would lower it beyond chance."
+    named = [s for s in loop.steps if s.role == "effect"]
+    shaped = [s.added for s in loop.steps if s.role == "shape-refinement"]
+    names = " and ".join(s.added for s in named)
+    refined = f" ({' and '.join(shaped)} only refines its shape)" if shaped else ""
+    if loop.verdict == "identified":
+        return f"Missing was {names}{refined}: with it the model is adequate, {error}."
+    if loop.verdict == "ambiguous":
+        ties = [f"{s.added} cannot be told from {' or '.join(s.tie_set[1:])}" for s in named if len(s.tie_set) > 1]
+        return f"Missing was {names}{refined}, {error}; but in these records {'; '.join(ties)}."
+    helped = (
+        f"{names} lowers it to {ratio_text(final.fitted.error_over_noise)}, which is no proof"
+        if named
+        else "none helps"
+    )
+    start = ratio_text(loop.start.fitted.error_over_noise)
+    return f"No effect of the library explains these records (error over noise {start}; {helped})."
+
+
+def ranking_sheet(found: Diagnosis) -> Sheet:
+    """The best candidates: share of the excess error that each would remove, as scored and as confirmed by a refit."""
+    loop = found.discovery
+    rows, marks = [], []
+    for candidate in loop.ranking[:_LISTED]:
+        confirmed = loop.confirmed.get(candidate.name)
+        rows.append(
+            (
+                candidate.name,
+                f"{100 * candidate.predicted_gain:.1f} %",
+                "–" if confirmed is None else f"{100 * confirmed:.1f} %",
+                _size(candidate, loop.start),
+                "< 1e-15" if candidate.p_value < 1e-15 else f"{candidate.p_value:.1g}",
+            )
+        )
+        mark: Mark = "" if candidate.p_value * max(len(loop.ranking), 1) < 0.002 else "quiet"
+        marks.append(mark)
+    columns = (
+        Column("candidate", wraps=True), Column("predicted", True), Column("confirmed", True),
+        Column("estimated size", wraps=True), Column("by chance", True),
+    )  # fmt: skip
+    note = "share of the error beyond noise that the effect removes: as scored, and in a refit of the full simulation"
+    return Sheet("Which effect is missing?", columns, tuple(rows), tuple(marks), note)
+
+
+def _size(candidate: Candidate, fitted: Fit) -> str:
+    device: Device = fitted.model.device
+    units = candidate.units
+    parts = []
+    for name, error in candidate.errors.items():
+        parts.append(f"{name} {show(candidate.values[name], error, units[name], device)}")
+    return ", ".join(parts)
+
+
+def advice(found: Diagnosis) -> list[str]:
+    """What ties, what is unknown, and what to measure next, one sentence each."""
+    sentences = [reason for step in found.discovery.steps if step.role == "effect" for reason in step.reasons]
+    for experiment in found.next_experiments[:1]:
+        pair = " from ".join(experiment.separates)
+        gain = experiment.expected_delta_chi2
+        sentences.append(f"To tell {pair}, measure: {experiment.record} (expected Δχ² {gain:.3g}).")
+    if found.unknown is not None:
+        sentences += found.unknown.sentences
+    if found.effect_file is not None:
+        sentences.append(f"It is written as an effect of your own to refine: {found.effect_file}")
+    return sentences
+
+
+def sections(found: Diagnosis, lineage: list[dict]) -> list[Section]:
+    """The diagnosis as parts of the report."""
+    device = found.discovery.start.model.device
+    where = Picture("Error over noise by record, time, motion, phase and harmonic", png(where_figure(found.where)))
+    parts = [Section("Where the first model fails", (found.summary,), (), (where,))]
+    if found.discovery.ranking:
+        words = (verdict_words(found), *advice(found))
+        parts.append(Section("Which effect is missing", words, (ranking_sheet(found),)))
+    if found.unknown is not None:
+        from .unknown_figure import unknown_figure
+
+        picture = Picture("The missing term against its coordinates", png(unknown_figure(found.unknown, device)))
+        parts.append(Section("What the library lacks", found.unknown.sentences, (), (picture,)))
+    if lineage:
+        parts.append(staircase_section(lineage))
+    return parts
