@@ -1,0 +1,154 @@
+"""The parts of the study: which cases each has, and what is written down about one."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from ident.diagnosis.discover import Discovery, discover
+from ident.diagnosis.score import prepare
+from ident.diagnosis.unknown import find_unknown
+from ident.effects.registry import built_in
+from ident.fit import Fit
+from ident.model import Model
+
+from .campaigns import campaign_of, poor_case, rounded, sigma_ratios
+from .generator import Case, NoiseKind, draw
+from .laws import LAWS
+
+Part = Literal["single", "pairs", "nulls", "outside", "poor"]
+
+INSIDE = tuple(law.name for law in LAWS if law.in_library)
+OUTSIDE = tuple(law.name for law in LAWS if not law.in_library)
+# Size 0.5 % under noise of 1 % is left out: such an effect is below the noise.
+LEVELS = ((0.02, 0.001), (0.02, 0.01), (0.08, 0.001), (0.08, 0.01), (0.005, 0.001))
+OUTSIDE_LEVELS = ((0.02, 0.003), (0.08, 0.01))
+NULL_NOISE = (0.001, 0.003, 0.01, 0.03)
+NULL_KINDS: tuple[NoiseKind, ...] = ("white", "ar", "hum")
+STRESSED = {"residual-stress", "arch-force"}
+
+
+@dataclass(frozen=True)
+class Task:
+    """One case to draw; what `generator.draw` is told."""
+
+    part: Part
+    seed: int
+    effects: tuple[str, ...]
+    size: float
+    noise: float
+    noise_kind: NoiseKind = "white"
+    starts: Literal["rest", "mixed"] = "rest"
+
+    @property
+    def key(self) -> str:
+        """What tells the cases of a file of results apart."""
+        return "/".join(str(value) for value in asdict(self).values())
+
+    def draw(self) -> Case:
+        """The case."""
+        if self.part == "poor":
+            return poor_case(self.seed, self.effects, self.size, self.noise)
+        return draw(self.seed, self.effects, size=self.size, noise=self.noise, noise_kind=self.noise_kind,
+                    starts=self.starts)  # fmt: skip
+
+
+def tasks(
+    part: Part, seeds: Sequence[int], effects: Sequence[str] | None, levels: Sequence[tuple[float, float]] | None
+) -> list[Task]:
+    """The cases of a part. Effects and levels, (size, noise), replace those of the part."""
+    return list(_MAKERS[part](seeds, effects, levels))
+
+
+def _single(seeds: Sequence[int], effects: Any, levels: Any) -> Iterator[Task]:
+    for seed, (size, noise), name in itertools.product(seeds, levels or LEVELS, effects or INSIDE):
+        yield Task("single", seed, (name,), size, noise)
+
+
+def _pairs(seeds: Sequence[int], effects: Any, levels: Any) -> Iterator[Task]:
+    """One pair per seed, drawn among the effects that are not alike."""
+    alike = {law.name: set(law.alike) | {law.name} for law in LAWS}
+    for seed, (size, noise) in itertools.product(seeds, levels or ((0.02, 0.003),)):
+        rng = np.random.default_rng([seed, 11])
+        first, second = INSIDE[0], INSIDE[0]
+        while second in alike[first] or {first, second} == STRESSED:
+            first, second = (INSIDE[i] for i in sorted(rng.choice(len(INSIDE), 2, replace=False)))
+        yield Task("pairs", seed, tuple(effects or (first, second)), size, noise)
+
+
+def _nulls(seeds: Sequence[int], effects: Any, levels: Any) -> Iterator[Task]:
+    """Nothing hidden; colour, strength of the noise and starts take turns."""
+    for seed in seeds:
+        noise = NULL_NOISE[seed // len(NULL_KINDS) % len(NULL_NOISE)]
+        mixed = seed // (len(NULL_KINDS) * len(NULL_NOISE)) % 2
+        starts = "mixed" if mixed else "rest"
+        yield Task("nulls", seed, (), 0.02, noise, NULL_KINDS[seed % len(NULL_KINDS)], starts)
+
+
+def _outside(seeds: Sequence[int], effects: Any, levels: Any) -> Iterator[Task]:
+    for seed, (size, noise), name in itertools.product(seeds, levels or OUTSIDE_LEVELS, effects or OUTSIDE):
+        yield Task("outside", seed, (name,), size, noise)
+
+
+def _poor(seeds: Sequence[int], effects: Any, levels: Any) -> Iterator[Task]:
+    for seed, (size, noise), name in itertools.product(seeds, levels or ((0.02, 0.003),), effects or INSIDE):
+        yield Task("poor", seed, (name,), size, noise)
+
+
+_MAKERS: dict[Part, Callable[..., Iterator[Task]]] = {
+    "single": _single, "pairs": _pairs, "nulls": _nulls, "outside": _outside, "poor": _poor,
+}  # fmt: skip
+
+
+def run(task: Task) -> dict[str, Any]:
+    """Draw a case, let the tool discover, and write down what it said beside what is true."""
+    case = task.draw()
+    campaign = campaign_of(case)
+    began = time.process_time(), time.perf_counter()
+    found = discover(Model(campaign.device), campaign, built_in())
+    spent = time.process_time() - began[0], time.perf_counter() - began[1]
+    row: dict[str, Any] = {
+        "key": task.key,
+        **asdict(task),
+        "true_size": case.truth["size"],
+        "laws": case.truth["laws"],
+        "verdict": found.verdict,
+        "steps": [
+            {"added": s.added, "role": s.role, "predicted": round(s.predicted_gain, 5),
+             "confirmed": round(s.confirmed_gain, 5), "ties": list(s.tie_set[1:]),
+             "error": round(s.fit.fitted.error_over_noise, 4)}
+            for s in found.steps
+        ],
+        "ranking": [[c.name, round(c.predicted_gain, 5), c.p_value] for c in found.ranking[:6]],
+        "confirmed": {name: round(gain, 5) for name, gain in found.confirmed.items()},
+        "remaining": [[c.name, round(c.predicted_gain, 5), c.p_value] for c in found.remaining[:3]],
+        "before": _errors(found.start),
+        "after": _errors(found.final),
+        "converged": found.final.converged,
+        "sigma_ratio": rounded(sigma_ratios(case, campaign)),
+        "cpu_seconds": round(spent[0], 1),
+        "seconds": round(spent[1], 1),
+    }  # fmt: skip
+    if task.part == "outside":
+        row["unknown"] = _unknown(found)
+    return row
+
+
+def _errors(fitted: Fit) -> list[float | None]:
+    """Error over noise on the fitted and on the held-out records."""
+    held = fitted.holdout
+    return [round(fitted.fitted.error_over_noise, 4), None if held is None else round(held.error_over_noise, 4)]
+
+
+def _unknown(found: Discovery) -> dict[str, Any]:
+    """What is said of the missing term before any effect was added."""
+    unknown = find_unknown(prepare(found.start))
+    formula = unknown.formula.text if unknown.formula is not None else ""
+    alike = [[r.side, list(r.coordinates)] for r in unknown.alike]
+    return {"side": unknown.side, "coordinates": list(unknown.coordinates), "alike": alike, "share": unknown.share,
+            "formula": formula, "explained": unknown.explained(unknown.formula)}  # fmt: skip
