@@ -74,9 +74,13 @@ def make_groups(
 
 
 def _substeps(record: Trace, frequency: float, quality: float, finest: int) -> int:
-    """Steps per sample that keep the Runge–Kutta phase error, (ωh)⁴/120 per radian over 2Q radians, below σ/10."""
+    """Steps per sample that keep the Runge–Kutta phase error, (ωh)⁴/120 per radian over 2Q radians, below 3 % of σ.
+
+    Thousands of samples average the noise but not this error, which always lowers the frequency: with σ/10 the natural
+    frequency came out 0.13 standard errors too high on average (`experiments/recovery`).
+    """
     signal = float(np.std(record.response)) or 1.0
-    allowed = 0.1 * min(max(record.noise.sigma / signal, 1e-4), 0.1)
+    allowed = 0.03 * min(max(record.noise.sigma / signal, 1e-4), 0.1)
     largest = (120 * allowed / max(2 * quality, 2.0)) ** 0.25
     if finest:
         largest = min(largest, 2 * math.pi / finest)
