@@ -77,10 +77,12 @@ def _fit_order(
 ) -> tuple[np.ndarray, float, np.ndarray, float]:
     """(ar, innovation, spectrum, −2 log likelihood) of one order."""
     spectrum = start
-    ar, innovation = np.zeros(order), 1.0
+    ar, innovation, bound = np.zeros(order), 1.0, 1e6 * float(np.mean(start))
     for _ in range(60):
         covariance = np.fft.irfft(_expectation(power, missing, spectrum), n)[: order + 1]
         ar, innovation = levinson(covariance, order)
+        if innovation > bound:  # a root at a frequency that nobody sees: the power there feeds itself
+            return ar, bound, start, np.inf
         new = ar_spectrum(ar, innovation, n)
         change = float(np.max(np.abs(np.log(new / spectrum))))
         spectrum = new
