@@ -1,7 +1,7 @@
 """What to measure next: the record that would tell apart the effects between which the present ones do not choose.
 
-Each rival, fitted to the present records, predicts every proposed record; what counts is the part d of the difference of
-two predictions that neither rival can absorb by moving its parameters as far as the present records let it,
+Each rival, fitted to the present records, predicts every proposed record; what counts is the part d of the difference
+of two predictions that neither rival can absorb by moving its parameters as far as the present records let it,
 
     Δχ² = min over δ₁, δ₂ of |d + J₁ δ₁ − J₂ δ₂|²/σ² + δ₁ᵀ F₁ δ₁ + δ₂ᵀ F₂ δ₂,
 
@@ -13,6 +13,7 @@ predictions); W. G. Hunter, A. M. Reiner, 1965, Technometrics 7, 307.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -27,12 +28,14 @@ from ..fit import Fit
 from ..fit.assemble import assemble, begin
 from ..fit.problem import evaluate
 from ..response import make_groups
+from ..response.groups import Layout
 from .confirm import accept, confirm
 from .score import Bench, Candidate
 from .waveforms import Limits, Waveform, limits_of, proposals
 
 SEPARATED = 10.0  # expected Δχ² from which a record is worth taking
 _MOST_RIVALS = 4
+_STEPS = 80  # of the solver per period of the resonance: 3e-7 rad of phase error per radian
 _NEAR = 0.03  # relative distance within which two frequencies are one proposal
 
 
@@ -57,7 +60,8 @@ class NextExperiment:
 
 
 class _Prediction(NamedTuple):
-    """What a rival says of the proposals: readings (k, n), their derivatives (k, p, n) and the present information (p, p)."""
+    """What a rival says of the proposals: readings (k, n), their derivatives (k, p, n) and the present information
+    (p, p)."""
 
     readings: np.ndarray
     slopes: np.ndarray
@@ -75,8 +79,8 @@ def next_experiments(
 def rank_experiments(rivals: Mapping[str, Fit], limits: Limits | None = None, count: int = 3) -> list[NextExperiment]:
     """The proposals that tell apart most, best first; none if no proposal tells any two of the rivals apart.
 
-    **Arguments:** `rivals`: effect name → the fit of its model to the present records; `limits`: of the laboratory, else
-    those of the device and its records.
+    **Arguments:** `rivals`: effect name → the fit of its model to the present records; `limits`: of the laboratory,
+    else those of the device and its records.
     """
     if len(rivals) < 2:
         return []
@@ -84,7 +88,8 @@ def rank_experiments(rivals: Mapping[str, Fit], limits: Limits | None = None, co
     resonance = 1.0 / first.scales.period
     limits = limits or limits_of(first.campaign.device, first.campaign.fitted, resonance)
     waves = proposals(limits, resonance)
-    predictions = {name: _predict(fitted, waves, limits.time) for name, fitted in rivals.items()}
+    laid_out = _lay_out(list(rivals.values()), waves, limits.time)
+    predictions = {name: _predict(fitted, *laid_out) for name, fitted in rivals.items()}
     noise = _noise(first, [p.readings for p in predictions.values()])
     pairs = list(combinations(rivals, 2))
     table = np.array(
@@ -113,30 +118,34 @@ def _alike(one: Waveform, other: Waveform) -> bool:
     return one.kind == other.kind and abs(one.hertz / other.hertz - 1) < _NEAR
 
 
-def _predict(fitted: Fit, waves: Sequence[Waveform], time: np.ndarray) -> _Prediction:
-    """Readings of a fitted model and their derivatives by its fitted parameters, for drives that start at rest."""
-    present = fitted.campaign.fitted
-    _, layout = make_groups(present, 1.0 / fitted.scales.period, float(fitted.values[1]))
+def _lay_out(rivals: Sequence[Fit], waves: Sequence[Waveform], time: np.ndarray) -> tuple[Campaign, tuple, Layout]:
+    """The proposals as records from rest, packed once for all rivals."""
+    first = rivals[0]
     channel, floor = Channel("", 1.0), NoiseFloor(1.0)
     records = tuple(
-        Trace(w.words, time, w.voltage(time), np.zeros(len(time)), channel, channel, floor, "rest",
-              period=1 / (w.hertz * (time[1] - time[0])) if w.kind == "sine" else None)
-        for w in waves
-    )  # fmt: skip
-    substeps = [max(layout.substeps)] * len(records)
-    groups, places = make_groups(records, 1.0 / fitted.scales.period, float(fitted.values[1]), substeps=substeps)
-    campaign = Campaign("proposals", records, fitted.campaign.device)
-    static, data = assemble(fitted.model, campaign, groups, places, fitted.values)
+        Trace(w.words, time, w.voltage(time), np.zeros(len(time)), channel, channel, floor, "rest") for w in waves
+    )
+    resonance = 1.0 / first.scales.period
+    finest = max(_STEPS, *(fitted.model.steps_per_period for fitted in rivals))
+    substeps = max(math.ceil(finest * resonance * (time[1] - time[0])), 1)
+    groups, layout = make_groups(records, resonance, float(first.values[1]), substeps=[substeps] * len(records))
+    return Campaign("proposals", records, first.campaign.device), groups, layout
+
+
+def _predict(fitted: Fit, campaign: Campaign, groups: tuple, layout: Layout) -> _Prediction:
+    """Readings of a fitted model and their derivatives by its fitted parameters."""
+    static, data = assemble(fitted.model, campaign, groups, layout, fitted.values)
     found = evaluate(static, data, begin(groups, static))
     scale = np.asarray(data.scale)[:, None]
-    readings = np.stack([np.asarray(found.readings[g][lane]) for g, lane, _ in places.places])
-    slopes = np.stack([np.asarray(found.by_x[g][:, lane]) / scale for g, lane, _ in places.places])
+    readings = np.stack([np.asarray(found.readings[g][lane]) for g, lane, _ in layout.places])
+    slopes = np.stack([np.asarray(found.by_x[g][:, lane]) / scale for g, lane, _ in layout.places])
     doubt = max(fitted.fitted.error_over_noise, 1.0)  # a model that does not reach the noise floor knows less
     return _Prediction(readings, slopes, fitted.linear.jacobian.T @ fitted.linear.jacobian / doubt**2)
 
 
 def _noise(fitted: Fit, readings: Sequence[np.ndarray]) -> np.ndarray:
-    """Noise floor to expect of each proposal, (k,) m: that of the present records, growing with the signal if theirs does.
+    """Noise floor to expect of each proposal, (k,) m: that of the present records, growing with the signal if theirs
+    does.
 
     With fewer than three records nobody knows; then it is taken to grow with the signal and never to shrink.
     """

@@ -17,8 +17,8 @@ Kind = Literal["sine", "biased", "burst", "multisine"]
 class Waveform:
     """A drive, switched on at time 0 with the device at rest.
 
-    **Arguments:** `volts`: peak of the alternating part; `hertz`: its frequency (multisine: its highest); `lowest`: of a
-    multisine, Hz; `bias`: constant part, V; `off`: time at which a burst is switched off, s.
+    **Arguments:** `volts`: peak of the alternating part; `hertz`: its frequency (multisine: its highest); `lowest`:
+    of a multisine, Hz; `bias`: constant part, V; `off`: time at which a burst is switched off, s.
     """
 
     kind: Kind
@@ -36,7 +36,8 @@ class Waveform:
         return self.bias + np.where(time < self.off, sine, 0.0)
 
     def _multisine(self, time: np.ndarray) -> np.ndarray:
-        """Equal tones with phases −π k (k − 1)/K, which keep the peak low (M. R. Schroeder, 1970, IEEE Trans. IT 16)."""
+        """Equal tones with phases −π k (k − 1)/K, which keep the peak low (M. R. Schroeder, 1970, IEEE Trans. IT
+        16)."""
         spacing = self.lowest / max(int(self.lowest * (time[-1] - time[0])), 1)
         tones = np.arange(self.lowest, self.hertz * (1 + 1e-9), spacing)
         k = np.arange(len(tones))
@@ -58,7 +59,7 @@ class Waveform:
 
 
 class Limits(NamedTuple):
-    """What the laboratory can do: largest |voltage| (V), lowest and highest frequency (Hz), and its time axis (n,) s."""
+    """What the laboratory can do: largest |voltage|, V; lowest and highest frequency, Hz; time axis (n,), s."""
 
     volts: float
     lowest: float
@@ -66,10 +67,11 @@ class Limits(NamedTuple):
     time: np.ndarray
 
 
-_MOST_SAMPLES = 4000
+_MOST_SAMPLES = 2000
 _PER_PERIOD = 12  # samples below which a sine is not worth recording
 # Below, around and above the resonance; at 1/3 and 1/2 its own harmonics meet the resonance and are amplified.
 _RATIOS = (0.2, 1 / 3, 0.5, 0.7, 0.9, 0.96, 1.0, 1.04, 1.1, 1.25, 1.6, 2.2)
+_WEAK = (0.5, 0.96, 1.04)  # where a lower level or a bias says something that the full level does not
 
 
 def limits_of(device: Device, records: tuple[Trace, ...], resonance: float) -> Limits:
@@ -87,11 +89,12 @@ def proposals(limits: Limits, resonance: float) -> list[Waveform]:
     usable = lambda f: limits.lowest <= f <= limits.highest
     full = limits.volts
     tones = [resonance * ratio for ratio in _RATIOS if usable(resonance * ratio)]
-    found = [Waveform("sine", level * full, f) for f in tones for level in (1.0, 0.4)]
-    found += [Waveform("biased", full / 2, resonance * r, bias=full / 2) for r in (0.5, 0.96, 1.04) if usable(resonance * r)]
+    found = [Waveform("sine", full, f) for f in tones]
+    for f in [resonance * ratio for ratio in _WEAK if usable(resonance * ratio)]:
+        found += [Waveform("sine", 0.4 * full, f), Waveform("biased", full / 2, f, bias=full / 2)]
     off = float(limits.time[len(limits.time) // 2])
-    found += [Waveform("burst", level * full, resonance, off=off) for level in (1.0, 0.4) if usable(resonance)]
+    found += [Waveform("burst", full, resonance, off=off)] if usable(resonance) else []
     low, high = max(0.2 * resonance, limits.lowest), min(1.3 * resonance, limits.highest)
     if low < high:
-        found += [Waveform("multisine", level * full, high, lowest=low) for level in (1.0, 0.4)]
+        found.append(Waveform("multisine", full, high, lowest=low))
     return found
