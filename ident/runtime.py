@@ -1,7 +1,8 @@
 """The only place that configures JAX: double precision, one XLA flag, the compilation cache.
 
-XLA runs each pass of a loop as a separate dispatch (about 0.6 µs) unless it may compile the whole loop into one kernel,
-which by default it does for tiny bodies only. The flag below lifts that limit; it must be set before the backend starts.
+XLA runs each pass of a loop as a separate dispatch (about 0.6 µs) unless it may compile the whole loop into one
+kernel, which by default it does for tiny bodies only. The flag below lifts that limit; it must be set before the
+backend starts.
 """
 
 from __future__ import annotations

@@ -13,6 +13,7 @@ from .discover import Discovery, Step, continue_from
 from .experiments import NextExperiment, next_experiments
 from .locate import Where, locate
 from .score import prepare
+from .shorten import working
 from .unknown import Unknown, find_unknown
 from .where_words import summary
 
@@ -51,7 +52,7 @@ def diagnose(
     **Arguments:** `effect_file`: where to write what the library lacks; the model with it then ends the walk.
     """
     report("locating the misfit")
-    bench = prepare(fitted)
+    bench = prepare(working(fitted))
     where = locate(bench)
     found = continue_from(fitted, library, report)
     if found.verdict != "not-in-library":

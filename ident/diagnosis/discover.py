@@ -22,6 +22,7 @@ from ..fit import Fit, fit
 from ..model import Model
 from .confirm import Confirmed, accept, confirm
 from .score import Bench, Candidate, prepare, score, significant
+from .shorten import working
 from .ties import tie_set
 
 Verdict = Literal["adequate", "identified", "ambiguous", "not-in-library"]
@@ -59,8 +60,8 @@ class Discovery:
     """The whole walk.
 
     **Arguments:** `start`: the fit it began with; `steps`: in order; `ranking`: candidates at the start, best first,
-    and
-    `confirmed`: gain of those that were refitted; `remaining`: significant candidates at the end; `bench`: of the end.
+    and `confirmed`: gain of those that were refitted; `remaining`: significant candidates at the end; `bench`: of the
+    end.
     """
 
     verdict: Verdict
@@ -90,7 +91,7 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
     current, steps, first_excess = start, [], None
     ranking: tuple[Candidate, ...] = ()
     gains: dict[str, float] = {}
-    bench = prepare(current)
+    bench = prepare(working(current))
     while True:
         report(f"scoring {len(library) - len(current.model.names)} effects")
         candidates = score(bench, library)
@@ -99,23 +100,24 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
         first_excess = max(bench.chi2 - bench.n, 1e-9) if first_excess is None else first_excess
         if not real or len(steps) >= most:
             break
-        step = _best_step(bench, real, library, first_excess, gains if not steps else {}, report)
+        step = _best_step(current, bench, real, library, first_excess, gains if not steps else {}, report)
         if step is None:
             break
         steps.append(step)
         current = step.fit
-        bench = prepare(current)
+        bench = prepare(working(current))
         report(f"added {step.added}: error over noise {current.fitted.error_over_noise:.3g}")
     steps = _without_impostors(start, steps, library, report)
     if steps and steps[-1].fit is not current:
         current = steps[-1].fit
-        bench = prepare(current)
+        bench = prepare(working(current))
         candidates = score(bench, library)
     remaining = tuple(significant(candidates))
     return Discovery(_verdict(start, steps, current, remaining), start, tuple(steps), ranking, gains, remaining, bench)
 
 
 def _best_step(
+    current: Fit,
     bench: Bench,
     real: list[Candidate],
     library: Library,
@@ -136,8 +138,8 @@ def _best_step(
     for found in _in_order(tried, max(_TIED_CRITERION, _SAME_SHAPE * excess)):
         if not np.isfinite(found.criterion) or found.criterion > limit:
             return None
-        after = accept(found, bench.fit)
-        if _hurts(bench.fit, after):
+        after = accept(found, current)
+        if _hurts(current, after):
             continue
         share = (bench.chi2 - found.chi2) / first_excess
         role = "effect" if share > _SHAPE or not _names_effects(bench) else "shape-refinement"
@@ -175,9 +177,9 @@ def _without_impostors(start: Fit, steps: list[Step], library: Library, report: 
             last = steps[-1].fit
             report(f"does the model still need {step.added}?")
             without = fit(last.model - step.added, last.campaign, initial=_values_without(last, step.added))
-            bench = prepare(without)
+            bench = prepare(working(without))
             n = float(np.log(bench.n))
-            full = prepare(last).chi2 + len(last.free) * n
+            full = prepare(working(last)).chi2 + len(last.free) * n
             alone = bench.chi2 + len(without.free) * n
             if alone < full:
                 steps = [*steps[:i], *steps[i + 1 : -1], steps[-1]._replace(fit=without)]

@@ -2,8 +2,8 @@
 residual.
 
 Terms of a missing effect are evaluated where the stage was, not where the wrong model puts it. The model's state
-carries
-the fast motion exactly; only the slowly varying misfit needs smoothing, so that velocities stay clean at 3 % noise.
+carries the fast motion exactly; only the slowly varying misfit needs smoothing, so that velocities stay clean at 3 %
+noise.
 """
 
 from __future__ import annotations

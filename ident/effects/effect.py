@@ -48,9 +48,8 @@ class Parameter:
     """One number of an effect, declared where the physics is.
 
     An `amplitude` enters so that zero means absent. A `shape` (a gap, a time, a yield) is meaningless while the
-    effect is
-    off; its `grid` lists values to try and its `limits` where it keeps its meaning, in multiples of the data's own
-    `scale`.
+    effect is off; its `grid` lists values to try and its `limits` where it keeps its meaning, in multiples of the
+    data's own `scale`.
     """
 
     kind: Literal["amplitude", "shape"]

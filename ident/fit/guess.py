@@ -86,9 +86,17 @@ class _Piece(NamedTuple):
 
 
 def _piece(record: Trace) -> _Piece:
-    n = min(len(record.time), _MOST_SAMPLES)
-    size = float(np.std(record.response[:n])) or 1.0
-    return _Piece(record.step, record.drive[:n], record.response[:n] / size, size, record.start == "rest")
+    part = _liveliest(record.response)
+    size = float(np.std(record.response[part])) or 1.0
+    rest = record.start == "rest" and part.start == 0
+    return _Piece(record.step, record.drive[part], record.response[part] / size, size, rest)
+
+
+def _liveliest(response: np.ndarray) -> slice:
+    """The stretch of a long record that moves most; a lab may wait long before it drives."""
+    starts = range(0, max(len(response) - _MOST_SAMPLES, 0) + 1, _MOST_SAMPLES // 2)
+    first = max(starts, key=lambda i: float(np.std(response[i : i + _MOST_SAMPLES])))
+    return slice(first, first + _MOST_SAMPLES)
 
 
 def _frequencies(records: Sequence[Trace], nominal: float | None) -> np.ndarray:

@@ -41,8 +41,8 @@ _FOLDED = 8  # last periods that are folded on the drive's phase
 def record_figure(record: Trace, reading: np.ndarray, score: RecordScore, device: Device) -> Figure:
     """Model over data with the residual in noise floors under it, and beside it the response against the drive.
 
-    A record with a ruling drive frequency is folded on it (against phase, and against voltage); any other is shown as a
-    spectrum.
+    A record with a ruling drive frequency is folded on it (against phase, and against voltage); any other is shown as
+    a spectrum.
 
     **Arguments:** `reading` (n,) of the model, SI.
     """
