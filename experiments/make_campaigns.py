@@ -1,4 +1,4 @@
-"""Make the four small campaigns in `data/`: `python -m experiments.make_campaigns`.
+"""Make the five small campaigns in `data/`: `python -m experiments.make_campaigns`.
 
 Seeds are fixed: the files come out byte for byte the same. `tests/experiments` re-simulates records and asserts every
 number that the PROVENANCE files claim.
@@ -19,6 +19,9 @@ from experiments.simulator.stage import Stage, simulate
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 
+# First part of every record's seed.
+SEEDS = {"oscillator": 0, "platform_317hz": 1, "platform_clean": 2, "platform_fe": 3, "mystery_platform": 4}
+
 # A stress without mean force: with σ2 = 0, σ12 Tp = σ23 Ts, so that only its moment acts. This moment (N·m) is the one
 # of the finite-element curves; it lifts the stage by 2.8 µm.
 MOMENT = 2.1461529474e-5
@@ -32,6 +35,10 @@ PAPER = Stage(
 )  # fmt: skip
 CLEAN = Stage(frequency=503.2, quality=35.0, d31=30e-12)
 FINITE_ELEMENT = Stage(frequency=499.5, quality=33.0, d31=40e-12, closure="curve", sigma12=SIGMA12, sigma23=SIGMA23)
+MYSTERY = Stage(
+    frequency=501.7, quality=33.0, d31=58e-12, closure="axial-force", sigma12=0.8 * SIGMA12, sigma23=0.8 * SIGMA23,
+    restraint=0.31, friction=20e-6, friction_speed=1e-3,
+)  # fmt: skip
 CIRCUIT = circuit.Circuit(frequency=71.3, quality=14.0, gain=1.9e5, cubic=6.0e4)
 
 
@@ -58,8 +65,8 @@ def _sine(volts: float, hertz: float, holdout: bool = False, load: float = 0.0, 
     )
 
 
-def _multisine(volts: float, seed: int) -> Plan:
-    return Plan(f"multisine_{volts:g}V.csv", multisine(volts, np.arange(120.0, 621.0, 20.0), seed), 0.05, 2000, True)
+def _multisine(volts: float, seed: int, samples: int = 2000) -> Plan:
+    return Plan(f"multisine_{volts:g}V.csv", multisine(volts, np.arange(120.0, 621.0, 20.0), seed), 0.05, samples, True)
 
 
 PLANS: dict[str, list[Plan]] = {
@@ -70,6 +77,11 @@ PLANS: dict[str, list[Plan]] = {
     "platform_clean": [_sine(8, 317), _sine(3, 500), _sine(9, 505), _sine(5, 450, holdout=True), _multisine(6, 12)],
     "platform_fe": [
         _sine(8, 317), _sine(3, 505), _sine(6, 510), _sine(9, 515), _sine(5, 450, holdout=True), _multisine(6, 13),
+    ],
+    "mystery_platform": [
+        *(_sine(*drive, periods=20) for drive in ((8, 317), (3, 500), (6, 505), (9, 510), (1.5, 503), (7, 470))),
+        _sine(5, 450, holdout=True, periods=20), _sine(8, 317, holdout=True, load=40e-6, periods=20),
+        _multisine(6, 31, samples=1600),
     ],
     "oscillator": [
         Plan("multisine_a.csv", multisine(0.35, np.arange(10.0, 151.0, 2.0), 21), 0.5, 2000),
@@ -86,7 +98,13 @@ STYLES: dict[str, tuple[tuple[Column, Column, Column], float, float]] = {  # col
         (Column("time (s)", 1, 9), Column("drive (mV)", 1e3, 1), Column("displacement (nm)", 1e9, 1)), 25e-9, 3e-4,
     ),
     "platform_fe": ((Column("t [ms]", 1e3, 6), Column("Drive [V]", 1, 4), Column("z [um]", 1e6, 4)), 25e-9, 3e-4),
+    "mystery_platform": ((Column("Time_ms", 1e3, 6), Column("Drive_V", 1, 4), Column("z [um]", 1e6, 4)), 30e-9, 3e-4),
     "oscillator": ((Column("t_ms", 1e3, 4), Column("u_V", 1, 6), Column("y_mV", 1e3, 4)), 3e-4, 5e-6),
+}  # fmt: skip
+
+
+STAGES = {
+    "platform_317hz": PAPER, "platform_clean": CLEAN, "platform_fe": FINITE_ELEMENT, "mystery_platform": MYSTERY,
 }  # fmt: skip
 
 
@@ -103,7 +121,7 @@ def noiseless(name: str, plan: Plan) -> np.ndarray:
     """The response of one record without noise, SI."""
     if name == "oscillator":
         return circuit.simulate(CIRCUIT, plan.drive, plan.time)
-    stage = {"platform_317hz": PAPER, "platform_clean": CLEAN, "platform_fe": FINITE_ELEMENT}[name]
+    stage = STAGES[name]
     curve = finite_element_curve() if name == "platform_fe" else None
     return simulate(stage, plan.drive, plan.time, load=plan.load, curve=curve)[0]
 
@@ -111,7 +129,7 @@ def noiseless(name: str, plan: Plan) -> np.ndarray:
 def record(name: str, index: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Time, measured drive and measured response of one record, SI, as written (before rounding)."""
     plan, (_, response_noise, drive_noise) = PLANS[name][index], STYLES[name]
-    rng = np.random.default_rng([sorted(PLANS).index(name), index])
+    rng = np.random.default_rng([SEEDS[name], index])
     t = plan.time
     drive = plan.drive.value(t) + noise.white(rng, len(t), drive_noise)
     return t, drive, noiseless(name, plan) + noise.white(rng, len(t), response_noise)
@@ -138,6 +156,13 @@ TRUTHS: dict[str, tuple[dict[str, float], tuple[str, ...], dict[str, object]]] =
         _platform_truth(FINITE_ELEMENT) | _stress_truth(FINITE_ELEMENT), ("residual-stress",),
         {"closure": "finite-element curve, stage free to turn about z", "residual_moment": MOMENT, "sigma2": 0.0},
     ),
+    "mystery_platform": (
+        _platform_truth(MYSTERY) | _stress_truth(MYSTERY) | {
+            "residual-stress.restraint": MYSTERY.restraint, "coulomb-friction.friction": MYSTERY.friction,
+        }, ("residual-stress", "coulomb-friction"),
+        {"closure": "axial-force", "residual_moment": 0.8 * MOMENT, "sigma2": 0.0,
+         "friction_law": "F_c v/sqrt(v^2 + v_c^2)", "friction_speed": MYSTERY.friction_speed},
+    ),
     "oscillator": (
         {"oscillator.frequency": CIRCUIT.frequency, "oscillator.quality": CIRCUIT.quality,
          "oscillator.gain": CIRCUIT.gain, "cubic-stiffness.k3": CIRCUIT.cubic},
@@ -154,6 +179,10 @@ HEADS: dict[str, tuple[dict[str, object], tuple[str, ...], dict[str, dict[str, o
     "platform_fe": (
         {"title": "Stressed platform, restoring force from finite elements"},
         ("residual-stress",), {"residual-stress": {"closure": "frame"}},
+    ),
+    "mystery_platform": (
+        {"title": "Stressed platform on which something else acts"},
+        ("residual-stress",), {"residual-stress": {"closure": "axial-force"}},
     ),
     "oscillator": (
         {"title": "Electronic oscillator in volts", "device": {"kind": "oscillator", "output": "V"}}, (), {},
