@@ -40,8 +40,9 @@ def confirm(bench: Bench, effect: type[AbstractEffect], candidate: Candidate) ->
     """Refit with the candidate on; shapes of effects accepted before are tried on their grids again."""
     before = bench.fit
     model = before.model + make_effect(before.campaign, effect.name, {effect.name: effect})
-    first = np.concatenate([before.values, start_of(model, candidate, before.scales)])
-    return weigh(bench, model, candidate, [first, *_reprofiled(model, first, before)][:_MOST_STARTS])
+    scored = [candidate, *(candidate._replace(values=values) for values in candidate.near)]
+    starts = [np.concatenate([before.values, start_of(model, one, before.scales)]) for one in scored]
+    return weigh(bench, model, candidate, [*starts, *_reprofiled(model, starts[0], before)][:_MOST_STARTS])
 
 
 def weigh(bench: Bench, model: Model, candidate: Candidate, starts: list[np.ndarray]) -> Confirmed:

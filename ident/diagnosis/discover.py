@@ -1,11 +1,8 @@
 """The loop by itself: fit, look where the error is, add the effect that explains it, until the noise floor.
 
 Greedy addition with swaps. A term is added only if chance would not produce its gain and held-out records do not
-suffer;
-the model is adequate when no candidate is significant and the error stands at the noise floor. Adequacy, not the
-falling
-error, decides whether a name is reported: with the true effect absent from the library an impostor still lowers the
-error.
+suffer; the model is adequate when the error stands at the noise floor. Adequacy, not the falling error, decides whether
+a name is reported: with the true effect absent from the library an impostor still lowers the error.
 """
 
 from __future__ import annotations
@@ -21,6 +18,7 @@ from ..effects.effect import AbstractEffect
 from ..fit import Fit, fit
 from ..model import Model
 from .confirm import Confirmed, accept, confirm
+from .prune import Pruned, hurts, prune
 from .score import Bench, Candidate, prepare, score, significant
 from .shorten import working
 from .ties import tie_set
@@ -35,7 +33,6 @@ _NEAR = 0.1  # of the excess: candidates this near the best are confirmed too
 _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
 _TIED_CRITERION = 10.0  # difference of the information criterion below which data do not choose
 _SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
-_HURT = 1.02  # held-out error may grow by this factor before a term is refused
 
 
 class Step(NamedTuple):
@@ -88,27 +85,27 @@ def discover(
 
 def continue_from(start: Fit, library: Library, report: Report = lambda _: None, most: int = MOST_TERMS) -> Discovery:
     """The loop from a fit."""
-    current, steps, first_excess = start, [], None
+    current, steps = start, []
     ranking: tuple[Candidate, ...] = ()
     gains: dict[str, float] = {}
-    bench = prepare(working(current))
+    bench = first = prepare(working(current))
     while True:
         report(f"scoring {len(library) - len(current.model.names)} effects")
         candidates = score(bench, library)
         ranking = ranking or tuple(candidates)
         real = significant(candidates)
-        first_excess = max(bench.chi2 - bench.n, 1e-9) if first_excess is None else first_excess
         if not real or len(steps) >= most:
             break
-        step = _best_step(current, bench, real, library, first_excess, gains if not steps else {}, report)
+        step = _best_step(current, bench, real, library, first, gains if not steps else {}, report)
         if step is None:
             break
         steps.append(step)
         current = step.fit
         bench = prepare(working(current))
         report(f"added {step.added}: error over noise {current.fitted.error_over_noise:.3g}")
-    steps = _without_impostors(start, steps, library, report)
-    if steps and steps[-1].fit is not current:
+    needed = prune(steps[-1].fit, [s.added for s in steps], library, report) if len(steps) > 1 else None
+    if needed is not None:
+        steps = _replayed(start, needed, library)
         current = steps[-1].fit
         bench = prepare(working(current))
         candidates = score(bench, library)
@@ -116,12 +113,35 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
     return Discovery(_verdict(start, steps, current, remaining), start, tuple(steps), ranking, gains, remaining, bench)
 
 
+def _replayed(start: Fit, needed: Pruned, library: Library) -> list[Step]:
+    """The steps as they would have been without the terms that proved superfluous."""
+    steps: list[Step] = []
+    current = start
+    for name in needed.names:
+        bench = prepare(working(current))
+        candidates = score(bench, library)
+        chosen = next(c for c in candidates if c.name == name)
+        found = confirm(bench, library[name], chosen)
+        current = needed.fit if name == needed.names[-1] else accept(found, current)
+        ties = tie_set(bench, chosen, significant(candidates), library, [found])
+        tied = tuple(c for c in candidates if c.name in ties.names)
+        role = _role(bench, found, steps[0].bench if steps and steps[0].bench is not None else bench)
+        steps.append(Step(name, chosen.predicted_gain, found.gain, ties.names, role, current, ties.reasons, tied, bench))
+    return steps
+
+
+def _role(bench: Bench, found: Confirmed, first: Bench) -> Literal["effect", "shape-refinement"]:
+    """An effect removes a share of the first excess that is worth a name; the first one always is."""
+    share = (bench.chi2 - found.chi2) / max(first.chi2 - first.n, 1e-9)
+    return "effect" if share > _SHAPE or bench is first else "shape-refinement"
+
+
 def _best_step(
     current: Fit,
     bench: Bench,
     real: list[Candidate],
     library: Library,
-    first_excess: float,
+    first: Bench,
     gains: dict[str, float],
     report: Report,
 ) -> Step | None:
@@ -139,10 +159,9 @@ def _best_step(
         if not np.isfinite(found.criterion) or found.criterion > limit:
             return None
         after = accept(found, current)
-        if _hurts(current, after):
+        if hurts(current, after):
             continue
-        share = (bench.chi2 - found.chi2) / first_excess
-        role = "effect" if share > _SHAPE or not _names_effects(bench) else "shape-refinement"
+        role = _role(bench, found, first)
         name, predicted = found.candidate.name, found.candidate.predicted_gain
         ties = tie_set(bench, found.candidate, real, library, tried)
         tied = tuple(c for c in real if c.name in ties.names)
@@ -156,51 +175,6 @@ def _in_order(tried: list[Confirmed], same: float) -> list[Confirmed]:
     limit = min(c.criterion for c in tried) + same
     near = sorted((c for c in tried if c.criterion <= limit), key=lambda c: (len(c.values), c.criterion))
     return near + sorted((c for c in tried if not c.criterion <= limit), key=lambda c: c.criterion)
-
-
-def _names_effects(bench: Bench) -> bool:
-    return bool(bench.fit.model.names)
-
-
-def _hurts(before: Fit, after: Fit) -> bool:
-    if before.holdout is None or after.holdout is None:
-        return False
-    return after.holdout.error_over_noise > _HURT * before.holdout.error_over_noise
-
-
-def _without_impostors(start: Fit, steps: list[Step], library: Library, report: Report) -> list[Step]:
-    """Take out every added effect that the later ones have made superfluous; swap one for a better one."""
-    changed = len(steps) > 1
-    while changed:
-        changed = False
-        for i, step in enumerate(steps[:-1]):
-            last = steps[-1].fit
-            report(f"does the model still need {step.added}?")
-            without = fit(last.model - step.added, last.campaign, initial=_values_without(last, step.added))
-            bench = prepare(working(without))
-            n = float(np.log(bench.n))
-            full = prepare(working(last)).chi2 + len(last.free) * n
-            alone = bench.chi2 + len(without.free) * n
-            if alone < full:
-                steps = [*steps[:i], *steps[i + 1 : -1], steps[-1]._replace(fit=without)]
-                changed = True
-                break
-            better = next(iter(significant(score(bench, library))), None)
-            if better is None or better.name == step.added:
-                continue
-            trial = confirm(bench, library[better.name], better)
-            if trial.criterion < full - _TIED_CRITERION:
-                after = accept(trial, without)
-                if not _hurts(last, after):
-                    swapped = step._replace(added=better.name, tie_set=(better.name,))
-                    steps = [*steps[:i], swapped, *steps[i + 1 : -1], steps[-1]._replace(fit=after)]
-                    changed = True
-                    break
-    return steps
-
-
-def _values_without(fitted: Fit, name: str) -> np.ndarray:
-    return np.array([v for p, v in zip(fitted.model.parameters, fitted.values, strict=True) if p.effect != name])
 
 
 def adequate(fitted: Fit, remaining: tuple[Candidate, ...]) -> bool:

@@ -69,7 +69,8 @@ class Candidate(NamedTuple):
     - `p_value`: probability of such a fall by chance, coloured noise allowed for.
     - `values`: estimated parameters by short name (SI), the shapes at their best grid point; `errors`: of the
       amplitudes.
-    - `signature`: (dof, n) orthonormal projected columns, by which candidates are compared.
+    - `signature`: (dof, n) orthonormal projected columns, by which candidates are compared; `near`: `values` at the
+      next best points of the grid.
     """
 
     name: str
@@ -81,8 +82,10 @@ class Candidate(NamedTuple):
     errors: Mapping[str, float]
     units: Mapping[str, str]
     signature: np.ndarray
+    near: tuple[Mapping[str, float], ...] = ()
 
 
+_NEAR_POINTS = 3  # of a grid, kept as starts: the best of them may lead into a local minimum
 _ABSORBED = 1e-3  # share of a column that must survive the projection for it to say anything new
 
 
@@ -161,27 +164,36 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     directions = np.array([np.eye(values.shape[1])[first + a] for _ in points for a in amplitudes])
     raw = stack(bench, model, values, directions)
     projected = bench.project(raw)
-    best = None
+    tried_points = []
     for k, point in enumerate(points):
         rows = slice(k * len(amplitudes), (k + 1) * len(amplitudes))
         basis = _orthonormal(projected[rows], raw[rows])
-        drop = float(np.sum((basis.T @ bench.residual) ** 2))
-        if basis.shape[1] and (best is None or drop > best[0]):
-            best = (drop, point, basis, projected[rows])
-    if best is None:
+        if basis.shape[1]:
+            tried_points.append((float(np.sum((basis.T @ bench.residual) ** 2)), point, basis, projected[rows]))
+    if not tried_points:
         return None
-    drop, point, basis, rows = best
-    size, _, _, _ = np.linalg.lstsq(rows.T, bench.residual, rcond=1e-10)
-    spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv(rows @ rows.T, rcond=1e-12)), 0.0))
+    tried_points.sort(key=lambda tried: -tried[0])
+    drop, _, basis, rows = tried_points[0]
     names = [p.name for p in instance.declared()]
-    estimate = dict(zip(names, (float(x) for x in point), strict=True))
-    estimate |= {names[a]: float(x) for a, x in zip(amplitudes, size, strict=True)}
+    near = [_estimate(bench, names, amplitudes, point, rows) for _, point, _, rows in tried_points[:_NEAR_POINTS]]
+    spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv(rows @ rows.T, rcond=1e-12)), 0.0))
     errors = {names[a]: float(x) for a, x in zip(amplitudes, spread, strict=True)}
     units = {p.name: p.unit for p in instance.declared()}
     tried = basis.shape[1] + len(instance.declared()) - len(amplitudes)
     excess = max(bench.chi2 - bench.n, 1e-9)
     p = chance(bench, basis, tried)
-    return Candidate(effect.name, drop, min(drop / excess, 1.0), tried, p, estimate, errors, units, basis.T)
+    return Candidate(
+        effect.name, drop, min(drop / excess, 1.0), tried, p, near[0], errors, units, basis.T, tuple(near[1:])
+    )
+
+
+def _estimate(
+    bench: Bench, names: list[str], amplitudes: list[int], point: np.ndarray, rows: np.ndarray
+) -> dict[str, float]:
+    """Parameters of an effect at one point of its grid: the amplitudes by regression."""
+    size, _, _, _ = np.linalg.lstsq(rows.T, bench.residual, rcond=1e-10)
+    found = dict(zip(names, (float(x) for x in point), strict=True))
+    return found | {names[a]: float(x) for a, x in zip(amplitudes, size, strict=True)}
 
 
 def _grid(effect: AbstractEffect, bench: Bench) -> list[np.ndarray]:

@@ -1,0 +1,61 @@
+"""Terms that a greedy walk picked up too early: taken out when later ones make them superfluous, or swapped."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from ..effects.effect import AbstractEffect
+from ..fit import Fit, fit
+from .change import remove
+from .confirm import accept, confirm
+from .score import prepare, score, significant
+from .shorten import working
+
+_CLEARLY = 10.0  # of the information criterion: by so much a rival must be better to be swapped in
+_HURT = 1.02  # held-out error may grow by this factor before a term is refused
+
+
+class Pruned(NamedTuple):
+    """The effects that are needed, in order, and the fit with them."""
+
+    names: tuple[str, ...]
+    fit: Fit
+
+
+def hurts(before: Fit, after: Fit) -> bool:
+    """Whether held-out records are predicted worse."""
+    if before.holdout is None or after.holdout is None:
+        return False
+    return after.holdout.error_over_noise > _HURT * before.holdout.error_over_noise
+
+
+def prune(
+    last: Fit, added: list[str], library: Mapping[str, type[AbstractEffect]], report: Callable[[str], None]
+) -> Pruned | None:
+    """What is left of the added effects once each has been questioned; None if all are needed."""
+    names, changed_once, changed = list(added), False, True
+    while changed and len(names) > 1:
+        changed = False
+        for i, name in enumerate(names[:-1]):
+            report(f"does the model still need {name}?")
+            without = remove(last, name)
+            bench = prepare(working(without))
+            per_parameter = float(np.log(bench.n))
+            full = prepare(working(last)).chi2 + len(last.free) * per_parameter
+            if bench.chi2 + len(without.free) * per_parameter < full:
+                names, last, changed = [*names[:i], *names[i + 1 :]], without, True
+                break
+            better = next(iter(significant(score(bench, library))), None)
+            if better is None or better.name == name:
+                continue
+            trial = confirm(bench, library[better.name], better)
+            if trial.criterion < full - _CLEARLY:
+                after = accept(trial, without)
+                if not hurts(last, after):
+                    names, last, changed = [*names[:i], better.name, *names[i + 1 :]], after, True
+                    break
+        changed_once = changed_once or changed
+    return Pruned(tuple(names), fit(last.model, last.campaign, initial=last.values)) if changed_once else None
