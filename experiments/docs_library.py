@@ -15,10 +15,10 @@ PAGE = Path(__file__).resolve().parents[1] / "docs" / "library.md"
 _HEAD = """\
 # The library of effects
 
-Made by `python -m experiments.docs_library` from what `ident effects --json` prints; `ident effects NAME` tells more of each.
+Made by `python -m experiments.docs_library` from what `ident effects --json` prints; `ident effects NAME` tells more.
 z is the displacement, ż the velocity, V the drive voltage, E = V/T_PZT the field, G and K_f the force per volt and per
-strain. `(x)₊` is x where it is positive, else zero. Parameters in *italics* are shapes: without meaning while the effect is
-off, and searched on a grid. Parameters in (brackets) are held unless the campaign frees them.
+strain. (x)₊ is x where it is positive, else zero. Parameters in *italics* are shapes: without meaning while the effect
+is off, and searched on a grid. Parameters in (brackets) are held unless the campaign frees them.
 """
 _SIDES = {"force": "Forces on the stage", "drive": "In the drive", "sensor": "In the sensor"}
 
