@@ -30,6 +30,7 @@ from ..fit.problem import evaluate
 from ..response import make_groups
 from ..response.groups import Layout
 from .confirm import accept, confirm
+from .equivalences import equivalence
 from .score import Bench, Candidate
 from .waveforms import Limits, Waveform, limits_of, proposals
 
@@ -82,7 +83,8 @@ def rank_experiments(rivals: Mapping[str, Fit], limits: Limits | None = None, co
     **Arguments:** `rivals`: effect name → the fit of its model to the present records; `limits`: of the laboratory,
     else those of the device and its records.
     """
-    if len(rivals) < 2:
+    pairs = [pair for pair in combinations(rivals, 2) if not _never_apart(*pair, rivals)]
+    if not pairs:
         return []
     first = next(iter(rivals.values()))
     resonance = 1.0 / first.scales.period
@@ -91,7 +93,6 @@ def rank_experiments(rivals: Mapping[str, Fit], limits: Limits | None = None, co
     laid_out = _lay_out(list(rivals.values()), waves, limits.time)
     predictions = {name: _predict(fitted, *laid_out) for name, fitted in rivals.items()}
     noise = _noise(first, [p.readings for p in predictions.values()])
-    pairs = list(combinations(rivals, 2))
     table = np.array(
         [[_gain(predictions[a], predictions[b], k, noise[k]) for a, b in pairs] for k in range(len(waves))]
     )  # (k, pairs)
@@ -112,6 +113,13 @@ def rank_experiments(rivals: Mapping[str, Fit], limits: Limits | None = None, co
         if len(chosen) == count:
             break
     return chosen
+
+
+def _never_apart(one: str, other: str, rivals: Mapping[str, Fit]) -> bool:
+    """Whether physics forbids any record to tell two effects apart: what differs is how their laws are approximated."""
+    known = equivalence(one, other)
+    alone = all(len(rivals[name].model.effects) == 1 for name in (one, other))
+    return known is not None and known.linear_exact and alone
 
 
 def _alike(one: Waveform, other: Waveform) -> bool:

@@ -15,7 +15,7 @@ Kind = Literal["sine", "biased", "burst", "multisine"]
 
 @dataclass(frozen=True)
 class Waveform:
-    """A drive, switched on at time 0 with the device at rest.
+    """A drive, switched on at time 0 with the device at rest; a constant part or a multisine rises over two periods.
 
     **Arguments:** `volts`: peak of the alternating part; `hertz`: its frequency (multisine: its highest); `lowest`:
     of a multisine, Hz; `bias`: constant part, V; `off`: time at which a burst is switched off, s.
@@ -30,10 +30,12 @@ class Waveform:
 
     def voltage(self, time: np.ndarray) -> np.ndarray:
         """Voltage at times (n,) s since the switch-on, V."""
+        time = np.asarray(time, float)
+        rise = 0.5 - 0.5 * np.cos(np.pi * np.clip(time * self.hertz / 2, 0.0, 1.0))
         if self.kind == "multisine":
-            return self._multisine(np.asarray(time, float))
+            return rise * self._multisine(time)
         sine = self.volts * np.sin(2 * np.pi * self.hertz * time)
-        return self.bias + np.where(time < self.off, sine, 0.0)
+        return rise * self.bias + np.where(time < self.off, sine, 0.0)
 
     def _multisine(self, time: np.ndarray) -> np.ndarray:
         """Equal tones with phases −π k (k − 1)/K, which keep the peak low (M. R. Schroeder, 1970, IEEE Trans. IT
@@ -92,7 +94,7 @@ def proposals(limits: Limits, resonance: float) -> list[Waveform]:
     found = [Waveform("sine", full, f) for f in tones]
     for f in [resonance * ratio for ratio in _WEAK if usable(resonance * ratio)]:
         found += [Waveform("sine", 0.4 * full, f), Waveform("biased", full / 2, f, bias=full / 2)]
-    off = float(limits.time[len(limits.time) // 2])
+    off = round(float(limits.time[-1]) / 2 * resonance) / resonance  # whole periods: the voltage ends at zero
     found += [Waveform("burst", full, resonance, off=off)] if usable(resonance) else []
     low, high = max(0.2 * resonance, limits.lowest), min(1.3 * resonance, limits.highest)
     if low < high:

@@ -1,0 +1,98 @@
+"""What to measure next: proposals keep within the laboratory's means, and the one proposed tells the rivals apart."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ident.campaign.campaign import Campaign
+from ident.campaign.device import Oscillator, Platform
+from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.diagnosis.experiments import SEPARATED, NextExperiment, rank_experiments
+from ident.diagnosis.waveforms import Limits, limits_of, proposals
+from ident.effects.library.cubic_stiffness import CubicStiffness
+from ident.effects.library.sensor_nonlinearity import SensorNonlinearity
+from ident.fit import Fit, fit
+from ident.fit.reading import read
+from ident.model import Model
+
+STEP, F0, NOISE = 1 / 6000.0, 100.0, 0.003
+LINEAR = [F0, 20.0, 4e5]
+
+
+def measured(model: Model, values: list[float], name: str, drive: np.ndarray, seed: int) -> Trace:
+    time, channel = STEP * np.arange(len(drive)), Channel("V", 1.0)
+    blank = Trace(name, time, drive, np.ones(len(drive)), channel, channel, NoiseFloor(NOISE), "rest")
+    clean = read(model, np.array(values), [blank])[0]
+    noise = NOISE * np.random.default_rng(seed).standard_normal(len(drive))
+    return Trace(name, time, drive, clean + noise, channel, channel, NoiseFloor(NOISE), "rest")
+
+
+@pytest.fixture(scope="module")
+def present() -> Campaign:
+    """One weak sine of a device with a cubic spring."""
+    drive = 1.0 * np.sin(2 * np.pi * 97.0 * STEP * np.arange(900))
+    record = measured(Model(Oscillator()) + CubicStiffness(), [*LINEAR, 150.0], "present.csv", drive, 1)
+    return Campaign("one sine", (record,), Oscillator(max_voltage=3.0, max_frequency=300.0))
+
+
+@pytest.fixture(scope="module")
+def rivals(present: Campaign) -> dict[str, Fit]:
+    base = Model(present.device)
+    return {e.name: fit(base + e, present) for e in (CubicStiffness(), SensorNonlinearity())}
+
+
+@pytest.fixture(scope="module")
+def ranked(rivals: dict[str, Fit]) -> list[NextExperiment]:
+    return rank_experiments(rivals)
+
+
+def test_proposals_keep_the_limits() -> None:
+    limits = Limits(5.0, 20.0, 180.0, 1e-4 * np.arange(1500))
+    waves = proposals(limits, 100.0)
+    assert {w.kind for w in waves} == {"sine", "biased", "burst", "multisine"}
+    for wave in waves:
+        assert np.max(np.abs(wave.voltage(limits.time))) <= 5.0 * (1 + 1e-9)
+        assert 20.0 <= wave.hertz <= 180.0
+
+
+def test_without_limits_the_records_own_range_holds(present: Campaign) -> None:
+    limits = limits_of(Oscillator(), present.fitted, F0)
+    assert limits.volts == pytest.approx(1.0, rel=1e-3)
+    assert len(limits.time) == 900
+    assert limits_of(Platform(), present.fitted, F0).volts == 10.0
+
+
+def test_a_burst_is_switched_off_and_a_bias_stays() -> None:
+    limits = Limits(5.0, 20.0, 180.0, 1e-4 * np.arange(1500))
+    by_kind = {w.kind: w for w in proposals(limits, 100.0)}
+    assert np.all(by_kind["burst"].voltage(limits.time)[-700:] == 0.0)
+    assert np.mean(by_kind["biased"].voltage(limits.time)[-1000:]) == pytest.approx(2.5, abs=0.1)
+
+
+def test_the_proposed_record_tells_the_rivals_apart(
+    present: Campaign, rivals: dict[str, Fit], ranked: list[NextExperiment]
+) -> None:
+    best = ranked[0]
+    assert set(best.separates) == set(rivals)
+    assert best.expected_delta_chi2 > SEPARATED
+    new = measured(Model(Oscillator()) + CubicStiffness(), [*LINEAR, 150.0], "new.csv", best.voltage, 2)
+    both = Campaign("two", (*present.records, new), present.device)
+    chi2 = {}
+    for name, before in rivals.items():
+        after = fit(before.model, both, initial=before.values)
+        chi2[name] = after.fitted.n * after.fitted.error_over_noise**2
+    assert chi2["sensor-nonlinearity"] - chi2["cubic-stiffness"] > SEPARATED
+
+
+def test_proposals_are_ranked_and_different(ranked: list[NextExperiment]) -> None:
+    gains = [e.expected_delta_chi2 for e in ranked]
+    assert gains == sorted(gains, reverse=True)
+    assert len({e.record for e in ranked}) == len(ranked)
+    assert all("from rest" in e.record for e in ranked)
+
+
+def test_no_record_is_proposed_for_what_none_can_separate(rivals: dict[str, Fit]) -> None:
+    lags = dict(zip(("drive-lag", "sensor-lag"), rivals.values(), strict=True))
+    assert rank_experiments(lags) == []
+    assert rank_experiments({"drive-lag": lags["drive-lag"]}) == []

@@ -1,0 +1,99 @@
+"""What an effect could be mistaken for: names stay together exactly where the records do not choose."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ident.campaign.campaign import Campaign
+from ident.campaign.device import Oscillator
+from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.diagnosis.equivalences import EQUIVALENCES, equivalence, what_separates
+from ident.diagnosis.score import Bench, Candidate, prepare
+from ident.diagnosis.ties import independent_samples, tie_set, unseen
+from ident.effects.registry import built_in
+from ident.fit import fit
+from ident.fit.reading import read
+from ident.model import Model
+
+LIBRARY = built_in()
+N = 600
+
+
+@pytest.fixture(scope="module")
+def bench() -> Bench:
+    time, channel, values = np.arange(N) / 4000.0, Channel("V", 1.0), np.array([100.0, 20.0, 4e5])
+    drive = np.sin(2 * np.pi * 95.0 * time)
+    blank = Trace("one.csv", time, drive, np.ones(N), channel, channel, NoiseFloor(0.003), "rest")
+    model = Model(Oscillator())
+    noise = 0.003 * np.random.default_rng(4).standard_normal(N)
+    record = replace(blank, response=read(model, values, [blank])[0] + noise)
+    return prepare(fit(model, Campaign("one", (record,), Oscillator()), initial=values))
+
+
+def candidate(bench: Bench, name: str, direction: np.ndarray) -> Candidate:
+    signature = bench.project(direction[None])
+    signature /= np.linalg.norm(signature)
+    drop = float((signature @ bench.residual)[0] ** 2)
+    return Candidate(name, drop, 0.5, 1, 0.0, {}, {}, units={}, signature=signature)
+
+
+@pytest.fixture(scope="module")
+def lines() -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(8)
+    return rng.standard_normal(N), rng.standard_normal(N)
+
+
+def with_misfit(bench: Bench, misfit: np.ndarray) -> Bench:
+    return replace(bench, residual=bench.residual + bench.project(misfit[None])[0])
+
+
+def test_what_explains_as_well_is_tied_and_what_explains_less_is_not(
+    bench: Bench, lines: tuple[np.ndarray, np.ndarray]
+) -> None:
+    a, b = lines
+    disturbed = with_misfit(bench, 2.0 * a)
+    best = candidate(disturbed, "cubic-stiffness", a)
+    near = candidate(disturbed, "quadratic-damping", a + 0.02 * b)
+    far = candidate(disturbed, "coulomb-friction", a + 0.7 * b)
+    found = tie_set(disturbed, best, [best, near, far], LIBRARY)
+    assert found.names == ("cubic-stiffness", "quadratic-damping")
+    assert found.ties[0].confusability > 0.99
+
+
+def test_a_misfit_of_the_laws_widens_the_set(bench: Bench, lines: tuple[np.ndarray, np.ndarray]) -> None:
+    a, b = lines
+    time = np.arange(N)
+    unexplained = 20.0 * np.sin(0.9 * time)
+    clean, spoilt = with_misfit(bench, 2.0 * a), with_misfit(bench, 2.0 * a + unexplained)
+    for where, tied in ((clean, False), (spoilt, True)):
+        best = candidate(where, "cubic-stiffness", a)
+        other = candidate(where, "quadratic-damping", a + 0.3 * b)
+        assert ("quadratic-damping" in tie_set(where, best, [best, other], LIBRARY).names) is tied
+    assert independent_samples(clean, candidate(clean, "cubic-stiffness", a)) > 0.8 * N
+    assert independent_samples(spoilt, candidate(spoilt, "cubic-stiffness", a)) < 0.2 * N
+
+
+def test_lags_stay_together_on_a_linear_device(bench: Bench, lines: tuple[np.ndarray, np.ndarray]) -> None:
+    a, b = lines
+    disturbed = with_misfit(bench, 5.0 * a)
+    best, other = candidate(disturbed, "drive-lag", a), candidate(disturbed, "sensor-lag", a + 0.25 * b)
+    found = tie_set(disturbed, best, [best, other], LIBRARY)
+    assert found.names == ("drive-lag", "sensor-lag")
+    assert "second sensor" in found.reasons[0]
+
+
+def test_an_effect_without_a_score_is_reported_as_unseen(bench: Bench, lines: tuple[np.ndarray, np.ndarray]) -> None:
+    scored = [candidate(bench, name, lines[0]) for name in LIBRARY if name != "sensor-offset"]
+    assert [u.name for u in unseen(bench, scored, LIBRARY)] == ["sensor-offset"]
+    names = {u.name for u in unseen(bench, [], LIBRARY)}
+    assert "residual-stress" not in names  # it has no meaning on an oscillator, rather than no trace
+
+
+def test_the_table_names_effects_that_exist() -> None:
+    assert set().union(*(e.names for e in EQUIVALENCES)) <= set(LIBRARY)
+    closest = equivalence("drive-lag", "sensor-lag")
+    assert closest is not None and closest.linear_exact
+    assert "amplifies" in what_separates(LIBRARY["coulomb-friction"], LIBRARY["sensor-drift"])
