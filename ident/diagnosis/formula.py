@@ -16,13 +16,16 @@ import numpy as np
 from .score import Bench
 from .stage import Side, Stage, rows_of
 from .subsets import regress
-from .terms import Term, monomial, paired, remembered, single, table
+from .terms import Term, monomial, number, paired, remembered, single, table
 
 _BEAM = 12  # beginnings followed side by side
 _NEW = 1e-3  # squared share of a term that the others must leave for it to be added
 _WORTH = 0.2  # part of the remaining excess that a further term must remove
-_SAME = 0.01  # of what the splines explain: a formula that lacks no more says as much
+_SAME, _LITTLE = 0.01, 0.1  # of what splines explain, and of what they leave: a formula that lacks no more says as much
+_BARELY = 0.02  # of χ² per sample: formulas closer than that are equally good, and the plainest is taken
 _LONGEST = 8
+
+_Beginning = tuple[float, tuple[int, ...]]  # fall of χ², and the terms chosen
 
 
 class Formula(NamedTuple):
@@ -81,23 +84,32 @@ def write_formula(
     if not words.terms:
         return None
     gram, along = words.rows @ words.rows.T, words.rows @ bench.residual
-    goal = (1 - _SAME) * spline_drop
-    beam: list[tuple[float, tuple[int, ...]]] = [(0.0, ())]
-    for _ in range(longest):
-        wider = _extend(gram, along, beam)
-        if not wider or not _worth(bench, beam[0][0], wider[0][0], len(words.terms), longest):
+    goal = _goal(bench, spline_drop)
+    beam: list[_Beginning] = [(0.0, ())]
+    found = beam
+    for _ in range(longest):  # two terms may only say something together, so none is refused before the end
+        beam = _extend(gram, along, beam)
+        if not beam:
             break
-        beam = wider
-        if beam[0][0] >= goal and beam[0][0] >= spline_drop - _chance(bench, spline_drop):
+        if _worth(bench, found[0], beam[0], len(words.terms), longest):
+            found = beam
+        if found[0][0] >= goal:
             break
-    return fitted(bench, stage, side, words, beam[0][1], goal) if beam[0][1] else None
+    beam = found
+    same = beam[0][0] - _BARELY * bench.n
+    numbers = lambda chosen: sum(words.terms[i].number is not None for i in chosen)
+    plainest = min((chosen for drop, chosen in beam if drop >= same), key=numbers)
+    return fitted(bench, stage, side, words, plainest, goal) if plainest else None
 
 
-def _chance(bench: Bench, drop: float) -> float:
-    return 0.1 * max(bench.chi2 - drop, float(bench.n))  # a twentieth of the error/noise
+def _goal(bench: Bench, spline_drop: float) -> float:
+    """The fall of χ² from which a formula says as much as the splines."""
+    left = max(bench.chi2 - spline_drop, float(bench.n))
+    return max((1 - _SAME) * spline_drop, spline_drop - _LITTLE * left)
 
 
-def _extend(gram: np.ndarray, along: np.ndarray, beam: list[tuple[float, tuple[int, ...]]]) -> list:
+def _extend(gram: np.ndarray, along: np.ndarray, beam: list[_Beginning]) -> list[_Beginning]:
+    """The best formulas with one term more."""
     found: dict[tuple[int, ...], float] = {}
     for drop, chosen in beam:
         picked = list(chosen)
@@ -110,11 +122,13 @@ def _extend(gram: np.ndarray, along: np.ndarray, beam: list[tuple[float, tuple[i
     return sorted(((drop, chosen) for chosen, drop in found.items()), reverse=True)[:_BEAM]
 
 
-def _worth(bench: Bench, before: float, after: float, choices: int, longest: int) -> bool:
-    left = max(1.0, (bench.chi2 - after) / bench.n)
+def _worth(bench: Bench, before: _Beginning, after: _Beginning, choices: int, longest: int) -> bool:
+    """Whether the terms that one formula has more than another remove enough."""
+    more, gain = len(after[1]) - len(before[1]), after[0] - before[0]
+    left = max(1.0, (bench.chi2 - after[0]) / bench.n)
     price = (np.log(bench.n) + 2 * np.log(choices)) * left
-    part = _WORTH if longest <= 3 else 0.02
-    return after - before > max(price, part * (bench.chi2 - before - bench.n))
+    part = _WORTH if longest <= 3 else 0.1 * _WORTH
+    return gain > more * price and gain > (1 - (1 - part) ** more) * (bench.chi2 - before[0] - bench.n)
 
 
 def fitted(bench: Bench, stage: Stage, side: Side, words: Dictionary, chosen: Sequence[int], goal: float) -> Formula:
@@ -133,16 +147,17 @@ def fitted(bench: Bench, stage: Stage, side: Side, words: Dictionary, chosen: Se
 
 def long_formula(bench: Bench, stage: Stage, side: Side, coordinates: tuple[str, ...], spline_drop: float) -> Formula:
     """What a file is written from where no short formula is enough: a table of one coordinate, else many terms."""
-    name = coordinates[0]
-    if len(coordinates) == 1 and name != "1":
-        absorbed = name == "z" or (side != "sensor" and name in ("v", "V"))
-        words = _measured(bench, stage, side, table(name, stage.ranges[name], gauge=absorbed))
-        return fitted(bench, stage, side, words, range(len(words.terms)), (1 - _SAME) * spline_drop)
     words = dictionary(bench, stage, side, coordinates)
     if len(coordinates) == 2 and "history" not in coordinates:
         words = _measured(bench, stage, side, [*words.terms, *paired(*coordinates, degree=7)])
     found = write_formula(bench, stage, side, words, spline_drop, _LONGEST)
-    return found if found is not None else fitted(bench, stage, side, words, [0], np.inf)
+    name = coordinates[0]
+    if len(coordinates) > 1 or name == "1":
+        return found if found is not None else fitted(bench, stage, side, words, [0], np.inf)
+    absorbed = name == "z" or (side != "sensor" and name in ("v", "V"))
+    words = _measured(bench, stage, side, table(name, stage.ranges[name], gauge=absorbed))
+    curve = fitted(bench, stage, side, words, range(len(words.terms)), _goal(bench, spline_drop))
+    return found if found is not None and found.drop > curve.drop else curve
 
 
 def _text(side: Side, terms: Sequence[Term], coefficients: np.ndarray) -> str:
@@ -152,9 +167,3 @@ def _text(side: Side, terms: Sequence[Term], coefficients: np.ndarray) -> str:
     if side == "sensor":
         return f"reading = z {joined}"
     return "F = " + (joined[2:] if joined.startswith("+ ") else "−" + joined[2:])
-
-
-def number(value: float, digits: int = 3) -> str:
-    """A number as a formula has it: 3.1e9."""
-    mantissa, _, power = f"{value:.{digits}g}".partition("e")
-    return f"{mantissa}e{int(power)}" if power else mantissa

@@ -44,21 +44,25 @@ def draw(bench: Bench, stage: Stage, side: Side, coordinates: tuple[str, ...], s
     names = tuple(name for name in coordinates if name not in ("1", "history"))
     noise = np.sqrt(max(1.0, (bench.chi2 - solved.drop) / bench.n))
     seen = stage.modelled if side == "sensor" else stage.moved
-    record = ""
+    record, place = "", {}
+    grids: list[np.ndarray] = []
+    weights, last = np.ones((1, 1)), slice(None)
+    kind: Literal["value", "curve", "map", "loop"] = "value"
     if not names:
         found = spline_functions(stage, coordinates, {"z": np.zeros((1, 1))})
-        kind, grids, weights = "value", (), np.ones((1, 1))
     elif coordinates[-1] == "history":
         place, record, last = _largest(bench, seen)
         found = spline_functions(stage, coordinates, place)
-        kind, grids, weights = "loop", (place[names[0]],), np.ones(place["z"].shape)
+        kind, grids, weights = "loop", [place[names[0]]], np.ones(place["z"].shape)
     else:
         count = _CURVE if len(names) == 1 else _MAP
         axes = [np.linspace(stage.ranges[n].low, stage.ranges[n].high, count) for n in names]
-        mesh = np.meshgrid(*axes, indexing="ij") if len(names) == 2 else [axes[0][None]]
+        mesh = list(np.meshgrid(*axes, indexing="ij")) if len(names) == 2 else [axes[0][None]]
         found = spline_functions(stage, coordinates, dict(zip(names, mesh, strict=True)))
-        kind, grids, weights = ("curve" if len(names) == 1 else "map"), tuple(mesh), _visits(seen, names, axes)
+        kind, grids, weights = ("curve" if len(names) == 1 else "map"), list(mesh), _visits(seen, names, axes)
     lines = [grid.ravel() for name, grid in zip(names, grids, strict=True) if absorbed(side, name)]
+    if kind == "loop" and names == ("z",) and side != "sensor":
+        lines.append(place["v"].ravel())
     functions = _without(found.reshape(len(found), -1).T, lines, weights.ravel())
     value = size * functions @ solved.coefficients
     error = size * noise * np.linalg.norm(functions @ solved.spread, axis=1)

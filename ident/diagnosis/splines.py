@@ -104,19 +104,14 @@ def splines(x: np.ndarray, size: Size, count: int) -> np.ndarray:
 
 
 def memories(x: np.ndarray, step: np.ndarray, period: float, largest: float) -> np.ndarray:
-    """What a signal leaves behind: plays of several widths, and how far it is ahead of its own relaxations; (k, …).
+    """What a signal leaves behind: plays of several widths, and relaxations of several times; (k, …).
 
     **Arguments:** `x`, (lanes, points); `step`, (lanes,) s between points; `period` of the resonance, s; `largest`
     absolute value of `x`.
     """
     held = plays(x, np.array(_WIDTHS) * largest)
-    late = [x - relaxed(x, step, time * period) for time in _TIMES]
+    late = [lagging(x, step, time * period, period) for time in _TIMES]
     return np.concatenate([held, np.stack(late)])
-
-
-def memory_names() -> tuple[tuple[str, float], ...]:
-    """Kind ("play" or "late") and number (part of the largest value, or periods) of each row of `memories`."""
-    return tuple(("play", w) for w in _WIDTHS) + tuple(("late", t) for t in _TIMES)
 
 
 def plays(x: np.ndarray, widths: np.ndarray) -> np.ndarray:
@@ -128,6 +123,17 @@ def plays(x: np.ndarray, widths: np.ndarray) -> np.ndarray:
         state = np.minimum(np.maximum(state, low[k]), high[k])
         found[k] = state
     return np.moveaxis(found, 0, 2)
+
+
+def lagging(x: np.ndarray, step: np.ndarray, time: float, period: float) -> np.ndarray:
+    """What a relaxation adds to a signal: what it holds back if it is quick, what is left of it if it is slow."""
+    late = relaxed(x, step, time)
+    return x - late if quick(time, period) else late
+
+
+def quick(time: float, period: float) -> bool:
+    """Whether a relaxation lets most of a motion of this period through."""
+    return 2 * np.pi * time < period
 
 
 def relaxed(x: np.ndarray, step: np.ndarray, time: float) -> np.ndarray:

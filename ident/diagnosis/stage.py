@@ -42,14 +42,14 @@ def set_stage(bench: Bench) -> Stage:
     moved = [places(g, p.z, p.v, 1, scales.period, largest) for g, p in zip(groups, scene.paths, strict=True)]
     own = [
         places(g, p.z, p.v, 2 * substeps, scales.period, largest)
-        for g, p, substeps in zip(groups, _modelled(scene), scene.static.substeps, strict=True)
+        for g, p, substeps in zip(groups, modelled(scene), scene.static.substeps, strict=True)
     ]
     linear, omega = bench.fit.model.linear, 2 * np.pi * float(bench.fit.values[0])
     force_unit = linear.mass * omega**2 * scales.displacement
     return Stage(tuple(moved), tuple(own), sizes(moved), force_unit, scales.displacement)
 
 
-def _modelled(scene: Scene) -> tuple[Path, ...]:
+def modelled(scene: Scene) -> tuple[Path, ...]:
     """The model's own displacement and velocity at the samples, per group."""
     values = np.asarray(physical(scene.static, scene.data, scene.unknowns.x))
     found = _states(scene.static, scene.data, values, scene.unknowns.starts)

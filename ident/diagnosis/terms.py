@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..effects.effect import Scalar
-from .splines import UNITS, Places, Size, plays, relaxed, sharp
+from .splines import UNITS, Places, Size, lagging, plays, quick, sharp
 
 _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _WAVES = np.linspace(1.5, 9.0, 16)  # sin(w x/largest)
@@ -22,6 +22,7 @@ _GAPS = (0.3, 0.45, 0.6, 0.75)
 _STEP = 0.02  # width of a step, as friction is written in the library
 _PLAYS = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7)
 _LATE = (0.003, 0.01, 0.03, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 15.0, 50.0)  # periods
+_CHANGES = (0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.5)  # durations
 _KNOTS = 12  # of a table: as many as a fit still determines
 
 
@@ -70,7 +71,7 @@ def single(name: str, size: Size) -> list[Term]:
     n, largest, unit = name, size.largest, UNITS[name]
     found = [monomial([(n, p)]) for p in (1, 2, 3, 5)]
     if name == "t":
-        return found[:2] + [_exponential(n, part * largest) for part in (0.1, 0.3, 1.0)]
+        return found[:2] + [_exponential(n, part * largest) for part in _CHANGES]
     length = lambda value, doc, fitted=True: Number(f"scale_{n}", unit, value, doc, fitted)
     step = length(_STEP * largest, f"{n} over which the term turns", False)
     found += [
@@ -81,6 +82,7 @@ def single(name: str, size: Size) -> list[Term]:
              lambda x: np.sign(x[n]) * np.abs(x[n] / largest) ** 1.5,
              length(largest, f"{n} at which the term is its amplitude", False), largest**1.5),
     ]  # fmt: skip
+    found += [_step(n, part * largest, length) for part in _HUMPS]
     found += [_wave(n, largest / w, length) for w in _WAVES]
     found += [_hump(n, largest, part * largest, length) for part in _HUMPS]
     for sign, gap in itertools.product((1, -1), [part * largest for part in _GAPS]):
@@ -90,27 +92,32 @@ def single(name: str, size: Size) -> list[Term]:
 
 
 def _wave(n: str, scale: float, length: Callable[..., Number]) -> Term:
-    number = length(scale, "length of the sine over 2π")
-    return Term(f"sin({n}/{scale:.3g})", f"jnp.sin({n} / {{n}})", (n,), (), lambda x: np.sin(x[n] / scale), number)
+    own = length(scale, "length of the sine over 2π")
+    return Term(f"sin({n}/{number(scale)})", f"jnp.sin({n} / {{n}})", (n,), (), lambda x: np.sin(x[n] / scale), own)
+
+
+def _step(n: str, width: float, length: Callable[..., Number]) -> Term:
+    own = length(width, f"{n} over which the term turns")
+    return Term(f"tanh({n}/{number(width)})", f"jnp.tanh({n} / {{n}})", (n,), (), lambda x: np.tanh(x[n] / width), own)
 
 
 def _hump(n: str, largest: float, width: float, length: Callable[..., Number]) -> Term:
     value = lambda x: sharp(x[n] / largest) * np.exp(-((x[n] / width) ** 2))
-    number = length(width, f"{n} beyond which the term dies out")
+    own = length(width, f"{n} beyond which the term dies out")
     code = f"jnp.tanh({n} / (0.1 * {{n}})) * jnp.exp(-(({n} / {{n}}) ** 2))"
-    return Term(f"sign({n}) exp(−({n}/{width:.3g})²)", code, (n,), (), value, number)
+    return Term(f"sign({n}) exp(−({n}/{number(width)})²)", code, (n,), (), value, own)
 
 
 def _contact(n: str, sign: int, gap: float, length: Callable[..., Number]) -> Term:
     code = f"jnp.maximum({n} - {{n}}, 0.0)" if sign > 0 else f"jnp.maximum(-{n} - {{n}}, 0.0)"
-    text = f"max({n} − {gap:.3g}, 0)" if sign > 0 else f"max(−{n} − {gap:.3g}, 0)"
+    text = f"max({n} − {number(gap)}, 0)" if sign > 0 else f"max(−{n} − {number(gap)}, 0)"
     return Term(text, code, (n,), ((n, 1),), lambda x: np.maximum(sign * x[n] - gap, 0.0), length(gap, "gap"))
 
 
 def _exponential(n: str, time: float) -> Term:
-    number = Number(f"scale_{n}", UNITS[n], time, "time in which the change dies out", True)
-    return Term(f"(1 − exp(−{n}/{time:.3g}))", f"-jnp.expm1(-{n} / {{n}})", (n,), (),
-                lambda x: -np.expm1(-x[n] / time), number)  # fmt: skip
+    own = Number(f"scale_{n}", UNITS[n], time, "time in which the change dies out", True)
+    return Term(f"(1 − exp(−{n}/{number(time)}))", f"-jnp.expm1(-{n} / {{n}})", (n,), (),
+                lambda x: -np.expm1(-x[n] / time), own)  # fmt: skip
 
 
 def paired(first: str, second: str, degree: int = 4) -> list[Term]:
@@ -129,14 +136,15 @@ def remembered(name: str, size: Size, period: float) -> list[Term]:
     """Plays and relaxations of one coordinate; `period` of the resonance, s."""
     found = []
     for width in (part * size.largest for part in _PLAYS):
-        number = Number(f"width_{name}", UNITS[name], width, "half width of the play", True)
+        own = Number(f"width_{name}", UNITS[name], width, "half width of the play", True)
         value = lambda x, w=width: plays(x[name], np.array([w]))[0]
-        found.append(Term(f"play({name}; {width:.3g})", "{h}", (name,), ((name, 1),), value, number, memory="play"))
+        found.append(Term(f"play({name}; {number(width)})", "{h}", (name,), ((name, 1),), value, own, memory="play"))
     for time in (part * period for part in _LATE):
-        number = Number(f"time_{name}", "s", time, "relaxation time", True)
-        value = lambda x, tau=time: x[name] - relaxed(x[name], x["step"], tau)
-        text = f"({name} − {name} relaxed in {time:.3g} s)"
-        found.append(Term(text, f"({name} - {{h}})", (name,), ((name, 1),), value, number, memory="late"))
+        own = Number(f"time_{name}", "s", time, "relaxation time", True)
+        value = lambda x, tau=time: lagging(x[name], x["step"], tau, period)
+        after = f"{name} relaxed in {number(time)} s"
+        text, code = (f"({name} − {after})", f"({name} - {{h}})") if quick(time, period) else (f"({after})", "{h}")
+        found.append(Term(text, code, (name,), ((name, 1),), value, own, memory="late"))
     return found
 
 
@@ -147,17 +155,23 @@ def table(name: str, size: Size, gauge: bool) -> list[Term]:
     """
     low, high = size.low / size.largest, size.high / size.largest
     spacing = (high - low) / (_KNOTS - 3)
-    number = Number(f"scale_{name}", UNITS[name], size.largest, f"{name} at which the table ends", False)
+    own = Number(f"scale_{name}", UNITS[name], size.largest, f"{name} at which the table ends", False)
     found = []
     for k in range(gauge, _KNOTS):
         centre = low + (k - 1) * spacing
         code = f"bump((jnp.clip({name} / {{n}}, {low:.6g}, {high:.6g}) - {centre:.6g}) / {spacing:.6g})"
         code = code.replace("- -", "+ ")
         value = lambda x, c=centre: bump((np.clip(x[name] / size.largest, low, high) - c) / spacing)
-        found.append(Term(f"bump {k}", code, (name,), (), value, number))
+        found.append(Term(f"bump {k}", code, (name,), (), value, own))
     if name != "t":
-        found += [term for term in single(name, size) if term.text.startswith("sign(") and "exp" not in term.text]
+        found += [t for t in single(name, size) if "exp" not in t.text and t.text.startswith(("|", "sign", "tanh"))]
     return found
+
+
+def number(value: float, digits: int = 3) -> str:
+    """A number as a formula has it: 3.1e9."""
+    mantissa, _, power = f"{value:.{digits}g}".partition("e")
+    return f"{mantissa}e{int(power)}" if power else mantissa
 
 
 def bump(x: Scalar) -> Scalar:

@@ -18,7 +18,10 @@ from .subsets import Ranked, dimension, rank, regress, smallest_sufficient, spli
 from .unknown_words import describe
 
 _TRIED = 35  # sets of coordinates: what a chance probability is multiplied by
-_PER_TERM = 0.5  # of a coordinate: what a term of the formula counts where several sets explain the same
+_LACKING = 0.05  # χ² per sample: a formula that lacks no more says as much as the splines of all rivals
+_MOST_TERMS = 6
+# What a term of a formula counts, and that there is none, in coordinates, where several sets explain the same.
+_PER_TERM, _WORDLESS = 0.08, 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,19 +101,23 @@ def find_unknown(bench: Bench) -> Unknown:
 
 
 def _settle(bench: Bench, stage: Stage, enough: Sequence[Ranked]) -> tuple[Ranked, Formula | None]:
-    """Of sets that explain the same, the one with the shortest formula: splines of one coordinate can mimic a memory."""
+    """Of sets that explain the same, the one with the shortest formula: one coordinate's splines may mimic a memory."""
     first = enough[0]
     rivals = [r for r in enough[1:] if not set(first.coordinates) <= set(r.coordinates) or r.side != first.side]
-    rivals = [r for r in rivals if dimension(r) <= max(dimension(first), 1.9)][:4]
-    least = min(r.drop - r.dof for r in (first, *rivals))
+    rivals = [r for r in rivals if dimension(r) <= 2.0][:4]
+    least = min(r.drop - r.dof for r in (first, *rivals)) - _LACKING * bench.n
     judged = []
     for found in (first, *rivals):
         words = dictionary(bench, stage, found.side, found.coordinates)
         formula = write_formula(bench, stage, found.side, words, found.drop)
-        says_it = formula is not None and formula.drop >= least - 0.05 * bench.n
-        terms = len(formula.terms) if formula and says_it else 4
-        judged.append((dimension(found) + _PER_TERM * terms, found.criterion, found, formula))
-        if len(judged) == 1 and terms == 1 and dimension(first) <= 1:
+        says_it = formula if formula and formula.drop >= least else None
+        if not says_it and len(enough) > 1:
+            longer = write_formula(bench, stage, found.side, words, found.drop, _MOST_TERMS - 1)
+            says_it = longer if longer and longer.drop >= least else None
+        terms = len(says_it.terms) if says_it else _MOST_TERMS
+        cost = dimension(found) + _PER_TERM * terms + _WORDLESS * (says_it is None)
+        judged.append((cost, found.criterion, found, formula))
+        if len(judged) == 1 and terms <= 2 and dimension(first) <= 1:
             break
     best = min(judged, key=lambda j: j[:2])
     return best[2], best[3]

@@ -32,7 +32,7 @@ def describe(found: Unknown) -> tuple[str, ...]:
     before, after = np.sqrt(found.chi2_before), np.sqrt(found.chi2_after)
     text = f"What the model lacks acts like {what(found.side, found.coordinates)}: that explains"
     sentences = [
-        f"{text} {_percent(found.share)} of the error above the noise, and error/noise falls from {before:.2f} to "
+        f"{text} {percent(found.share)} of the error above the noise, and error/noise falls from {before:.2f} to "
         f"{after:.2f}."
     ]
     if found.p_value > 1e-3:
@@ -48,7 +48,7 @@ def describe(found: Unknown) -> tuple[str, ...]:
     if found.others:
         best = found.others[0]
         words = what(best.side, best.coordinates)
-        sentences.append(f"The best of the others, {words}, explains {_percent(best.share)}.")
+        sentences.append(f"The best of the others, {words}, explains {percent(best.share)}.")
     sentences += _formula(found)
     return tuple(sentences)
 
@@ -56,14 +56,15 @@ def describe(found: Unknown) -> tuple[str, ...]:
 def _formula(found: Unknown) -> list[str]:
     if found.formula is None:
         return ["No simple term describes it."]
-    share = _percent(found.explained(found.formula))
+    share = percent(found.explained(found.formula))
     if found.formula.complete:
         return [f"In a formula (SI): {found.formula.text}, which explains {share}."]
-    longer = _percent(found.explained(found.written))
+    longer = percent(found.explained(found.written))
     terms = len(found.written.terms)
     return [f"No short formula says as much: {found.formula.text} explains {share}, {terms} terms {longer}."]
 
 
-def _percent(share: float) -> str:
+def percent(share: float) -> str:
+    """A share as people read it."""
     share = min(max(share, 0.0), 1.0)
     return f"{100 * share:.1f} %" if share > 0.9 else f"{100 * share:.0f} %"
