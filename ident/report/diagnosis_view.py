@@ -94,7 +94,7 @@ def sections(found: Diagnosis, lineage: list[dict]) -> list[Section]:
     """The diagnosis as parts of the report."""
     device = found.discovery.start.model.device
     where = Picture("Error over noise by record, time, motion, phase and harmonic", png(where_figure(found.where)))
-    parts = [Section("Where the first model fails", (found.summary,), (), (where,))]
+    parts = [Section("Where the first model fails", (), (), (where,))]
     if found.discovery.ranking:
         words = (verdict_words(found), *advice(found))
         parts.append(Section("Which effect is missing", words, (ranking_sheet(found),)))

@@ -61,8 +61,8 @@ def staircase_figure(lineage: Lineage) -> Figure:
     figure = new_figure(10.6, 3.4)
     axes = new_axes(figure, 0.07, 0.2, 0.91, 0.66)
     for part, colour, words in (("fitted", MODEL, "fitted"), ("holdout", HELDOUT, "held out")):
-        heights = [None if e[part] is None else e[part]["error_over_noise"] for e in errors]
-        if any(h is None for h in heights):
+        heights = [float(e[part]["error_over_noise"]) for e in errors if e[part] is not None]
+        if len(heights) < len(errors):
             continue
         axes.step(range(len(heights)), heights, where="mid", color=colour, lw=1.4)
         axes.plot(range(len(heights)), heights, "o", color=colour, ms=5)
@@ -71,7 +71,7 @@ def staircase_figure(lineage: Lineage) -> Figure:
             offset = (0, 7 if up else -13)
             axes.annotate(ratio_text(height), (i, height), offset, textcoords="offset points", fontsize=9, color=colour,
                           ha="center")  # fmt: skip
-        figure.text(0.80 if up else 0.88, 0.93, words, fontsize=9.5, color=colour, weight="bold", va="center")
+        figure.text(0.72 if up else 0.78, 0.93, words, fontsize=9.5, color=colour, weight="bold", va="center")
     axes.axhline(1, color=INK, lw=1.2)
     axes.set_yscale("log")
     low, high = axes.get_ylim()
