@@ -17,8 +17,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any, ClassVar, Literal, NamedTuple, Self
+
+import jax
 
 from ..campaign.device import Device, Platform
 
@@ -154,7 +157,6 @@ class AbstractEffect:
     device: Device
     values: Mapping[str, Scalar]
     settings: Mapping[str, str]
-    prepared: Any
     partner: Any
 
     def __init_subclass__(cls) -> None:
@@ -173,7 +175,9 @@ class AbstractEffect:
             settings=MappingProxyType(dict(settings or {})),
             values=MappingProxyType({p.name: values.get(p.name, p.default) for p in self.parameters}),
         )
-        self._set(prepared=self.prepare(), partner=None)
+        self._set(partner=None)
+        if self._traced:
+            _ = self.prepared  # now, outside the loop of the simulation
 
     def _set(self, **fields: Any) -> None:
         for key, value in fields.items():
@@ -220,6 +224,18 @@ class AbstractEffect:
     def unused(self) -> tuple[str, ...]:
         """Names of the parameters that the present settings leave without meaning."""
         return ()
+
+    @property
+    def _traced(self) -> bool:
+        return any(isinstance(value, jax.Array) for value in self.values.values())
+
+    @cached_property
+    def prepared(self) -> Any:
+        """What `prepare` found; from plain numbers only when it is asked for, for that costs dozens of compilations."""
+        if self._traced:
+            return self.prepare()
+        with jax.ensure_compile_time_eval():  # plain numbers stay numbers, whoever asks first
+            return self.prepare()
 
     def prepare(self) -> Any:
         return None
