@@ -21,7 +21,7 @@ from jax import Array, lax
 
 from ..effects.effect import Drive, State
 from ..response import Equation
-from ..response.transient import Lane, System, assemble, half_step_time, rates_along
+from ..response.transient import Lane, Numbers, System, assemble, half_step_time, rates_along
 from .trajectory import Path
 
 _CHUNK = 32  # columns solved together: one compiled program serves any number of them
@@ -29,7 +29,7 @@ _CHUNK = 32  # columns solved together: one compiled program serves any number o
 
 @eqx.filter_jit
 def contributions(
-    equation: Equation, substeps: int, values: Array, directions: Array, lanes: Lane, path: Path
+    equation: Equation, substeps: int, values: Numbers, directions: Numbers, lanes: Lane, path: Path
 ) -> tuple[Array, Array]:
     """What the terms of a model change in the force on the stage and in the sensor, along given motions.
 
@@ -47,7 +47,7 @@ def contributions(
 
 
 @eqx.filter_jit
-def _responses(equation: Equation, substeps: int, values: Array, pushes: Array, lanes: Lane, path: Path) -> Array:
+def _responses(equation: Equation, substeps: int, values: Numbers, pushes: Numbers, lanes: Lane, path: Path) -> Array:
     def one(lane: Lane, path: Path, push: Array) -> Array:
         system = assemble(equation, values, lane)
         z, v = _respond(push / system.mass, *_linearised(system, lane, path), lane.step, substeps)
@@ -135,7 +135,7 @@ def _sensor_slopes(system: System, lane: Lane, path: Path, stride: int) -> tuple
     return jax.vmap(jax.jacfwd(reading, argnums=(0, 1)))(*jax.tree.map(lambda x: x[::stride], arguments))
 
 
-def _respond(push: Array, stiffness: Array, damping: Array, h: Array, substeps: int) -> tuple[Array, Array]:
+def _respond(push: Array, stiffness: Array, damping: Array, h: Numbers, substeps: int) -> tuple[Array, Array]:
     """Linear time-varying response to (d, 2 n + 1) accelerations, at rest before; (d, samples) each."""
     grids = (push.T, stiffness, damping)
     inputs = tuple((grid[:-1:2], grid[1::2], grid[2::2]) for grid in grids)

@@ -224,8 +224,8 @@ def chance(bench: Bench, basis: np.ndarray, tried: int) -> float:
         part = left[first:last]
         taps = prediction_filter(part[None])
         size = float(np.std(lfilter(taps, [1.0], part))) or 1.0
-        y.append(lfilter(taps, [1.0], bench.residual[first:last]) / size)
-        x.append(lfilter(taps, [1.0], basis[first:last], axis=0) / size)
+        y.append(np.asarray(lfilter(taps, [1.0], bench.residual[first:last])) / size)
+        x.append(np.asarray(lfilter(taps, [1.0], basis[first:last], axis=0)) / size)
     target, regressors = np.concatenate(y), np.concatenate(x)
     q, _ = np.linalg.qr(regressors)
     drop = float(np.sum((q.T @ target) ** 2))

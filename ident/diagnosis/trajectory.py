@@ -24,7 +24,7 @@ from ..fit.reading import fit_starts
 from ..response import make_groups
 from ..response.groups import Layout
 from ..response.transient import assemble as bind
-from ..response.transient import half_step_time, integrate
+from ..response.transient import Lane, half_step_time, integrate
 
 
 class Path(NamedTuple):
@@ -50,7 +50,7 @@ class Scene(NamedTuple):
 
 @eqx.filter_jit
 def _states(static: Static, data: Data, values: np.ndarray, starts: tuple) -> tuple:
-    def one(substeps: int, start: jax.Array, lane: tuple) -> tuple:
+    def one(substeps: int, start: jax.Array, lane: Lane) -> tuple:
         system = bind(static.equation, values, lane)
         return integrate(system, substeps, start, lane, half_step_time(lane))[:2]
 
@@ -89,5 +89,5 @@ def _smooth(residual: np.ndarray, step: float, period: float) -> tuple[np.ndarra
     window = max(int(period / step / 6) // 2 * 2 + 1, 5)
     if len(residual) <= window:
         return np.zeros_like(residual), np.zeros_like(residual)
-    smoothed = savgol_filter(residual, window, 3)
-    return smoothed, savgol_filter(residual, window, 3, deriv=1, delta=step)
+    rate = np.asarray(savgol_filter(residual, window, 3, deriv=1, delta=step))
+    return np.asarray(savgol_filter(residual, window, 3)), rate

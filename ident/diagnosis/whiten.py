@@ -50,7 +50,7 @@ def whiten(piece: Piece, rows: np.ndarray) -> np.ndarray:
 
 def _filter(piece: Piece, rows: np.ndarray) -> np.ndarray:
     rows = rows[:, piece.counted]
-    return (rows if len(piece.filter) == 1 else lfilter(piece.filter, [1.0], rows, axis=1)) / piece.scale
+    return (rows if len(piece.filter) == 1 else np.asarray(lfilter(piece.filter, [1.0], rows, axis=1))) / piece.scale
 
 
 def _innovation(ar: np.ndarray) -> float:

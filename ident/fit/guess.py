@@ -70,7 +70,7 @@ def data_scales(records: Sequence[Trace], frequency: float) -> DataScales:
     for record in records:
         window = max(int(0.1 / (frequency * record.step)) // 2 * 2 + 1, 5)
         if len(record.response) > window:
-            slope = signal.savgol_filter(record.response, window, 2, deriv=1, delta=record.step)
+            slope = np.asarray(signal.savgol_filter(record.response, window, 2, deriv=1, delta=record.step))
             velocity = max(velocity, float(np.percentile(np.abs(slope), 99.5)))
     voltage = max(float(np.max(np.abs(r.drive))) for r in records)
     duration = max(float(r.time[-1] - r.time[0]) for r in records)
@@ -142,7 +142,7 @@ def oscillator_filter(frequency: float, quality: float, step: float) -> tuple[np
 def _columns(piece: _Piece, frequency: float, quality: float) -> tuple[np.ndarray, np.ndarray]:
     """Response to the drive for unit gain, and the free motions (with a constant) that the start may add."""
     omega = 2 * math.pi * frequency
-    forced = signal.lfilter(*oscillator_filter(frequency, quality, piece.step), piece.drive)
+    forced = np.asarray(signal.lfilter(*oscillator_filter(frequency, quality, piece.step), piece.drive))
     constant = np.ones_like(piece.drive)
     if piece.rest:
         return forced, constant[:, None]

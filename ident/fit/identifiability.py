@@ -45,7 +45,7 @@ def identifiability(
     if found.null.shape[1] == 0:
         return Identifiability(np.ones(len(parameters), bool), ())
     involved = np.linalg.norm(found.null, axis=1) > _INVOLVED
-    index = np.flatnonzero(involved)
+    index = [int(i) for i in np.flatnonzero(involved)]
     same_unit = len({parameters[i].unit for i in index}) == 1
     logarithmic = not same_unit
     # Coordinates of the optimiser → physical values (or their logarithms where the units differ).

@@ -59,8 +59,8 @@ def _spread(jacobian: np.ndarray, noise: NoiseFloor) -> np.ndarray:
     # Running the shaping filter backwards over a column gives Aᵀ J, where A A ᵀ = R is the filter's own covariance.
     denominator = np.concatenate([[1.0], -np.asarray(noise.ar)])
     settle = min(20 * len(jacobian), 200_000)
-    impulse = signal.lfilter([1.0], denominator, np.eye(1, settle)[0])
-    shaped = signal.lfilter([1.0 / np.linalg.norm(impulse)], denominator, jacobian[::-1], axis=0)
+    impulse = np.asarray(signal.lfilter([1.0], denominator, np.eye(1, settle)[0]))
+    shaped = np.asarray(signal.lfilter([1.0 / np.linalg.norm(impulse)], denominator, jacobian[::-1], axis=0))
     return shaped.T @ shaped
 
 

@@ -16,7 +16,7 @@ import jax
 
 from ..campaign.device import Device, Platform
 from ..effects.section import device_section
-from ..mechanics import drive_force_coefficient, l_beam, stage_stiffness
+from ..mechanics import Scalar, drive_force_coefficient, l_beam, stage_stiffness
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,6 @@ def linear_part(device: Device) -> LinearPart:
 
 
 @partial(jax.jit, static_argnums=0)  # one small program instead of a hundred single operations, each compiled alone
-def _actuator_and_stiffness(device: Platform) -> tuple[jax.Array, jax.Array]:
+def _actuator_and_stiffness(device: Platform) -> tuple[Scalar, Scalar]:
     beam = l_beam(device_section(device), device.length_1, device.length_2)
     return drive_force_coefficient(device_section(device), beam), stage_stiffness(beam, 0.0, 0.0)

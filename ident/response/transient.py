@@ -14,10 +14,14 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array, lax
 
 from ..effects.effect import AbstractEffect, Drive, State
 from ..model import Model
+
+
+Numbers = Array | np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,11 +44,11 @@ class Lane(NamedTuple):
     grid; `omega`, rad/s; `load`, kg.
     """
 
-    step: Array
-    voltage: Array
-    rate: Array
-    omega: Array
-    load: Array
+    step: Numbers
+    voltage: Numbers
+    rate: Numbers
+    omega: Numbers
+    load: Numbers
 
 
 class System(NamedTuple):
@@ -99,7 +103,7 @@ def integrate(
     return tuple(jnp.concatenate([a[None], b[substeps - 1 :: substeps]]) for a, b in zip(carry, path, strict=False))
 
 
-def assemble(equation: Equation, values: Array, lane: Lane) -> System:
+def assemble(equation: Equation, values: Numbers, lane: Lane) -> System:
     """Bind parameter values, (m,) SI, to the equation of motion of one record."""
     (frequency, quality, gain), effects = equation.model.bind(values)
     linear = equation.model.linear
@@ -157,7 +161,7 @@ def _runge_kutta(f: Any, y: tuple[Array, ...], at: list[tuple[Array, ...]], h: A
     return tuple(a + h / 6 * (p + 2 * q + 2 * r + s) for a, p, q, r, s in zip(y, k1, k2, k3, k4, strict=True))
 
 
-def rates_along(effect: AbstractEffect, system: System, lane: Lane, z: Array, v: Array) -> tuple[Array, ...]:
+def rates_along(effect: AbstractEffect, system: System, lane: Lane, z: Numbers, v: Numbers) -> tuple[Array, ...]:
     """Hidden states of one effect along a given motion (2 n + 1,), on the half-step grid; midpoints are
     interpolated."""
     initial = tuple(jnp.asarray(h) + 0.0 * system.stiffness for h in effect.state0())
@@ -196,6 +200,6 @@ def _reading(system: System, path: tuple[Array, ...], lane: Lane, half_time: Arr
     return reading
 
 
-def simulate_group(equation: Equation, substeps: int, values: Array, starts: Array, lanes: Lane) -> Array:
+def simulate_group(equation: Equation, substeps: int, values: Array, starts: Numbers, lanes: Lane) -> Array:
     """Sensor readings of records of equal length: `starts` (lanes, 2), every field of `lanes` with a leading axis."""
     return jax.vmap(partial(simulate, equation, substeps, values))(starts, lanes)
