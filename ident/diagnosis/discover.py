@@ -94,7 +94,7 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
         candidates = score(bench, library)
         ranking = ranking or tuple(candidates)
         real = significant(candidates)
-        if not real or len(steps) >= most:
+        if not real or len(steps) >= most or (steps and _only_shapes_left(current, bench, real, first)):
             break
         step = _best_step(current, bench, real, library, first, gains if not steps else {}, report)
         if step is None:
@@ -113,6 +113,16 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
     return Discovery(_verdict(start, steps, current, remaining), start, tuple(steps), ranking, gains, remaining, bench)
 
 
+def _only_shapes_left(current: Fit, bench: Bench, real: list[Candidate], first: Bench) -> bool:
+    """Whether the model stands at the noise floor and nothing promises more than a finer shape of what was found.
+
+    No law has exactly the device's shape, so something always remains significant; to add it would name physics that
+    is not there.
+    """
+    worth_a_name = _SHAPE * (first.chi2 - first.n)
+    return adequate(current, ()) and max(c.drop for c in real) < worth_a_name
+
+
 def _replayed(start: Fit, needed: Pruned, library: Library) -> list[Step]:
     """The steps as they would have been without the terms that proved superfluous."""
     steps: list[Step] = []
@@ -126,7 +136,9 @@ def _replayed(start: Fit, needed: Pruned, library: Library) -> list[Step]:
         ties = tie_set(bench, chosen, significant(candidates), library, [found])
         tied = tuple(c for c in candidates if c.name in ties.names)
         role = _role(bench, found, steps[0].bench if steps and steps[0].bench is not None else bench)
-        steps.append(Step(name, chosen.predicted_gain, found.gain, ties.names, role, current, ties.reasons, tied, bench))
+        steps.append(
+            Step(name, chosen.predicted_gain, found.gain, ties.names, role, current, ties.reasons, tied, bench)
+        )
     return steps
 
 

@@ -1,4 +1,4 @@
-"""Long records are ranked and confirmed on their liveliest stretch; the model that is accepted is fitted to all of it."""
+"""Long records are ranked and confirmed on their liveliest stretch; the accepted model is fitted to all of them."""
 
 from __future__ import annotations
 

@@ -23,8 +23,8 @@ from ..fit.problem import Data, Static, Unknowns, evaluate
 from ..fit.reading import fit_starts
 from ..response import make_groups
 from ..response.groups import Layout
-from ..response.transient import assemble as bind
 from ..response.transient import Lane, half_step_time, integrate
+from ..response.transient import assemble as bind
 
 
 class Path(NamedTuple):

@@ -20,7 +20,6 @@ from jax import Array, lax
 from ..effects.effect import AbstractEffect, Drive, State
 from ..model import Model
 
-
 Numbers = Array | np.ndarray
 
 
