@@ -1,0 +1,112 @@
+"""The Silverbox benchmark by the commands of `docs/silverbox.md`: `python -m experiments.silverbox.silverbox`.
+
+The data are not shipped. `IDENT_BENCHMARKS` names the folder that holds `silverbox/*.csv`; without them the script
+says so and ends. It prints the error of every model in mV and asserts the bounds of `STEPS`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs" / "silverbox.md"
+FILES = ("silverbox_train_multisine.csv", "silverbox_test_multisine.csv", "silverbox_test_arrow.csv")
+
+
+class Step(NamedTuple):
+    """One command, the run it writes, and the most that its error (mV) on the two test records may be."""
+
+    arguments: tuple[str, ...]
+    run: str
+    arrow: float
+    multisine: float = float("inf")
+
+
+STEPS = (
+    Step(("fit", "silverbox", "-o", "runs/linear"), "runs/linear", 14.5),
+    Step(("add", "runs/linear", "cubic-stiffness", "-o", "runs/cubic"), "runs/cubic", 0.46),
+    Step(("add", "runs/cubic", "quadratic-stiffness", "-o", "runs/quadratic"), "runs/quadratic", 0.40),
+    Step(("add", "runs/quadratic", "quadratic-damping", "-o", "runs/damped"), "runs/damped", 0.32, 0.29),
+)
+
+
+class Outcome(NamedTuple):
+    """Errors of one run in mV: fitted record, test multisine, test arrow."""
+
+    train: float
+    multisine: float
+    arrow: float
+
+
+def data_folder() -> Path:
+    """Where the benchmark files are looked for."""
+    return Path(os.environ.get("IDENT_BENCHMARKS") or ROOT.parent / "shared" / "data") / "silverbox"
+
+
+def available() -> bool:
+    """Whether all three files are there."""
+    return all((data_folder() / name).is_file() for name in FILES)
+
+
+def campaign_text() -> str:
+    """The campaign of the page: what the reader would type."""
+    fence = re.search(r"^```toml\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    if fence is None:
+        raise ValueError(f"{PAGE} shows no campaign")
+    return fence[1]
+
+
+def prepare(work: Path) -> None:
+    """Make the campaign folder of the page: its campaign.toml with the three tables beside it."""
+    folder = work / "silverbox"
+    folder.mkdir()
+    (folder / "campaign.toml").write_text(campaign_text(), encoding="utf-8")
+    for name in FILES:
+        (folder / name).symlink_to((data_folder() / name).resolve())
+
+
+def ident(arguments: tuple[str, ...], work: Path) -> None:
+    """Run one command in the folder `work`, its progress on stderr."""
+    path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
+    subprocess.run(
+        (sys.executable, "-m", "ident.cli.main", *arguments), cwd=work, check=True, stdout=subprocess.DEVNULL,
+        env=os.environ | {"PYTHONPATH": path},
+    )  # fmt: skip
+
+
+def outcome(run: Path) -> Outcome:
+    """The errors that a run folder holds."""
+    records = json.loads((run / "run.json").read_text(encoding="utf-8"))["records"]
+    per_unit = {"V": 1e3, "mV": 1.0}
+    errors = {Path(r["file"]).name: r["rmse"] * per_unit[r["unit"]] for r in records}
+    return Outcome(*(errors[name] for name in FILES))
+
+
+def walk(work: Path) -> list[Outcome]:
+    """All steps, each held to its bounds."""
+    prepare(work)
+    found = []
+    for step in STEPS:
+        ident(step.arguments, work)
+        errors = outcome(work / step.run)
+        assert errors.arrow <= step.arrow, (step, errors)
+        assert errors.multisine <= step.multisine, (step, errors)
+        print(f"{step.run:<16} {errors.train:9.4f} {errors.multisine:9.4f} {errors.arrow:9.4f}", flush=True)
+        found.append(errors)
+    return found
+
+
+if __name__ == "__main__":
+    if not available():
+        print(f"skipped: {data_folder()} lacks the Silverbox files; set IDENT_BENCHMARKS to the folder above it")
+    else:
+        with tempfile.TemporaryDirectory() as temporary:
+            print(f"{'run':<16} {'train':>9} {'multisine':>9} {'arrow':>9}   mV")
+            walk(Path(temporary))

@@ -1,0 +1,35 @@
+"""The steps of `docs/silverbox.md` reach the errors that the page shows."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from experiments.silverbox import silverbox
+
+
+@pytest.mark.slow
+def test_every_step_reaches_its_bound(tmp_path: Path) -> None:
+    if not silverbox.available():
+        pytest.skip(f"{silverbox.data_folder()} lacks the Silverbox files; IDENT_BENCHMARKS names another folder")
+    found = silverbox.walk(tmp_path)
+    for shown, errors in zip(_table(), found, strict=True):
+        assert shown == pytest.approx(errors, rel=0.02)
+
+
+def test_the_page_shows_the_commands_that_the_script_runs() -> None:
+    text = silverbox.PAGE.read_text(encoding="utf-8")
+    shown = [line for line in text.splitlines() if line.startswith("ident ")]
+    assert shown == ["ident " + " ".join(step.arguments) for step in silverbox.STEPS]
+
+
+def test_the_numbers_of_the_page_keep_the_bounds() -> None:
+    for (_, multisine, arrow), step in zip(_table(), silverbox.STEPS, strict=True):
+        assert arrow <= step.arrow and multisine <= step.multisine
+
+
+def _table() -> list[tuple[float, ...]]:
+    """Errors of the page in mV, a row per model: training, test multisine, test arrow."""
+    text = silverbox.PAGE.read_text(encoding="utf-8").partition("| model |")[2]
+    rows = re.findall(r"\| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \|", text)
+    return [tuple(map(float, row)) for row in rows]
