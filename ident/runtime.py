@@ -27,7 +27,8 @@ def configure() -> None:
 
     jax.config.update("jax_enable_x64", True)
     folder = _cache_folder()
-    if folder is not None and jax.config.read("jax_compilation_cache_dir") is None:
+    known = jax.config.jax_compilation_cache_dir  # pyright: ignore[reportAttributeAccessIssue]  (JAX adds it when it runs)
+    if folder is not None and known is None:
         jax.config.update("jax_compilation_cache_dir", str(folder))
         # Zero and −1 mean "cache everything": our programs are small and compile in under a second each.
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
