@@ -94,7 +94,7 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
         candidates = score(bench, library)
         ranking = ranking or tuple(candidates)
         real = significant(candidates)
-        if not real or len(steps) >= most or (steps and _only_shapes_left(current, bench, real, first)):
+        if not real or len(steps) >= most or (steps and _only_shapes_left(bench, real, first)):
             break
         step = _best_step(current, bench, real, library, first, gains if not steps else {}, report)
         if step is None:
@@ -110,17 +110,17 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
         bench = prepare(working(current))
         candidates = score(bench, library)
     remaining = tuple(significant(candidates))
-    return Discovery(_verdict(start, steps, current, remaining), start, tuple(steps), ranking, gains, remaining, bench)
+    return Discovery(_verdict(steps, bench), start, tuple(steps), ranking, gains, remaining, bench)
 
 
-def _only_shapes_left(current: Fit, bench: Bench, real: list[Candidate], first: Bench) -> bool:
+def _only_shapes_left(bench: Bench, real: list[Candidate], first: Bench) -> bool:
     """Whether the model stands at the noise floor and nothing promises more than a finer shape of what was found.
 
     No law has exactly the device's shape, so something always remains significant; to add it would name physics that
     is not there.
     """
     worth_a_name = _SHAPE * (first.chi2 - first.n)
-    return adequate(current, ()) and max(c.drop for c in real) < worth_a_name
+    return adequate(bench) and max(c.drop for c in real) < worth_a_name
 
 
 def _replayed(start: Fit, needed: Pruned, library: Library) -> list[Step]:
@@ -189,14 +189,17 @@ def _in_order(tried: list[Confirmed], same: float) -> list[Confirmed]:
     return near + sorted((c for c in tried if not c.criterion <= limit), key=lambda c: c.criterion)
 
 
-def adequate(fitted: Fit, remaining: tuple[Candidate, ...]) -> bool:
-    """Whether the error stands at the noise floor, within what is known of that floor."""
-    doubt = float(np.mean([record.noise.relative_error for record in fitted.campaign.fitted]))
-    return fitted.fitted.error_over_noise < 1.05 + 2 * min(doubt, 0.1)
+def adequate(bench: Bench) -> bool:
+    """Whether the error stands at the noise floor, within what is known of that floor.
+
+    What counts is the whitened error without mains hum and initial states: hum is no shortcoming of a model.
+    """
+    doubt = float(np.mean([record.noise.relative_error for record in bench.fit.campaign.fitted]))
+    return float(np.sqrt(bench.chi2 / bench.n)) < 1.05 + 2 * min(doubt, 0.1)
 
 
-def _verdict(start: Fit, steps: list[Step], final: Fit, remaining: tuple[Candidate, ...]) -> Verdict:
-    if not adequate(final, remaining):
+def _verdict(steps: list[Step], bench: Bench) -> Verdict:
+    if not adequate(bench):
         return "not-in-library"
     if not steps:
         return "adequate"
