@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -62,9 +63,14 @@ def _parameters(effect: dict[str, Any]) -> str:
     words = []
     for parameter in effect["parameters"]:
         name = f"*{parameter['name']}*" if parameter["kind"] == "shape" else parameter["name"].replace("_", "\\_")
-        word = name + (f" {parameter['unit']}" if parameter["unit"] != "1" else "")
+        word = name + (f" {_unit(parameter['unit'])}" if parameter["unit"] != "1" else "")
         words.append(word if parameter["fitted"] else f"({word})")
     return ", ".join(words)
+
+
+def _unit(text: str) -> str:
+    """A unit as one writes it by hand; a bare * would be read as emphasis."""
+    return re.sub(r"\^(\d)", lambda found: "⁰¹²³⁴⁵⁶⁷⁸⁹"[int(found[1])], text.replace("*", "·"))
 
 
 def _mistaken(effect: dict[str, Any]) -> str:

@@ -1,0 +1,183 @@
+"""Run the commands of the documents and hold every excerpt and number to what comes out.
+
+`python -m experiments.docs_numbers [FOLDER]`; run folders are left in FOLDER if it is given. `--figure` draws
+`docs/figures/tutorial.png` again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+TUTORIAL = ROOT / "docs" / "tutorial.md"
+FIGURE = ROOT / "docs" / "figures" / "tutorial.png"
+README_RUN = "ident fit data/platform_317hz -o runs/first"
+
+_NUMBER = re.compile(r"[-−]?\d+(?:\.\d+)?(?:e[-−]?\d+)?")
+_RELATIVE, _ABSOLUTE = 0.02, 0.021  # another processor's last digits may differ; a number that means another thing not
+
+
+class Claim(NamedTuple):
+    """A number that stands in prose: the document, the words around it (one group), and where the truth is."""
+
+    document: str
+    words: str
+    run: str
+    path: tuple[str, ...]
+    scale: float = 1.0
+
+
+CLAIMS = (
+    Claim("docs/tutorial.md", r"`voltage_force`, (\d+) standard errors", "stress", ("ratio", "voltage_force")),
+    Claim("docs/tutorial.md", r"friction is ([\d.]+) ±", "friction", ("value", "coulomb-friction.friction"), 1e6),
+    Claim("README.md", r"platform_317hz` \| ([\d.]+) \|", "first", ("fitted", "error_over_noise")),
+    Claim("README.md", r"platform_317hz` \| [\d.]+ \| ([\d.]+) \|", "first", ("holdout", "error_over_noise")),
+    Claim("README.md", r"mystery_platform`, as it comes \| ([\d.]+) \|", "stress", ("fitted", "error_over_noise")),
+    Claim("README.md", r"as it comes \| [\d.]+ \| ([\d.]+) \|", "stress", ("holdout", "error_over_noise")),
+    Claim("README.md", r"`ident discover` \| ([\d.]+) \|", "mystery", ("fitted", "error_over_noise")),
+    Claim("README.md", r"`ident discover` \| [\d.]+ \| ([\d.]+) \|", "mystery", ("holdout", "error_over_noise")),
+)
+
+
+def steps(page: str) -> Iterator[tuple[str, list[str]]]:
+    """Each command of a page with the lines of its output that are shown before the next command.
+
+    A line that starts with four spaces goes on with the one before: the page breaks what the terminal does not.
+    """
+    command, shown = "", []
+    for language, text in re.findall(r"^```(\w+)\n(.*?)^```", page, re.MULTILINE | re.DOTALL):
+        if language == "bash":
+            if command:
+                yield command, shown
+            command, shown = text.strip(), []
+        elif language == "text":
+            whole = re.sub(r"\n {4}(?=\S)", " ", text)
+            shown += [line for line in whole.splitlines() if line.strip() not in ("", "…")]
+    if command:
+        yield command, shown
+
+
+def run(command: str, work: Path) -> str:
+    """What one `ident` command prints."""
+    words = shlex.split(command)
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))}
+    done = subprocess.run(
+        (sys.executable, "-m", "ident.cli.main", *words[1:]), cwd=work, env=environment | {"COLUMNS": "100"},
+        stdout=subprocess.PIPE, encoding="utf-8", check=True,
+    )  # fmt: skip
+    return done.stdout
+
+
+def same(shown: str, printed: str) -> bool:
+    """Whether two lines say the same: equal words, numbers equal but for their last digits."""
+    if _NUMBER.sub("#", shown).split() != _NUMBER.sub("#", printed).split():
+        return False
+    pairs = zip(_NUMBER.findall(shown), _NUMBER.findall(printed), strict=True)
+    return all(_close(float(a.replace("−", "-")), float(b.replace("−", "-"))) for a, b in pairs)
+
+
+def _close(a: float, b: float) -> bool:
+    return abs(a - b) <= max(_ABSOLUTE, _RELATIVE * abs(b))
+
+
+def value(document: dict[str, Any], path: tuple[str, ...]) -> float:
+    """A number of run.json; "value" and "ratio" (value over standard error) look a parameter up by its name's end."""
+    if path[0] in ("value", "ratio"):
+        found = next(p for p in document["parameters"] if p["name"].endswith(path[1]))
+        return found["value"] / (found["standard_error"] if path[0] == "ratio" else 1.0)
+    inner: Any = document
+    for key in path:
+        inner = inner[key]
+    return float(inner)
+
+
+def check_claims(work: Path) -> list[str]:
+    """Claims of the prose that do not hold."""
+    wrong = []
+    for claim in CLAIMS:
+        document = json.loads((work / "runs" / claim.run / "run.json").read_text(encoding="utf-8"))
+        true = claim.scale * value(document, claim.path)
+        found = re.search(claim.words, (ROOT / claim.document).read_text(encoding="utf-8"))
+        if found is None or not _close(float(found[1]), true):
+            wrong.append(f"{claim.document}: {claim.words} is {true:.6g}")
+    return wrong
+
+
+def draw(work: Path) -> None:
+    """The figure of the tutorial: what three models leave of one record, and their errors."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    from ident import load_run
+
+    models = {"residual-stress": "stress", "+ prandtl-ishlinskii": "guess", "+ coulomb-friction": "friction"}
+    figure = plt.figure(figsize=(10, 4.6))
+    left = [figure.add_axes((0.075, 0.68 - 0.275 * k, 0.52, 0.215)) for k in range(3)]
+    right = figure.add_axes((0.70, 0.13, 0.28, 0.765))
+    errors = []
+    for axes, (name, folder) in zip(left, models.items(), strict=True):
+        fit = load_run(work / "runs" / folder)
+        traces = fit.campaign.traces
+        index = next(i for i, trace in enumerate(traces) if trace.name == "sine_3V_500Hz.csv")
+        record, floor = traces[index], fit.scores[index].noise_rmse
+        axes.axhspan(-2e9 * floor, 2e9 * floor, color="0.88")
+        axes.plot(record.time * 1e3, 1e9 * (record.response - fit.readings[index]), lw=0.7, color="#0072B2")
+        axes.set(xlim=(0, record.time[-1] * 1e3), ylim=(-720, 720))
+        axes.set_title(name, loc="left", fontsize=10, pad=3)
+        axes.tick_params(labelbottom=axes is left[-1])
+        assert fit.holdout is not None
+        errors.append((fit.fitted.error_over_noise, fit.holdout.error_over_noise))
+    left[1].set_ylabel("measured − model (nm); shaded: ±2 noise floors")
+    left[2].set_xlabel("time (ms), record at 3 V, 500 Hz")
+    at = np.arange(3)[::-1]
+    for k, (label, colour) in enumerate((("fitted", "#0072B2"), ("held out", "#E69F00"))):
+        bars = right.barh(at + 0.19 - 0.38 * k, [e[k] for e in errors], 0.36, color=colour, label=label)
+        right.bar_label(bars, fmt="%.2f", padding=3, fontsize=9)
+    right.axvline(1.0, color="0.2", lw=1)
+    right.set(yticks=at, yticklabels=["stress\nalone", "with\nhysteresis", "with\nfriction"], xlim=(0, 12.2))
+    right.set_xlabel("error over noise floor (line: 1)")
+    right.legend(loc="lower right", frameon=False, fontsize=9)
+    for axes in (*left, right):
+        axes.spines[["top", "right"]].set_visible(False)
+    FIGURE.parent.mkdir(exist_ok=True)
+    figure.savefig(FIGURE, dpi=100)
+
+
+def main(work: Path, figure: bool) -> int:
+    """Run everything; the number of things that do not hold."""
+    (work / "data").symlink_to(ROOT / "data")
+    wrong = []
+    for command, shown in [*steps(TUTORIAL.read_text(encoding="utf-8")), (README_RUN, [])]:
+        print(f"$ {command}", flush=True)
+        printed = run(command, work).splitlines()
+        wrong += [f"{command} no longer prints: {line}" for line in shown if not any(same(line, p) for p in printed)]
+    wrong += check_claims(work)
+    if figure:
+        draw(work)
+    print("\n".join(wrong) or "every excerpt and every number holds")
+    return len(wrong)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", nargs="?", type=Path)
+    parser.add_argument("--figure", action="store_true")
+    given = parser.parse_args()
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = given.folder or Path(temporary)
+        folder.mkdir(parents=True, exist_ok=True)
+        sys.exit(bool(main(folder.resolve(), given.figure)))
