@@ -1,0 +1,37 @@
+"""Starting values read off the records, against known oscillators."""
+
+import numpy as np
+import pytest
+from scipy import signal
+
+from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.fit.guess import guess_linear, oscillator_filter
+
+
+@pytest.mark.parametrize(("f", "q", "h"), [(500, 30, 4e-5), (68, 20, 1 / 610), (500, 0.3, 1e-4), (1, 50, 1e-2)])
+def test_the_filter_is_the_first_order_hold_of_scipy(f, q, h):
+    omega = 2 * np.pi * f
+    b, a, _ = signal.cont2discrete(([1.0], [1.0, omega / q, omega**2]), h, method="foh")
+    ours_b, ours_a = oscillator_filter(f, q, h)
+    np.testing.assert_allclose(ours_b, np.ravel(b), rtol=1e-6)
+    np.testing.assert_allclose(ours_a, a, rtol=1e-9)
+
+
+def record(f0: float, q: float, gain: float, drive_hz: float, quiet: int = 0) -> Trace:
+    step = 1 / 25_000
+    t = step * np.arange(2500 + quiet)
+    drive = np.where(np.arange(len(t)) >= quiet, 5 * np.sin(2 * np.pi * drive_hz * (t - quiet * step)), 0.0)
+    response = gain * signal.lfilter(*oscillator_filter(f0, q, step), drive)
+    channel = Channel("V", 1.0)
+    return Trace("r", t, drive, response, channel, channel, NoiseFloor(1e-9), "rest")
+
+
+@pytest.mark.parametrize(("f0", "q"), [(480.0, 25.0), (530.0, 60.0)])
+def test_resonance_quality_and_gain_are_found(f0, q):
+    found = guess_linear([record(f0, q, 3.0, 317.0), record(f0, q, 3.0, 505.0)])
+    np.testing.assert_allclose([found.frequency, found.quality, found.gain], [f0, q, 3.0], rtol=2e-3)
+
+
+def test_a_long_quiet_start_does_not_hide_the_resonance():
+    found = guess_linear([record(500.0, 30.0, 2.0, 400.0, quiet=9000)])
+    np.testing.assert_allclose([found.frequency, found.quality, found.gain], [500.0, 30.0, 2.0], rtol=5e-3)
