@@ -167,7 +167,7 @@ def _best_step(
         tried.append(confirm(bench, library[candidate.name], candidate))
         gains[candidate.name] = tried[-1].gain
     limit = bench.chi2 + len(bench.scene.static.free) * np.log(bench.n)
-    for found in _in_order(tried, max(_TIED_CRITERION, _SAME_SHAPE * excess)):
+    for found in _in_order(tried, bench):
         if not np.isfinite(found.criterion) or found.criterion > limit:
             return None
         after = accept(found, current)
@@ -181,10 +181,15 @@ def _best_step(
     return None
 
 
-def _in_order(tried: list[Confirmed], same: float) -> list[Confirmed]:
-    """Best first; of those that do equally well the simplest first. No library law has exactly the shape of the
-    device's, so a rival with more shapes to bend will always fit a little closer."""
-    limit = min(c.criterion for c in tried) + same
+def _in_order(tried: list[Confirmed], bench: Bench) -> list[Confirmed]:
+    """Best first; of those that do equally well the simplest first.
+
+    No library law has exactly the shape of the device's, so a rival with more shapes to bend fits a little closer; but
+    the simpler may win only by as much as the better one itself still lacks.
+    """
+    best = min(tried, key=lambda c: c.criterion)
+    same = min(_SAME_SHAPE * (bench.chi2 - bench.n), best.chi2 - bench.n)
+    limit = best.criterion + max(_TIED_CRITERION, same)
     near = sorted((c for c in tried if c.criterion <= limit), key=lambda c: (len(c.values), c.criterion))
     return near + sorted((c for c in tried if not c.criterion <= limit), key=lambda c: c.criterion)
 
