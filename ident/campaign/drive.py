@@ -17,7 +17,7 @@ __all__ = ["drive_frequency", "drive_rate", "find_period", "half_step_drive"]
 def drive_frequency(record: Trace) -> float:
     """Drive frequency of a record for any waveform, ω = rms(V̇)/rms(V − mean V), rad/s; 0 for a constant drive.
 
-    Source: MODEL.md §5; exact for a sine over whole periods.
+    Source: docs/physics.md §5; exact for a sine over whole periods.
     """
     return drive_rate(record.drive, record.period) / record.step
 

@@ -139,6 +139,9 @@ def _estimates(
             flags = ("at-bound",)
         elif error > abs(value):
             flags = ("not-significant",)
-        shown = error if determined[k] and np.isfinite(error) and error > 0 else None
+        # At the edge of a range the slope of the bijection vanishes, and with it any error bar that could be given.
+        known = determined[k] and np.isfinite(error) and error > 0
+        edge = "at-bound" in flags and np.isfinite(data.upper[k])
+        shown = error if known and not edge else None
         estimates.append(Estimate(parameter.name, value, shown, parameter.unit, True, flags))
     return tuple(estimates)

@@ -187,7 +187,7 @@ def _closure(fit: Fit, device: Platform) -> Sentence:
     yaw = " The stage of this device may turn in its plane, so this applies here." if device.in_plane == "yaw" else ""
     return Sentence(
         'The closure decides the stress gradient. "axial-force" (the paper\'s) is 11–16 % off finite elements with '
-        "restraint = 1, needs a restraint from 0.06 to 2.6 depending on how the stage is held in plane, and where the "
+        "restraint = 1, needs a restraint from 0.002 to 2.9 depending on how the stage is held in plane, and where the "
         f"stage may turn about z it can give the gradient the wrong sign.{yaw} Its buckling under high stress belongs "
         'to the closure too. Before reading the gradient as a stress, fit again with closure = "frame" (within '
         "1–2 % of finite elements).",

@@ -14,7 +14,7 @@ from .sheet import Column, Mark, Sheet
 
 _FLAGS = {
     "undetermined": "undetermined",
-    "at-bound": "at bound: may be zero",
+    "at-bound": "at the edge of its range",
     "not-significant": "not significant: may be zero",
     "held": "held",
 }
