@@ -101,7 +101,8 @@ def prepare(fit: Fit) -> Bench:
     lengths = [len(r.time) - r.skip for r in records]
     starts = tuple(int(x) for x in np.concatenate([[0], np.cumsum(lengths)[:-1]]))
     bench = Bench(fit, scene, tuple(pieces), starts, np.zeros((sum(lengths), 0)), np.zeros(sum(lengths)))
-    free = list(scene.static.free)
+    # A shape at its bound cannot move as its column says: to project that out would hide a misfit that remains.
+    free = [i for i in scene.static.free if "at-bound" not in fit.estimates[i].flags]
     directions = np.eye(len(fit.values))[free] * np.where(fit.values[free] == 0, 1.0, fit.values[free])[:, None]
     known = stack(bench, fit.model, np.tile(fit.values, (len(free), 1)), directions)
     residual = np.concatenate([whiten(piece, r[None])[0] for piece, r in zip(pieces, scene.residuals, strict=True)])
