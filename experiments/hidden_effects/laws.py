@@ -267,7 +267,9 @@ def bouc_wen_drive(e, limit, power):
 
 def driven(e: np.ndarray, de: np.ndarray, reference: float, h: float, c: np.ndarray, s: np.ndarray) -> np.ndarray:
     """The effective drive u/G on the half-step grid of spacing `h`; `reference` is the drive's own frequency."""
-    u = lag(e, h, c[LAG_E]) if c[LAG_E] > 0 else e.copy()
+    u = e.copy()
+    if c[LAG_E] > 0:  # at rest before: a drive that starts with a jump is followed late from zero
+        u = lag(e, h, c[LAG_E]) - e[0] * np.exp(-h * np.arange(len(e)) / c[LAG_E])
     if c[PZT]:
         u += c[PZT] * (s[PZT, 0] * (de / reference) ** 3 - e**3 - s[PZT, 1] * e**5)
     if c[PLAYS]:
