@@ -48,7 +48,7 @@ def contributions(
 
 @eqx.filter_jit
 def _responses(equation: Equation, substeps: int, values: Numbers, pushes: Numbers, lanes: Lane, path: Path) -> Array:
-    def one(lane: Lane, path: Path, push: Array) -> Array:
+    def one(lane: Lane, path: Path, push: Numbers) -> Array:
         system = assemble(equation, values, lane)
         z, v = _respond(push / system.mass, *_linearised(system, lane, path), lane.step, substeps)
         by_z, by_v = _sensor_slopes(system, lane, path, 2 * substeps)

@@ -62,7 +62,7 @@ class System(NamedTuple):
     omega: Any
 
 
-def simulate(equation: Equation, substeps: int, values: Array, start: Array, lane: Lane) -> Array:
+def simulate(equation: Equation, substeps: int, values: Array, start: Numbers, lane: Lane) -> Array:
     """Sensor reading at the samples of one record.
 
     **Arguments:** `substeps`, solver steps per sample; `values`, (p,) physical parameters in the order of
@@ -79,11 +79,11 @@ def simulate(equation: Equation, substeps: int, values: Array, start: Array, lan
 
 def half_step_time(lane: Lane) -> Array:
     """Time since the first sample on the half-step grid, s."""
-    return 0.5 * lane.step * jnp.arange(lane.voltage.shape[0])
+    return jnp.asarray(0.5 * lane.step * jnp.arange(lane.voltage.shape[0]))
 
 
 def integrate(
-    system: System, substeps: int, start: Array, lane: Lane, half_time: Array, whole_state: bool = True
+    system: System, substeps: int, start: Numbers, lane: Lane, half_time: Array, whole_state: bool = True
 ) -> tuple[Array, ...]:
     """State (z, v, hidden …) at the samples, or z alone; each (n / substeps + 1,)."""
     pushed = _pushed(system, lane, half_time)
@@ -151,7 +151,7 @@ def derivative(system: System, y: tuple[Array, ...], at: tuple[Array, ...]) -> t
     return (v, force / system.mass, *rates)
 
 
-def _runge_kutta(f: Any, y: tuple[Array, ...], at: list[tuple[Array, ...]], h: Array) -> tuple[Array, ...]:
+def _runge_kutta(f: Any, y: tuple[Array, ...], at: list[tuple[Array, ...]], h: Numbers) -> tuple[Array, ...]:
     move = lambda k, step: tuple(a + step * b for a, b in zip(y, k, strict=True))
     k1 = f(y, at[0])
     k2 = f(move(k1, h / 2), at[1])
