@@ -17,6 +17,7 @@ from ..campaign.campaign import Campaign
 from ..effects.effect import AbstractEffect
 from ..fit import Fit, fit
 from ..model import Model
+from .change import remove
 from .confirm import Confirmed, accept, confirm
 from .prune import Pruned, hurts, prune
 from .score import Bench, Candidate, prepare, score, significant
@@ -109,6 +110,7 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
         current = steps[-1].fit
         bench = prepare(working(current))
         candidates = score(bench, library)
+    steps = [_tied_at_the_end(step, steps[-1].fit, library, report) for step in steps[:-1]] + steps[-1:]
     remaining = tuple(significant(candidates))
     return Discovery(_verdict(steps, bench), start, tuple(steps), ranking, gains, remaining, bench)
 
@@ -140,6 +142,21 @@ def _replayed(start: Fit, needed: Pruned, library: Library) -> list[Step]:
             Step(name, chosen.predicted_gain, found.gain, ties.names, role, current, ties.reasons, tied, bench)
         )
     return steps
+
+
+def _tied_at_the_end(step: Step, last: Fit, library: Library, report: Report) -> Step:
+    """A step with the ties that are left once the later terms are in: what they explain had blurred the comparison."""
+    if len(step.tie_set) < 2 or step.role != "effect":
+        return step
+    report(f"what {step.added} could be mistaken for")
+    bench = prepare(working(remove(last, step.added)))
+    candidates = significant(score(bench, library))
+    chosen = next((c for c in candidates if c.name == step.added), None)
+    if chosen is None:
+        return step
+    ties = tie_set(bench, chosen, candidates, library)
+    tied = tuple(c for c in candidates if c.name in ties.names)
+    return step._replace(tie_set=ties.names, reasons=ties.reasons, tied=tied, bench=bench)
 
 
 def _role(bench: Bench, found: Confirmed, first: Bench) -> Literal["effect", "shape-refinement"]:
