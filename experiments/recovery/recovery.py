@@ -1,11 +1,10 @@
 """Do fits return the truth, and do their error bars mean what they say?  `python -m experiments.recovery.recovery`
 
-400 simulated campaigns with random truths (`campaigns.py`) are fitted from the records' own guess. For every determined
-parameter the standardised error (estimate − truth)/standard error must have a mean within ±0.15 and a standard
-deviation
-within 0.9–1.1; the two stress gradients, of which the displacement shows one combination only, must be reported as
-undetermined, and their combination must be right. Finished campaigns are kept in `runs/recovery`, so that an
-interrupted run goes on where it stopped; `--again` forgets them.
+400 simulated campaigns with random truths (`campaigns.py`) are fitted from the records' own guess. For every
+determined parameter the standardised error (estimate − truth)/standard error must have a mean within ±0.15 and a
+standard deviation within 0.9–1.1; the two stress gradients, of which the displacement shows one combination only,
+must be reported as undetermined, and their combination must be right. Finished campaigns are kept in `runs/recovery`,
+so that an interrupted run goes on where it stopped; `--again` forgets them.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from .splines import UNITS
 from .terms import Term
 from .unknown import Unknown
 
-_STATE = {"z": "state.z", "v": "state.v", "V": "drive.V", "t": "t"}
+_STATE = {"z": "state.z", "v": "state.v", "V": "drive.V", "t": "t", "rate": "drive.rate"}
 _LOOP = "    dV = drive.rate / jnp.where(drive.omega > 0, drive.omega, jnp.inf)\n"
 _BUMP = '''
 
@@ -62,19 +62,21 @@ def effect_source(formula: Formula, name: str, found: str = "") -> str:
     body = _locals(names) + f"        return {product.replace('{hidden}', store)}\n"
     declared = "".join(f"    {line}\n" for term in terms for line in term.declared)
     rates = [term.rate for term in terms if term.rate]
-    memory = _memory(rates, formula) if rates else ""
-    units = f"    hidden_units = ({', '.join(repr(t.hidden_unit) for t in terms if t.rate)},)\n" if rates else ""
+    memory = _memory(rates) if rates else ""
+    units = "    hidden_units = " + _tuple([f'"{t.hidden_unit}"' for t in terms if t.rate]) + "\n" if rates else ""
     whole = body + memory
     imports = "import jax.numpy as jnp\n\n" if "jnp." in whole or "bump(" in whole else ""
     kinds = "AbstractEffect, amplitude" + (", shape" if "= shape(" in declared else "")
     slip = "from ident.effects.memory import slip\n" if "slip(" in whole else ""
+    sharp = next((n for mark, n in (("tanh", 250), ("slip(", 120), ("maximum(", 120)) if mark in whole), 0)
+    fine = f"    steps_per_period = {sharp}\n" if sharp else ""
     head = f'"""{found or "What a fit could not explain, as a formula."}\n\nEdit it as you learn what it is."""\n\n'
     title = "".join(word.capitalize() for word in name.split("-"))
     text = formula.text if len(formula.text) < 90 else f"{len(formula.terms)} terms in {', '.join(names)}"
     return (
         f"{head}{imports}from ident import {kinds}\n{slip}{_BUMP if 'bump(' in whole else ''}\n\n"
         f'class {title}(AbstractEffect):\n    """{text}."""\n\n'
-        f'    name = "{name}"\n    equation = "{text}"\n{units}\n{declared}\n'
+        f'    name = "{name}"\n    equation = "{text}"\n{units}{fine}\n{declared}\n'
         f"    def {signature}:\n{body}{memory}"
     )
 
@@ -112,7 +114,9 @@ def _unit(top: str, term: Term) -> str:
     """Unit of a term's amplitude: that of the side over those of its coordinates."""
     powers = {"m": 0, "s": 0, "V": 0}
     for name, power in term.powers:
-        for symbol, own in {"z": {"m": 1}, "v": {"m": 1, "s": -1}, "t": {"s": 1}}.get(name, {"V": 1}).items():
+        for symbol, own in {"z": {"m": 1}, "v": {"m": 1, "s": -1}, "t": {"s": 1}, "rate": {"V": 1, "s": -1}}.get(
+            name, {"V": 1}
+        ).items():
             powers[symbol] -= own * power
     if top == "m":
         powers["m"] += 1
@@ -127,10 +131,14 @@ def _locals(names: list[str]) -> str:
     return lines + ("    " + _LOOP if "dV" in names else "")
 
 
-def _memory(rates: list[str], formula: Formula) -> str:
-    start = ", ".join("0.0" for _ in rates)
+def _tuple(items: list[str]) -> str:
+    return f"({', '.join(items)}{',' if len(items) == 1 else ''})"
+
+
+def _memory(rates: list[str]) -> str:
+    start = _tuple(["0.0"] * len(rates))
     listed = "".join(f"            {rate},\n" for rate in rates)
     return (
-        f"\n    def state0(self):\n        return ({start},)\n"
+        f"\n    def state0(self):\n        return {start}\n"
         f"\n    def rate(self, state, drive, t):\n        return (\n{listed}        )\n"
     )

@@ -20,16 +20,23 @@ from ..effects.effect import Scale
 from ..response import Group
 
 COORDINATES = ("z", "v", "V", "dV", "t")
-UNITS = {"z": "m", "v": "m/s", "V": "V", "dV": "V", "t": "s"}  # dV is V̇/ω, so that records of any frequency compare
+UNITS = {
+    "z": "m",
+    "v": "m/s",
+    "V": "V",
+    "dV": "V",
+    "t": "s",
+    "rate": "V/s",
+}  # dV is V̇/ω, so that records of any frequency compare
 SCALES: Mapping[str, Scale] = {"z": "displacement", "v": "velocity", "V": "voltage", "dV": "voltage", "t": "duration"}
 
 _SINGLE, _PAIRED, _DEGREE = 18, 6, 3
 _WIDTHS = (0.02, 0.05, 0.1, 0.18, 0.3, 0.45, 0.6, 0.8)  # of the plays, in parts of the largest value
 _TIMES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 40.0)  # of the relaxations, in periods of the resonance
 
-_STEPS = (0.02, 0.05, 0.1)  # widths of the steps, in parts of the largest value
+_STEPS = (0.003, 0.006, 0.0125, 0.025, 0.05, 0.1)  # widths of the steps, in parts of the largest value
 
-# SI: each coordinate (lanes, points); "z history" and "V history" (rows, lanes, points); "step" (lanes,) s
+# SI. Each coordinate and "rate", V̇: (lanes, points); "z history", "V history": (rows, lanes, points); "step": (lanes,).
 Places = dict[str, np.ndarray]
 
 
@@ -53,6 +60,7 @@ def places(group: Group, z: np.ndarray, v: np.ndarray, stride: int, period: floa
     time = half[:, None] * np.arange(lanes.voltage.shape[1])
     thin = lambda x: np.asarray(x)[:, ::stride]
     found = {"z": z, "v": v, "V": thin(lanes.voltage), "dV": thin(lanes.rate / omega), "t": thin(time)}
+    found["rate"] = thin(lanes.rate)
     found["step"] = half * stride
     for name, size in zip(("z", "V"), largest, strict=True):
         found[f"{name} history"] = memories(found[name], found["step"], period, size)

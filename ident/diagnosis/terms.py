@@ -18,10 +18,11 @@ from .splines import UNITS, Places, Size, lagging, plays, quick, sharp
 _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _WAVES = np.linspace(1.5, 9.0, 16)  # sin(w x/largest)
 _HUMPS = (0.05, 0.1, 0.2, 0.4)  # widths of what acts near zero only, in parts of the largest value
+_TURNS = (0.006, 0.0125, 0.025, 0.05, 0.1, 0.2)  # widths of steps
 _GAPS = (0.3, 0.45, 0.6, 0.75)
-_STEP = 0.02  # width of a step, as friction is written in the library
+_STEP = 0.003  # width of a step that is too sharp to measure
 _PLAYS = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7)
-_LATE = (0.003, 0.01, 0.03, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 15.0, 50.0)  # periods
+_LATE = (0.04, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 15.0, 50.0)  # periods; a fixed step follows none shorter
 _CHANGES = (0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.5)  # durations
 _KNOTS = 12  # of a table: as many as a fit still determines
 
@@ -82,9 +83,9 @@ def single(name: str, size: Size) -> list[Term]:
              lambda x: np.sign(x[n]) * np.abs(x[n] / largest) ** 1.5,
              length(largest, f"{n} at which the term is its amplitude", False), largest**1.5),
     ]  # fmt: skip
-    found += [_step(n, part * largest, length) for part in _HUMPS]
+    found += [_step(n, part * largest, length) for part in _TURNS]
     found += [_wave(n, largest / w, length) for w in _WAVES]
-    found += [_hump(n, largest, part * largest, length) for part in _HUMPS]
+    found += [_hump(n, part * largest, length) for part in _HUMPS]
     for sign, gap in itertools.product((1, -1), [part * largest for part in _GAPS]):
         if gap < (size.high if sign > 0 else -size.low):
             found.append(_contact(n, sign, gap, length))
@@ -101,8 +102,8 @@ def _step(n: str, width: float, length: Callable[..., Number]) -> Term:
     return Term(f"tanh({n}/{number(width)})", f"jnp.tanh({n} / {{n}})", (n,), (), lambda x: np.tanh(x[n] / width), own)
 
 
-def _hump(n: str, largest: float, width: float, length: Callable[..., Number]) -> Term:
-    value = lambda x: sharp(x[n] / largest) * np.exp(-((x[n] / width) ** 2))
+def _hump(n: str, width: float, length: Callable[..., Number]) -> Term:
+    value = lambda x: np.tanh(x[n] / (0.1 * width)) * np.exp(-((x[n] / width) ** 2))
     own = length(width, f"{n} beyond which the term dies out")
     code = f"jnp.tanh({n} / (0.1 * {{n}})) * jnp.exp(-(({n} / {{n}}) ** 2))"
     return Term(f"sign({n}) exp(−({n}/{number(width)})²)", code, (n,), (), value, own)
@@ -133,8 +134,8 @@ def paired(first: str, second: str, degree: int = 4) -> list[Term]:
 
 
 def remembered(name: str, size: Size, period: float) -> list[Term]:
-    """Plays and relaxations of one coordinate; `period` of the resonance, s."""
-    found = []
+    """Plays and relaxations of one coordinate, and its rate, a short delay; `period` of the resonance, s."""
+    found = [monomial([("v", 1)]) if name == "z" else Term("V̇", "rate", ("rate",), (("rate", 1),), lambda x: x["rate"])]
     for width in (part * size.largest for part in _PLAYS):
         own = Number(f"width_{name}", UNITS[name], width, "half width of the play", True)
         value = lambda x, w=width: plays(x[name], np.array([w]))[0]

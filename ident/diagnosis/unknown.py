@@ -10,12 +10,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from .formula import Formula, dictionary, long_formula, write_formula
 from .picture import Picture, draw
 from .score import Bench, chance
-from .stage import Side, Stage, set_stage
+from .stage import Side, Stage, rows_of, set_stage
 from .subsets import Ranked, dimension, rank, regress, smallest_sufficient, spline_rows
 from .unknown_words import describe
+from .whiten import whiten
 
 _TRIED = 35  # sets of coordinates: what a chance probability is multiplied by
 _LACKING = 0.05  # χ² per sample: a formula that lacks no more says as much as the splines of all rivals
@@ -115,9 +118,29 @@ def _settle(bench: Bench, stage: Stage, enough: Sequence[Ranked]) -> tuple[Ranke
             longer = write_formula(bench, stage, found.side, words, found.drop, _MOST_TERMS - 1)
             says_it = longer if longer and longer.drop >= least else None
         terms = len(says_it.terms) if says_it else _MOST_TERMS
+        if says_it is not None and not _possible(bench, stage, says_it):
+            says_it = None
         cost = dimension(found) + _PER_TERM * terms + _WORDLESS * (says_it is None)
         judged.append((cost, found.criterion, found, formula))
         if len(judged) == 1 and terms <= 2 and dimension(first) <= 1:
             break
     best = min(judged, key=lambda j: j[:2])
     return best[2], best[3]
+
+
+def _possible(bench: Bench, stage: Stage, formula: Formula) -> bool:
+    """Whether the linear part that a formula goes with is one: a memory may ask for a damping below zero."""
+    if formula.side == "sensor":
+        return True
+    terms = lambda place: np.stack([term.value(place) for term in formula.terms])
+    by_terms = formula.coefficients @ (rows_of(bench, stage, "force", terms) / stage.force_unit)
+    velocity = stage.ranges["v"].largest
+    linear = lambda place: np.stack([place["z"] / stage.ranges["z"].largest, place["v"] / velocity,
+                                     place["V"] / stage.ranges["V"].largest])  # fmt: skip
+    known = rows_of(bench, stage, "force", linear)
+    scene = bench.scene
+    left = np.concatenate([whiten(p, r[None])[0] for p, r in zip(bench.pieces, scene.residuals, strict=True)])
+    change = np.linalg.lstsq(known.T, left - by_terms, rcond=1e-10)[0][1] * stage.force_unit / velocity
+    frequency, quality = bench.fit.values[:2]
+    damping = bench.fit.model.linear.mass * 2 * np.pi * float(frequency) / float(quality)
+    return damping - change > 0.0

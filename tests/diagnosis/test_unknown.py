@@ -1,0 +1,107 @@
+"""What no library explains: coordinates, side, curve and formula are those of the hidden law, and it can be fitted."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from experiments.hidden_effects.campaigns import campaign_of
+from experiments.hidden_effects.generator import Case, draw
+from ident.diagnosis import score
+from ident.diagnosis.effect_file import write_effect
+from ident.diagnosis.unknown import Unknown, find_unknown
+from ident.effects.registry import registry
+from ident.errors import UserError
+from ident.fit import Fit, fit
+from ident.model import Model
+from ident.report.style import png
+from ident.report.unknown_figure import unknown_figure
+
+
+def hidden(seed: int, *effects: str, **options: object) -> tuple[Case, Fit, Unknown]:
+    case = draw(seed, effects, **{"size": 0.04, "noise": 0.005, "records": 4, "length": 800, **options})  # type: ignore[arg-type]
+    campaign = campaign_of(case)
+    fitted = fit(Model(campaign.device), campaign)
+    return case, fitted, find_unknown(score.prepare(fitted))
+
+
+@pytest.mark.parametrize(
+    ("effect", "side", "coordinates"),
+    [
+        ("root-stiffness", "force", ("z",)),
+        ("voltage-damping", "force", ("v", "V")),
+        ("electrostriction", "drive", ("V",)),
+        ("sensor-nonlinearity", "sensor", ("z",)),
+        ("sensor-offset", "sensor", ("1",)),
+        ("prandtl-ishlinskii", "drive", ("V", "history")),
+    ],
+)
+def test_side_and_coordinates_are_those_of_the_hidden_law(effect, side, coordinates):
+    _, fitted, found = hidden(40, effect)
+    assert (found.side, found.coordinates) == (side, coordinates)
+    assert found.share > 0.98
+    assert found.chi2_after < 1.1
+    assert found.p_value < 1e-6
+    assert found.as_json()["coordinates"] == list(coordinates)
+    assert png(unknown_figure(found, fitted.model.device))[:4] == b"\x89PNG"
+
+
+def test_the_curve_is_the_law_within_its_error_and_the_formula_has_its_coefficient():
+    case, fitted, found = hidden(41, "cubic-stiffness", detail="plain")
+    law = case.truth["laws"]["cubic-stiffness"]  # type: ignore[index]
+    mass, omega = fitted.model.linear.mass, 2 * np.pi * case.device.frequency
+    unit = case.device.unit
+    force = lambda z: -law["coefficient"] * mass * omega**2 * unit * (z / unit) ** 3
+    picture = found.picture
+    assert picture.kind == "curve"
+    # Both are known up to a straight line, which the stiffness absorbs.
+    z = picture.grids[0]
+    weight = 1 / picture.error
+    both = np.stack([picture.value - force(z), z / z[-1]])
+    line = np.linalg.lstsq((weight * both[1])[:, None], weight * both[0], rcond=None)[0]
+    apart = (both[0] - line * both[1]) * weight
+    assert np.sqrt(np.mean(apart**2)) < 2.5
+    assert found.formula is not None and found.formula.complete
+    assert found.formula.text.endswith("z³")
+    coefficient = float(found.formula.coefficients[0])
+    assert coefficient == pytest.approx(force(1.0), rel=0.02)
+    assert abs(coefficient - force(1.0)) < 6 * found.formula.errors[0]
+
+
+@pytest.mark.parametrize("effect", ["sine-force", "creep"])
+def test_what_was_found_is_written_loaded_and_fitted(effect, tmp_path: Path):
+    _, fitted, found = hidden(42, effect)
+    file = tmp_path / "missing.py"
+    write_effect(found, file)
+    written = registry([file])["unknown-effect"]
+    again = fit(fitted.model + written(), fitted.campaign)
+    assert again.converged
+    assert fitted.fitted.error_over_noise > 4
+    assert again.fitted.error_over_noise < 1.1
+    assert fitted.holdout is not None and again.holdout is not None
+    assert again.holdout.error_over_noise < 1.3 < 3 < fitted.holdout.error_over_noise
+    with pytest.raises(UserError, match="exists already"):
+        write_effect(found, file)
+
+
+def test_where_nothing_is_missing_chance_is_said_to_do_as_much():
+    _, _, found = hidden(43)
+    assert found.p_value > 1e-3
+    assert "by chance" in " ".join(found.sentences)
+
+
+def test_the_sentences_read_as_sentences():
+    _, _, found = hidden(40, "root-stiffness")
+    text = " ".join(found.sentences)
+    assert "depends on the displacement z" in text
+    assert all(sentence.endswith(".") and "  " not in sentence for sentence in found.sentences)
+    assert not re.search(r"e[+-]0\d", text)
+
+
+def test_a_name_that_is_none_is_refused(tmp_path: Path):
+    _, _, found = hidden(40, "root-stiffness")
+    with pytest.raises(UserError, match="no name of an effect"):
+        write_effect(found, tmp_path / "x.py", "My Effect")
