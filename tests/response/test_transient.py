@@ -62,7 +62,7 @@ def test_hysteresis_alone_gives_no_offset_and_residual_stress_does():
 
 @pytest.mark.parametrize("effect", ["coulomb-friction", "end-stop"])
 def test_an_effect_with_a_kink_gets_a_finer_step(effect):
-    records = [sine(500.0, 1.0, 4, per_period=40)]
+    records = [sine(500.0, 1.0, 4, per_period=40, noise=NoiseFloor(0.1))]
     smooth, sharp = Model(Oscillator()), Model(Oscillator(), (built_in()[effect](),))
     plain = make_groups(records, 500.0, 20.0, smooth.steps_per_period)[1].substeps[0]
     finer = make_groups(records, 500.0, 20.0, sharp.steps_per_period)[1].substeps[0]
