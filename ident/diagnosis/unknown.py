@@ -12,9 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from .colour_test import chance_of
 from .formula import Formula, dictionary, long_formula, write_formula
 from .picture import Picture, draw
-from .score import Bench, chance
+from .score import Bench
 from .stage import Side, Stage, rows_of, set_stage
 from .subsets import Ranked, dimension, rank, regress, smallest_sufficient, spline_rows
 from .unknown_words import describe
@@ -89,7 +90,7 @@ def find_unknown(bench: Bench) -> Unknown:
     side, coordinates = chosen.side, chosen.coordinates
     rows = spline_rows(bench, stage, side, coordinates)
     solved = regress(rows, bench.residual)
-    p = min(1.0, _TRIED * chance(bench, rows.T @ solved.spread, solved.dof))
+    p = min(1.0, _TRIED * chance_of(bench, rows.T @ solved.spread))
     complete = formula is not None and formula.complete
     written = formula if formula and complete else long_formula(bench, stage, side, coordinates, chosen.drop)
     if formula is not None and formula.drop >= written.drop:

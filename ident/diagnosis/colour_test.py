@@ -1,0 +1,41 @@
+"""Could noise alone have done it? A test for rich sets of functions, which follow slow noise as readily as an effect.
+
+Source: P. J. Brockwell, R. A. Davis, Time Series: Theory and Methods, 1991, §8.1 (prewhitening).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import stats
+from scipy.signal import lfilter
+
+from .score import Bench, chance
+from .whiten import prediction_filter
+
+_SMALL = 1.5  # χ² per sample up to which the residual may be noise of a colour that the noise floor does not have
+
+
+def chance_of(bench: Bench, basis: np.ndarray) -> float:
+    """Probability of such a fall of χ² by chance.
+
+    A small misfit is first supposed to be noise throughout, and everything is whitened by its own colour; a large one
+    cannot be, and only what the functions leave is (`score.chance`).
+
+    **Arguments:** `basis` (n, dof), orthonormal.
+    """
+    if bench.chi2 > _SMALL * bench.n:
+        return chance(bench, basis, basis.shape[1])
+    y, x = [], []
+    for first, last in zip(bench.starts, [*bench.starts[1:], bench.n], strict=True):
+        part = bench.residual[first:last]
+        taps = prediction_filter(part[None])
+        white = np.asarray(lfilter(taps, [1.0], part))
+        size = float(np.std(white)) or 1.0
+        y.append(white / size)
+        x.append(lfilter(taps, [1.0], basis[first:last], axis=0) / size)
+    target = np.concatenate(y)
+    q, _ = np.linalg.qr(np.concatenate(x))
+    drop = float(np.sum((q.T @ target) ** 2))
+    freedom = bench.n - basis.shape[1] - bench.absorbed.shape[1]
+    rest = max((float(target @ target) - drop) / freedom, 1e-300)
+    return float(stats.f.sf(drop / basis.shape[1] / rest, basis.shape[1], freedom))
