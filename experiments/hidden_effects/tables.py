@@ -15,6 +15,7 @@ Row = dict[str, Any]
 CLASS = {law.name: {law.name, *law.alike} for law in LAWS}
 LETTER = {"e": "V", "de": "dV"}  # the tool's names of the laws' coordinates
 NONE = "(nothing)"
+FAILS = 1.1  # error over noise
 
 
 def show(part: str, rows: Sequence[Row]) -> None:
@@ -185,7 +186,16 @@ def _confident(row: Row) -> bool:
     return row["verdict"] == "identified"
 
 
+def _fails_there(rows: Sequence[Row]) -> list[Row]:
+    """Cases in which the linear model fails on the one record: it absorbs what shifts amplitude and phase only."""
+    return [row for row in rows if row["before"][0] > FAILS]
+
+
 def _poor(rows: Sequence[Row]) -> None:
+    print(f"the linear model describes the record in {len(rows) - len(_fails_there(rows))} cases, which are left out")
+    rows = _fails_there(rows)
+    if not rows:
+        return
     print(f"hidden effect in the tie set {share(rows, in_tie_set):.3f}, "
           f"named first {share(rows, lambda row: top(row, 1)):.3f}")  # fmt: skip
     _errors(rows)
@@ -231,5 +241,5 @@ _TARGETS: dict[str, Callable[[Sequence[Row]], list[Target]]] = {
         ("coordinates and side", share(rows, lambda r: coordinates_right(r) and side_right(r)), ">=", 0.95),
         ("confident wrong name", share(rows, _confident), "<=", 0.02),
     ],
-    "poor": lambda rows: [("hidden effect in the tie set", share(rows, in_tie_set), ">=", 0.98)],
+    "poor": lambda rows: [("hidden effect in the tie set", share(_fails_there(rows), in_tie_set), ">=", 0.98)],
 }
