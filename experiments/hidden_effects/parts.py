@@ -96,7 +96,7 @@ def _outside(seeds: Sequence[int], effects: Any, levels: Any) -> Iterator[Task]:
 
 
 def _poor(seeds: Sequence[int], effects: Any, levels: Any) -> Iterator[Task]:
-    for seed, (size, noise), name in itertools.product(seeds, levels or ((0.02, 0.003),), effects or INSIDE):
+    for seed, (size, noise), name in itertools.product(seeds, levels or ((0.08, 0.003),), effects or INSIDE):
         yield Task("poor", seed, (name,), size, noise)
 
 

@@ -25,14 +25,16 @@ def chance_of(bench: Bench, basis: np.ndarray) -> float:
     """
     if bench.chi2 > _SMALL * bench.n:
         return chance(bench, basis, basis.shape[1])
-    y, x = [], []
+    y: list[np.ndarray] = []
+    x: list[np.ndarray] = []
     for first, last in zip(bench.starts, [*bench.starts[1:], bench.n], strict=True):
         part = bench.residual[first:last]
         taps = prediction_filter(part[None])
-        white = np.asarray(lfilter(taps, [1.0], part))
-        size = float(np.std(white)) or 1.0
-        y.append(white / size)
-        x.append(lfilter(taps, [1.0], basis[first:last], axis=0) / size)
+        both = np.column_stack([part, basis[first:last]])
+        white = np.asarray(lfilter(taps, [1.0], both, axis=0))
+        white = white / (float(np.std(white[:, 0])) or 1.0)
+        y.append(white[:, 0])
+        x.append(white[:, 1:])
     target = np.concatenate(y)
     q, _ = np.linalg.qr(np.concatenate(x))
     drop = float(np.sum((q.T @ target) ** 2))

@@ -22,7 +22,7 @@ from .unknown_words import describe
 from .whiten import whiten
 
 _TRIED = 35  # sets of coordinates: what a chance probability is multiplied by
-_LACKING = 0.05  # χ² per sample: a formula that lacks no more says as much as the splines of all rivals
+_LACKING = 0.1  # of what the splines leave: a formula that lacks no more says as much as the splines of all rivals
 _MOST_TERMS = 6
 # What a term of a formula counts, and that there is none, in coordinates, where several sets explain the same.
 _PER_TERM, _WORDLESS = 0.08, 1.0
@@ -109,7 +109,8 @@ def _settle(bench: Bench, stage: Stage, enough: Sequence[Ranked]) -> tuple[Ranke
     first = enough[0]
     rivals = [r for r in enough[1:] if not set(first.coordinates) <= set(r.coordinates) or r.side != first.side]
     rivals = [r for r in rivals if dimension(r) <= 2.0][:4]
-    least = min(r.drop - r.dof for r in (first, *rivals)) - _LACKING * bench.n
+    weakest = min(r.drop - r.dof for r in (first, *rivals))
+    least = weakest - _LACKING * max(bench.chi2 - weakest, float(bench.n))
     judged = []
     for found in (first, *rivals):
         words = dictionary(bench, stage, found.side, found.coordinates)
