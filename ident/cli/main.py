@@ -7,6 +7,7 @@ command called `command`; it is imported only when it is needed, so that `ident 
 from __future__ import annotations
 
 import difflib
+import gc
 import importlib
 import importlib.util
 import io
@@ -132,6 +133,7 @@ def _prepare(debug: bool) -> None:
     # Our matrices are tall and thin; OpenBLAS's threads, which wait by spinning, made reading a campaign ten times
     # slower on a busy machine. JAX has threads of its own. It works because nothing has imported numpy yet.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    gc.set_threshold(200_000, 20, 100)  # tracing and drawing make many objects and few cycles: a tenth of the time
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a console without "µ" prints "?" instead of failing

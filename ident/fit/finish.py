@@ -92,22 +92,22 @@ def _finer_and_heldout(
     scales: DataScales,
 ) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Readings of the fitted records with half the step, and of the held-out records; one program computes both."""
-    finer_steps = [2 * s for s in layout.per_record]
-    groups, finer = make_groups(campaign.fitted, 1.0 / scales.period, float(values[1]), substeps=finer_steps)
+    coarse = lambda records: make_groups(records, 1.0 / scales.period, float(values[1]), model.steps_per_period)[1]
     alone = campaign.heldout if any(record.start != "rest" for record in campaign.heldout) else ()
     beside = () if alone else campaign.heldout
-    more, places = (
-        make_groups(beside, 1.0 / scales.period, float(values[1]), model.steps_per_period)
-        if beside
-        else ((), Layout((), ()))
-    )
+    # The held-out ones with half a step too: most campaigns are then one group, which is traced and compiled once.
+    steps = [2 * s for s in (*layout.per_record, *coarse(beside).per_record)]
+    groups, places = make_groups((*campaign.fitted, *beside), 1.0 / scales.period, float(values[1]), substeps=steps)
+    starts = [np.zeros_like(group.free) for group in groups]
+    for (group, lane, _), (old, old_lane, _) in zip(places.places, layout.places, strict=False):
+        scale = data.groups[old].start_scale / groups[group].start_scale
+        starts[group][lane] = np.asarray(unknowns.starts[old])[old_lane] * scale
     paths = read_groups(
-        static._replace(substeps=finer.substeps + places.substeps),
-        data._replace(groups=groups + more),
-        Unknowns(unknowns.x, (*unknowns.starts, *(np.zeros_like(group.free) for group in more))),
+        static._replace(substeps=places.substeps), data._replace(groups=groups), Unknowns(unknowns.x, tuple(starts))
     )
-    pick = lambda layout, first: [np.asarray(paths[first + g][lane, :n]) for g, lane, n in layout.places]
-    return pick(finer, 0), read(model, values, alone) if alone else pick(places, len(groups))
+    found = [np.asarray(paths[group][lane, :n]) for group, lane, n in places.places]
+    inside = len(campaign.fitted)
+    return found[:inside], read(model, values, alone) if alone else found[inside:]
 
 
 def _at_bound(value: float, lower: float, upper: float, error: float) -> bool:

@@ -14,9 +14,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy import optimize, signal
+from scipy import optimize
 
 from ..campaign.record import Trace
+from ..campaign.recursive import recursive_filter
 
 _MOST_SAMPLES = 4000  # of a record: enough to place a resonance, and long records stay cheap
 _QUALITIES = (4.0, 15.0, 60.0)
@@ -68,9 +69,10 @@ def data_scales(records: Sequence[Trace], frequency: float) -> DataScales:
     displacement = max(float(np.max(np.abs(r.response - np.mean(r.response)))) for r in records)
     velocity = 0.0
     for record in records:
-        window = max(int(0.1 / (frequency * record.step)) // 2 * 2 + 1, 5)
-        if len(record.response) > window:
-            slope = np.asarray(signal.savgol_filter(record.response, window, 2, deriv=1, delta=record.step))
+        half = max(int(0.05 / (frequency * record.step)), 2)
+        if len(record.response) > 2 * half + 1:
+            line = np.arange(half, -half - 1, -1)  # slope of the straight line through the samples around each one
+            slope = np.convolve(record.response, line, "valid") / (np.sum(line**2) * record.step)
             velocity = max(velocity, float(np.percentile(np.abs(slope), 99.5)))
     voltage = max(float(np.max(np.abs(r.drive))) for r in records)
     duration = max(float(r.time[-1] - r.time[0]) for r in records)
@@ -142,7 +144,7 @@ def oscillator_filter(frequency: float, quality: float, step: float) -> tuple[np
 def _columns(piece: _Piece, frequency: float, quality: float) -> tuple[np.ndarray, np.ndarray]:
     """Response to the drive for unit gain, and the free motions (with a constant) that the start may add."""
     omega = 2 * math.pi * frequency
-    forced = np.asarray(signal.lfilter(*oscillator_filter(frequency, quality, piece.step), piece.drive))
+    forced = recursive_filter(*oscillator_filter(frequency, quality, piece.step), piece.drive)
     constant = np.ones_like(piece.drive)
     if piece.rest:
         return forced, constant[:, None]

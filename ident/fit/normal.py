@@ -5,16 +5,15 @@ The unknowns in one vector: x first, then displacement and velocity of every lan
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from .coordinates import slopes
-from .problem import Data, Evaluation, Static, Unknowns, evaluate
+from .problem import Data, Evaluation, Static, Unknowns
 
-# A hundred-thousandth of a standard error: keeps the equations solvable along directions that the data leave free,
-# and is
-# far too weak to move any that they determine.
+# A hundred-thousandth of a standard error: keeps the equations solvable along directions that the data leave free, and
+# is far too weak to move any that they determine.
 _RIDGE = 1e-5
 _SOFT = 3.0  # robust loss: residuals beyond this many noise floors count linearly
 
@@ -22,9 +21,9 @@ _SOFT = 3.0  # robust loss: residuals beyond this many noise floors count linear
 class Normal(NamedTuple):
     """`cost` ½ Σ r², `gradient` (u,) Jᵀr and `matrix` (u, u) JᵀJ, in the one vector of unknowns."""
 
-    cost: np.ndarray
-    gradient: np.ndarray
-    matrix: np.ndarray
+    cost: Any
+    gradient: Any
+    matrix: Any
 
 
 def pack(unknowns: Unknowns) -> np.ndarray:
@@ -42,19 +41,18 @@ def unpack(vector: np.ndarray, like: Unknowns) -> Unknowns:
     return Unknowns(vector[:p], tuple(starts))
 
 
-def normal_equations(static: Static, data: Data, unknowns: Unknowns, robust: bool) -> Normal:
-    """Normal equations of data, priors and ridge at one point."""
-    found = evaluate(static, data, unknowns)
-    p, vector = len(unknowns.x), pack(unknowns)
+def normal_equations(static: Static, data: Data, vector: np.ndarray, found: Evaluation, robust: bool) -> Normal:
+    """Normal equations of data, priors and ridge at one point, the unknowns in one `vector`."""
+    p = len(static.free)
     gradient, matrix, cost, first = np.zeros_like(vector), np.zeros((len(vector),) * 2), 0.0, p
     for residual, by_x, by_start in zip(found.residuals, found.by_x, found.by_start, strict=True):
         r, jx, js = np.asarray(residual), np.asarray(by_x), np.asarray(by_start)
         if robust:
             r, slope = _soften(r)
             jx, js = jx * slope, js * slope
-        cost += float(np.sum(r**2))
-        gradient[:p] += np.einsum("pln,ln->p", jx, r)
-        flat = jx.reshape(p, -1)
+        row, flat = r.ravel(), jx.reshape(p, -1)
+        cost += float(row @ row)
+        gradient[:p] += flat @ row
         matrix[:p, :p] += flat @ flat.T
         if static.starts_free:
             for lane in range(r.shape[0]):

@@ -130,8 +130,7 @@ def profile(fit: Fit, name: str, *, robust: bool = False, report: Callable[[str]
     check_profiled(fit.model, [name])
     index = [p.name for p in fit.model.parameters].index(name)
     parameter, optimum = fit.model.parameters[index], float(fit.values[index])
-    logarithmic = parameter.positive
-    width, inflation = _width(fit, index, logarithmic)
+    logarithmic, width, inflation = _steps(fit, index)
     static, data = _problem(fit, name)
     held = partial(_fit_held, static, data, index, logarithmic, robust)
     report(f"profile of {name}: compiling the model without it")
@@ -143,6 +142,8 @@ def profile(fit: Fit, name: str, *, robust: bool = False, report: Callable[[str]
         values, factor, step = first.values, 0.0, 1.0
         for number in range(3 + _EXTENSIONS):
             factor, step = factor + step, step * (2.0 if number >= 2 else 1.0)
+            if parameter.positive and not logarithmic and centre + side * factor * width <= 0:
+                break
             report(f"profile of {name}: {side * factor:+g} {'standard errors' if inflation else 'steps'}")
             point = held(centre + side * factor * width, values)
             points.append(point._replace(rise=(point.rise - base) / (inflation or 1.0)))
@@ -152,22 +153,24 @@ def profile(fit: Fit, name: str, *, robust: bool = False, report: Callable[[str]
     return _judge(parameter, optimum, sorted(points), logarithmic, converged=first.converged)
 
 
-def _width(fit: Fit, index: int, logarithmic: bool) -> tuple[float, float]:
-    """One standard error in the coordinate, and the factor between its square and that of white noise of known σ.
+def _steps(fit: Fit, index: int) -> tuple[bool, float, float]:
+    """How to walk: along the logarithm or not, the step, and the factor between its square and the white noise's.
 
-    Without a standard error: a third of a decade, and 0.
+    The step is one standard error; positive parameters are walked along their logarithm unless zero is near. Without a
+    standard error it is a third of a decade, and the factor is 0.
     """
     k, value = fit.free.index(index), float(fit.values[index])
-    error, spectrum = fit.estimates[index].standard_error, fit.spectrum
-    stretch = abs(value) if logarithmic else 1.0
-    if error is None or (logarithmic and error / stretch > _DECADE / 3):
+    error, spectrum, positive = fit.estimates[index].standard_error, fit.spectrum, fit.model.parameters[index].positive
+    if error is None:
         size = abs(value) or 1.0 / max(float(spectrum.lengths[k]), 1e-300)
-        return (_DECADE / 3 if logarithmic else 3 * size), 0.0
-    safe = np.where(spectrum.lengths > 0, spectrum.lengths, 1.0)
+        return positive, _DECADE / 3 if positive else 3 * size, 0.0
     seen = spectrum.singular_values > 1e-6 * spectrum.singular_values[0]
-    white = float(np.sum((spectrum.directions[k, seen] / spectrum.singular_values[seen]) ** 2)) / safe[k] ** 2
-    width = error / stretch
-    return width, width**2 / white if white > 0 else 1.0
+    white = float(np.sum((spectrum.directions[k, seen] / spectrum.singular_values[seen]) ** 2))
+    white /= float(spectrum.lengths[k] or 1.0) ** 2
+    scaled = fit.fitted.error_over_noise**2 if fit.sigma == "scaled" and fit.fitted is not None else 1.0
+    inflation = scaled * float(spectrum.matrix[k, k]) / white if white > 0 else 1.0
+    logarithmic = positive and error < value * _DECADE / 3
+    return logarithmic, error / value if logarithmic else error, inflation
 
 
 def _problem(fit: Fit, name: str) -> tuple[Static, Data]:

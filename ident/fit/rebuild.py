@@ -40,7 +40,7 @@ def fit_at(
     first = float(base_values(model, guess, scales)[0])  # the search chose its solver step from the same numbers
     groups, layout = make_groups(records, max(guess.frequency, first), guess.quality, model.steps_per_period)
     static, data = assemble(model, campaign, groups, layout, np.asarray(values, float), scales)
-    data, unknowns = solve.rescale(static, data, begin(groups, static))
+    data, unknowns, _ = solve.rescale(static, data, begin(groups, static))
     if any(record.start != "rest" for record in records):
         unknowns = fit_starts(static, data, unknowns)
     there = solve.Solution(unknowns, float("nan"), 0, converged)

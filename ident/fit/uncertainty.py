@@ -1,8 +1,8 @@
 """Covariance of the fitted parameters, with a reason wherever it cannot be given.
 
 The fit weighs every sample by 1/σ. Noise that is correlated in time makes neighbouring samples say the same thing
-twice,
-so the covariance is the sandwich (JᵀJ)⁻¹ Jᵀ R J (JᵀJ)⁻¹ with R the correlation of the noise; for white noise R = 1.
+twice, so the covariance is the sandwich (JᵀJ)⁻¹ Jᵀ R J (JᵀJ)⁻¹ with R the correlation of the noise; for white noise
+R = 1.
 Initial states are eliminated record by record (a Schur complement).
 
 Source: H. White, Asymptotic Theory for Econometricians, 2001, §4.2; C. R. Rao, Linear Statistical Inference, 1973, §4a.
@@ -14,9 +14,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy import signal
 
 from ..campaign.record import NoiseFloor, Trace
+from ..campaign.recursive import recursive_filter
 from ..response.groups import Layout
 from .problem import Evaluation
 
@@ -59,8 +59,8 @@ def _spread(jacobian: np.ndarray, noise: NoiseFloor) -> np.ndarray:
     # Running the shaping filter backwards over a column gives Aᵀ J, where A A ᵀ = R is the filter's own covariance.
     denominator = np.concatenate([[1.0], -np.asarray(noise.ar)])
     settle = min(20 * len(jacobian), 200_000)
-    impulse = np.asarray(signal.lfilter([1.0], denominator, np.eye(1, settle)[0]))
-    shaped = np.asarray(signal.lfilter([1.0 / np.linalg.norm(impulse)], denominator, jacobian[::-1], axis=0))
+    impulse = recursive_filter(np.ones(1), denominator, np.eye(1, settle)[0])
+    shaped = recursive_filter(np.ones(1) / np.linalg.norm(impulse), denominator, jacobian[::-1])
     return shaped.T @ shaped
 
 

@@ -6,7 +6,7 @@ Colours: M. Okabe, K. Ito, Color Universal Design, 2008.
 from __future__ import annotations
 
 import io
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,6 +24,15 @@ FAINT = "#777777"
 BAND = "#e8eef2"
 DPI = 100
 _SIZE = 9.0
+_AXES: dict[Any, Any] = {
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": FAINT,
+    **{f"{axis}tick.labelsize": _SIZE for axis in "xy"},
+    **{f"{axis}tick.labelcolor": INK for axis in "xy"},
+    **{f"{axis}tick.color": FAINT for axis in "xy"},
+    **{f"{axis}tick.major.size": 3 for axis in "xy"},
+}
 
 
 def new_figure(width: float, height: float) -> Figure:
@@ -38,10 +47,10 @@ def new_figure(width: float, height: float) -> Figure:
 
 def new_axes(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
     """Axes at a place given in parts of the figure; placed by hand because automatic layouts draw everything twice."""
-    axes = figure.add_axes((left, bottom, width, height))
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.spines[["left", "bottom"]].set_color(FAINT)
-    axes.tick_params(labelsize=_SIZE, colors=INK, color=FAINT, length=3)
+    from matplotlib import rc_context
+
+    with rc_context(_AXES):  # styled as they are made: changing ticks afterwards makes all of them again
+        axes = figure.add_axes((left, bottom, width, height))
     axes.locator_params(nbins=5)
     return axes
 

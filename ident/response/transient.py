@@ -93,9 +93,11 @@ def integrate(
     nothing = 0.0 * system.stiffness
     carry = tuple(x + nothing for x in (start[0], start[1], *(h for e in system.effects for h in e.state0())))
 
+    slope = jax.jit(partial(derivative, system))  # traced once instead of four times
+
     def advance(y: tuple[Array, ...], x: Any) -> tuple[tuple[Array, ...], Any]:
         at = [tuple(grid[i] for grid in x) for i in range(3)]
-        y = _runge_kutta(partial(derivative, system), y, at, lane.step)
+        y = _runge_kutta(slope, y, at, lane.step)
         return y, (y if whole_state else y[:1])
 
     _, path = lax.scan(advance, carry, inputs)
