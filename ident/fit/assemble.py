@@ -56,7 +56,7 @@ def at_values(data: Data, static: Static, values: np.ndarray) -> Data:
     chosen = values[list(static.free)]
     lower, upper = np.asarray(data.lower), np.asarray(data.upper)
     anchor = to_coordinates(chosen, lower, upper)
-    scale = np.where(np.isfinite(upper) | (chosen == 0), 1.0, np.abs(chosen))
+    scale = np.where(np.isfinite(lower), 1.0, np.where(chosen == 0, 1.0, np.abs(chosen)))
     return data._replace(template=values, anchor=anchor, scale=scale)
 
 
