@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import itertools
+import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
+from ident.diagnosis.beyond import go_beyond
 from ident.diagnosis.discover import Discovery, discover
 from ident.diagnosis.score import prepare
-from ident.diagnosis.unknown import find_unknown
 from ident.effects.registry import built_in
 from ident.fit import Fit
 from ident.model import Model
@@ -129,6 +131,7 @@ def run(task: Task) -> dict[str, Any]:
         "remaining": [[c.name, round(c.predicted_gain, 5), c.p_value] for c in found.remaining[:3]],
         "before": _errors(found.start),
         "after": _errors(found.final),
+        "lacking": round(found.lacking, 5),
         "converged": found.final.converged,
         "sigma_ratio": rounded(sigma_ratios(case, campaign)),
         "cpu_seconds": round(spent[0], 1),
@@ -146,9 +149,12 @@ def _errors(fitted: Fit) -> list[float | None]:
 
 
 def _unknown(found: Discovery) -> dict[str, Any]:
-    """What is said of the missing term before any effect was added."""
-    unknown = find_unknown(prepare(found.start))
+    """What is said of the missing term before any effect was added, and the errors once it is written and refitted."""
+    with tempfile.TemporaryDirectory() as folder:
+        beyond = go_beyond(prepare(found.start), Path(folder) / "unknown.py")
+    unknown = beyond.unknown
     formula = unknown.formula.text if unknown.formula is not None else ""
     alike = [[r.side, list(r.coordinates)] for r in unknown.alike]
     return {"side": unknown.side, "coordinates": list(unknown.coordinates), "alike": alike, "share": unknown.share,
-            "formula": formula, "explained": unknown.explained(unknown.formula)}  # fmt: skip
+            "formula": formula, "explained": unknown.explained(unknown.formula),
+            "written": _errors(beyond.fit)}  # fmt: skip

@@ -177,6 +177,8 @@ def _outside(rows: Sequence[Row]) -> None:
         print(f"{name:26} coordinates {share(part, coordinates_right):.2f}, side {share(part, side_right):.2f}; "
               f"{verdicts}; {' | '.join(f for f, _ in formulas)}")  # fmt: skip
     right = share(rows, lambda row: coordinates_right(row) and side_right(row))
+    for i, records in enumerate(("fitted", "held-out")):
+        print(f"with the written effect, {records} records: {_quantiles(r['unknown']['written'][i] for r in rows)}")
     print(f"coordinates and side {right:.3f}, confident wrong name {share(rows, _confident):.3f}")
     _errors(rows)
     _list(rows, lambda row: coordinates_right(row) and side_right(row) and not _confident(row))
@@ -240,6 +242,12 @@ _TARGETS: dict[str, Callable[[Sequence[Row]], list[Target]]] = {
     "outside": lambda rows: [
         ("coordinates and side", share(rows, lambda r: coordinates_right(r) and side_right(r)), ">=", 0.95),
         ("confident wrong name", share(rows, _confident), "<=", 0.02),
+        (
+            "error over noise with the written effect, median",
+            float(np.median([row["unknown"]["written"][0] for row in rows])),
+            "<=",
+            1.1,
+        ),
     ],
     "poor": lambda rows: [("hidden effect in the tie set", share(_fails_there(rows), in_tie_set), ">=", 0.98)],
 }

@@ -12,7 +12,7 @@ from .beyond import go_beyond
 from .discover import Discovery, Step, continue_from
 from .experiments import NextExperiment, next_experiments
 from .locate import Where, locate
-from .score import prepare
+from .score import Bench, prepare
 from .shorten import working
 from .unknown import Unknown, find_unknown
 from .where_words import summary
@@ -56,10 +56,10 @@ def diagnose(
     where = locate(bench)
     found = continue_from(fitted, library, report)
     if found.verdict != "not-in-library":
-        return Diagnosis(found, where, next_experiments=_experiments(found, library, report))
+        unknown = _instead(bench, report) if found.lacking else None
+        return Diagnosis(found, where, unknown, next_experiments=_experiments(found, library, report))
     if effect_file is None:
-        report("estimating what the library lacks, as a function of its coordinates")
-        return Diagnosis(found, where, find_unknown(bench))
+        return Diagnosis(found, where, _instead(bench, report))
     beyond = go_beyond(bench, effect_file, report)
     if beyond.fit.fitted.error_over_noise < found.final.fitted.error_over_noise:
         name = beyond.fit.model.names[-1]
@@ -67,6 +67,11 @@ def diagnose(
         step = Step(name, beyond.unknown.share, gain, (name,), "effect", beyond.fit)
         found = replace(found, steps=(step,))
     return Diagnosis(found, where, beyond.unknown, beyond.path)
+
+
+def _instead(bench: Bench, report: Report) -> Unknown:
+    report("estimating what the library lacks, as a function of its coordinates")
+    return find_unknown(bench)
 
 
 def _experiments(

@@ -19,6 +19,7 @@ from ..fit import Fit, fit
 from ..model import Model
 from .change import remove
 from .confirm import Confirmed, accept, confirm
+from .lacking import lacking
 from .prune import Pruned, hurts, prune
 from .score import Bench, Candidate, prepare, score, significant
 from .shorten import working
@@ -59,7 +60,7 @@ class Discovery:
 
     **Arguments:** `start`: the fit it began with; `steps`: in order; `ranking`: candidates at the start, best first,
     and `confirmed`: gain of those that were refitted; `remaining`: significant candidates at the end; `bench`: of the
-    end.
+    end; `lacking`: share of the first excess that the named effects leave although it has a structure.
     """
 
     verdict: Verdict
@@ -69,6 +70,7 @@ class Discovery:
     confirmed: Mapping[str, float]
     remaining: tuple[Candidate, ...]
     bench: Bench
+    lacking: float = 0.0
 
     @property
     def final(self) -> Fit:
@@ -112,7 +114,14 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
         candidates = score(bench, library)
     steps = [_tied_at_the_end(step, steps[-1].fit, library, report) for step in steps[:-1]] + steps[-1:]
     remaining = tuple(significant(candidates))
-    return Discovery(_verdict(steps, bench), start, tuple(steps), ranking, gains, remaining, bench)
+    lacks = lacking(_after_effects(steps, bench), first, report) if steps else 0.0
+    return Discovery(_verdict(steps, bench, lacks), start, tuple(steps), ranking, gains, remaining, bench, lacks)
+
+
+def _after_effects(steps: list[Step], bench: Bench) -> Bench:
+    """The bench of the last effect, without the terms that only refine shapes: they would hide that a law differs."""
+    last = max(i for i, step in enumerate(steps) if step.role == "effect")
+    return bench if last == len(steps) - 1 else prepare(working(steps[last].fit))
 
 
 def _only_shapes_left(bench: Bench, real: list[Candidate], first: Bench) -> bool:
@@ -188,7 +197,7 @@ def _best_step(
         if not np.isfinite(found.criterion) or found.criterion > limit:
             return None
         after = accept(found, current)
-        if hurts(current, after):
+        if not np.isfinite(after.fitted.error_over_noise) or hurts(current, after):
             continue
         role = _role(bench, found, first)
         name, predicted = found.candidate.name, found.candidate.predicted_gain
@@ -220,9 +229,10 @@ def adequate(bench: Bench) -> bool:
     return float(np.sqrt(bench.chi2 / bench.n)) < 1.05 + 2 * min(doubt, 0.1)
 
 
-def _verdict(steps: list[Step], bench: Bench) -> Verdict:
-    if not adequate(bench):
-        return "not-in-library"
+def _verdict(steps: list[Step], bench: Bench, lacks: float) -> Verdict:
+    """A name is given as sure only if what it leaves has no structure of a size that laws of one kind differ by."""
     if not steps:
-        return "adequate"
+        return "adequate" if adequate(bench) else "not-in-library"
+    if lacks:
+        return "ambiguous" if adequate(bench) else "not-in-library"
     return "ambiguous" if any(len(s.tie_set) > 1 for s in steps if s.role == "effect") else "identified"

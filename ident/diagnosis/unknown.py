@@ -17,11 +17,10 @@ from .formula import Formula, dictionary, long_formula, write_formula
 from .picture import Picture, draw
 from .score import Bench
 from .stage import Side, Stage, rows_of, set_stage
-from .subsets import Ranked, dimension, rank, regress, smallest_sufficient, spline_rows
+from .subsets import TRIED, Ranked, dimension, rank, regress, smallest_sufficient, spline_rows
 from .unknown_words import describe
 from .whiten import whiten
 
-_TRIED = 35  # sets of coordinates: what a chance probability is multiplied by
 _LACKING = 0.1  # of what the splines leave: a formula that lacks no more says as much as the splines of all rivals
 _MOST_TERMS = 6
 # What a term of a formula counts, and that there is none, in coordinates, where several sets explain the same.
@@ -90,7 +89,7 @@ def find_unknown(bench: Bench) -> Unknown:
     side, coordinates = chosen.side, chosen.coordinates
     rows = spline_rows(bench, stage, side, coordinates)
     solved = regress(rows, bench.residual)
-    p = min(1.0, _TRIED * chance_of(bench, rows.T @ solved.spread))
+    p = min(1.0, TRIED * chance_of(bench, rows.T @ solved.spread))
     complete = formula is not None and formula.complete
     written = formula if formula and complete else long_formula(bench, stage, side, coordinates, chosen.drop)
     if formula is not None and formula.drop >= written.drop:

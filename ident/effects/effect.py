@@ -135,6 +135,7 @@ class AbstractEffect:
     - `drive(hidden, drive, t)`: force through the actuator, N; sees the drive and its own memory only;
     - `sensor(state, drive, t)`: what the sensor adds to the true displacement, m;
     - `state0()` and `rate(state, drive, t)`: hidden states of its own and their time derivatives, in `hidden_units`;
+    - `begun(drive)`: the hidden states of a record that begins under voltage, if they are not `state0()`;
     - `prepare()`: whatever is constant along a trajectory, computed once and found in `self.prepared`.
 
     An effect that builds on another names it in `needs`, and finds it in `self.partner`. One with a kink says in
@@ -251,6 +252,9 @@ class AbstractEffect:
 
     def state0(self) -> tuple[Scalar, ...]:
         return ()
+
+    def begun(self, drive: Drive) -> tuple[Scalar, ...]:
+        return self.state0()
 
     def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
         return ()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ..campaign.device import Device
 from ..diagnosis.diagnose import Diagnosis
+from ..diagnosis.discover import adequate
 from ..diagnosis.score import Candidate
 from ..fit import Fit
 from .html import Picture, Section
@@ -28,8 +29,16 @@ def verdict_words(found: Diagnosis) -> str:
     shaped = [s.added for s in loop.steps if s.role == "shape-refinement"]
     names = " and ".join(s.added for s in named)
     refined = f" ({' and '.join(shaped)} only refines its shape)" if shaped else ""
-    if loop.verdict == "identified":
+    if loop.verdict == "identified" and adequate(loop.bench):
         return f"Missing was {names}{refined}: with it the model is adequate, {error}."
+    if loop.verdict == "identified":
+        return f"Missing was {names}{refined}; the device's own law has a slightly other shape, {error}."
+    if loop.verdict == "ambiguous" and loop.lacking:
+        return (
+            f"{names}{refined} comes near, {error}, but leaves {100 * loop.lacking:.2g} % of the first misfit with a "
+            "structure, more than laws of one kind differ by: the device may obey another law, which is given below "
+            "as a function of its coordinates."
+        )
     if loop.verdict == "ambiguous":
         ties = [f"{s.added} cannot be told from {' or '.join(s.tie_set[1:])}" for s in named if len(s.tie_set) > 1]
         return f"Missing was {names}{refined}, {error}; but in these records {'; '.join(ties)}."

@@ -91,7 +91,8 @@ def integrate(
     inputs = tuple((grid[:-1:2], grid[1::2], grid[2::2]) for grid in grids)
     # Adding a zero that depends on the parameters gives the carry the type it will have under differentiation.
     nothing = 0.0 * system.stiffness
-    carry = tuple(x + nothing for x in (start[0], start[1], *(h for e in system.effects for h in e.state0())))
+    memory = (h for effect in system.effects for h in effect.begun(_first_drive(system, lane)))
+    carry = tuple(x + nothing for x in (start[0], start[1], *memory))
 
     slope = jax.jit(partial(derivative, system))  # traced once instead of four times
 
@@ -102,6 +103,10 @@ def integrate(
 
     _, path = lax.scan(advance, carry, inputs)
     return tuple(jnp.concatenate([a[None], b[substeps - 1 :: substeps]]) for a, b in zip(carry, path, strict=False))
+
+
+def _first_drive(system: System, lane: Lane) -> Drive:
+    return Drive(jnp.asarray(lane.voltage)[0], jnp.asarray(lane.rate)[0], system.omega, system.gain)
 
 
 def assemble(equation: Equation, values: Numbers, lane: Lane) -> System:
@@ -165,7 +170,7 @@ def _runge_kutta(f: Any, y: tuple[Array, ...], at: list[tuple[Array, ...]], h: N
 def rates_along(effect: AbstractEffect, system: System, lane: Lane, z: Numbers, v: Numbers) -> tuple[Array, ...]:
     """Hidden states of one effect along a given motion (2 n + 1,), on the half-step grid; midpoints are
     interpolated."""
-    initial = tuple(jnp.asarray(h) + 0.0 * system.stiffness for h in effect.state0())
+    initial = tuple(jnp.asarray(h) + 0.0 * system.stiffness for h in effect.begun(_first_drive(system, lane)))
     if not initial:
         return ()
     grids = (z, v, lane.voltage, lane.rate, half_step_time(lane))

@@ -1,5 +1,7 @@
 """Hysteresis of the piezoelectric drive as one yielding element."""
 
+import jax.numpy as jnp
+
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
 from ..memory import slip, within
 
@@ -31,6 +33,9 @@ class BoucWenDrive(AbstractEffect):
 
     def state0(self) -> tuple[Scalar, ...]:
         return (0.0,)
+
+    def begun(self, drive: Drive) -> tuple[Scalar, ...]:
+        return (jnp.tanh(drive.V / self.travel),)  # risen from zero: exact for n = 2, and within 0.15 for others
 
     def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
         return (drive.rate / self.travel * (1.0 - slip(state.hidden[0], drive.rate, self.sharpness)),)

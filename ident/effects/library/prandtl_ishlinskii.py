@@ -17,7 +17,8 @@ class PrandtlIshlinskii(AbstractEffect):
     already, and what is left is the loop.
 
     The edges are rounded (|h|²⁴) so that a fixed step can follow: the loop is within 0.5 % of exact plays at 100 steps
-    per period, 1 % at 50, 3 % at 20. A record is taken to start unpoled, all p = 0.
+    per period, 1 % at 50, 3 % at 20. A record is taken to start unpoled, all p = 0; one that begins under voltage, to
+    have risen to it from there.
     """
 
     name = "prandtl-ishlinskii"
@@ -41,6 +42,9 @@ class PrandtlIshlinskii(AbstractEffect):
 
     def state0(self) -> tuple[Scalar, ...]:
         return (0.0,) * _PLAYS
+
+    def begun(self, drive: Drive) -> tuple[Scalar, ...]:
+        return tuple(drive.V - within(drive.V, r) for r in self._widths())
 
     def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
         parts = [(drive.V - p) / r for p, r in zip(state.hidden, self._widths(), strict=True)]
