@@ -35,6 +35,7 @@ _NEAR = 0.1  # of the excess: candidates this near the best are confirmed too
 _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
 _TIED_CRITERION = 10.0  # difference of the information criterion below which data do not choose
 _SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
+_SAME_WHILE_LACKING = 0.02  # the same as long as ten times as much is unexplained
 
 
 class Step(NamedTuple):
@@ -211,10 +212,12 @@ def _in_order(tried: list[Confirmed], bench: Bench) -> list[Confirmed]:
     """Best first; of those that do equally well the simplest first.
 
     No library law has exactly the shape of the device's, so a rival with more shapes to bend fits a little closer; but
-    the simpler may win only by as much as the better one itself still lacks.
+    the simpler may win only by as much as the better one itself still lacks. Where most of the misfit is still to be
+    explained by further effects, a rival bends to mimic some of them, and more is allowed for.
     """
     best = min(tried, key=lambda c: c.criterion)
-    same = min(_SAME_SHAPE * (bench.chi2 - bench.n), best.chi2 - bench.n)
+    excess, lacks = bench.chi2 - bench.n, best.chi2 - bench.n
+    same = max(min(_SAME_SHAPE * excess, lacks), min(_SAME_WHILE_LACKING * excess, 0.1 * lacks))
     limit = best.criterion + max(_TIED_CRITERION, same)
     near = sorted((c for c in tried if c.criterion <= limit), key=lambda c: (len(c.values), c.criterion))
     return near + sorted((c for c in tried if not c.criterion <= limit), key=lambda c: c.criterion)

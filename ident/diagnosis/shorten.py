@@ -10,7 +10,7 @@ from ..campaign.record import Trace
 from ..fit import Fit
 from ..fit.rebuild import fit_at
 
-_MOST = 24_000  # samples of all fitted records together: enough to name an effect, few enough to try several
+_MOST = 12_000  # samples of all fitted records together: enough to name an effect, few enough to try several
 
 
 def working(fitted: Fit) -> Fit:

@@ -13,6 +13,7 @@ from ..campaign.record import Trace
 
 MAINS = (50.0, 60.0)  # Hz; hum is a nuisance of the laboratory, never a property of the device
 _ORDER = 12
+_DIED_OUT = 1e-12  # of an initial state's influence, before the first sample that counts
 
 
 class Piece(NamedTuple):
@@ -36,7 +37,8 @@ def make_piece(record: Trace, by_start: np.ndarray | None) -> Piece:
     t = record.time - record.time[0]
     local = [f(2 * np.pi * hz * t) for hz in MAINS for f in (np.cos, np.sin)]
     if by_start is not None:
-        local += [row / np.linalg.norm(row) for row in by_start if np.any(row)]
+        seen = [(row, float(np.max(np.abs(row[piece.counted])))) for row in by_start]
+        local += [row / size for row, size in seen if size > _DIED_OUT * float(np.max(np.abs(by_start)))]
     whitened = _filter(piece, np.stack(local))
     u, s, _ = np.linalg.svd(whitened.T, full_matrices=False)
     return piece._replace(basis=u[:, s > 1e-6 * s[0]])

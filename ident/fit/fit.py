@@ -17,6 +17,7 @@ from . import solve
 from .assemble import assemble, at_values, begin
 from .finish import Minimum, finish
 from .guess import LinearGuess, data_scales, guess_linear
+from .one_tone import hold_quality
 from .problem import Data, Evaluation, Static, evaluate
 from .result import Fit, SigmaChoice, Start
 from .starts import base_values, random_points, starting_points
@@ -49,6 +50,7 @@ def fit(
 
     **Raises:** UserError if there is nothing to fit.
     """
+    model = hold_quality(model, campaign.fitted)
     found = minimise(
         model, campaign, robust=robust, starts=starts, spread=spread, seed=seed, initial=initial, report=report
     )
@@ -71,8 +73,9 @@ def minimise(
     seed: int = 0,
     initial: np.ndarray | Sequence[np.ndarray] | None = None,
     report: Report = lambda _: None,
+    most: int = solve.MAX_STEPS,
 ) -> Minimum:
-    """The least-squares minimum alone, without uncertainties; arguments as in `fit`."""
+    """The least-squares minimum alone, without uncertainties; arguments as in `fit`, and `most` steps per start."""
     records = campaign.fitted
     if not records:
         what = "the campaign has sweeps only, and fitting needs" if campaign.sweeps else "the campaign has no"
@@ -82,7 +85,8 @@ def minimise(
         guess = LinearGuess(float(told[0][0]), float(told[0][1]), float("nan"), float("nan"))
     else:
         report("reading the resonance off the records")
-        guess = guess_linear(records, model.linear.nominal_frequency)
+        quality = model.parameters[1]
+        guess = guess_linear(records, model.linear.nominal_frequency, () if quality.fitted else (quality.value,))
     scales = data_scales(records, guess.frequency)
     base = told[0] if told else base_values(model, guess, scales)
     groups, layout = make_groups(records, max(guess.frequency, float(base[0])), guess.quality, model.steps_per_period)
@@ -96,7 +100,7 @@ def minimise(
     for number, (first, point) in enumerate(candidates, 1):
         report(f"least squares, start {number} of {len(candidates)}")
         there = at_values(data, static, point)
-        solutions.append((first, *solve.least_squares(static, there, begin(groups, static), robust)))
+        solutions.append((first, *solve.least_squares(static, there, begin(groups, static), robust, most)))
     _, data, best = min(solutions, key=lambda s: s[2].cost if np.isfinite(s[2].cost) else np.inf)
     samples = sum(int(np.count_nonzero(group.weight)) for group in groups)
     per_sample = lambda cost: float(np.sqrt(cost / samples))

@@ -98,15 +98,17 @@ def rescale(static: Static, data: Data, unknowns: Unknowns) -> tuple[Data, Unkno
     return data._replace(scale=scale, anchor=coordinates), Unknowns(np.zeros_like(scale), unknowns.starts), found
 
 
-def least_squares(static: Static, data: Data, start: Unknowns, robust: bool = False) -> tuple[Data, Solution]:
-    """Minimise from one starting point; returns the data as rescaled there, and the solution."""
+def least_squares(
+    static: Static, data: Data, start: Unknowns, robust: bool = False, most: int = MAX_STEPS
+) -> tuple[Data, Solution]:
+    """Minimise from one starting point in at most so many steps; the data as rescaled there, and the solution."""
     data, start, found = rescale(static, data, start)
     y = pack(start)
     point = trial = normal_equations(static, data, y, found, robust)
     moved = np.zeros_like(y)
     search = _SEARCH.init(y, _info(point, np.ones_like(y)))
     turn = _Turn(np.array(True), np.sqrt(np.diagonal(point.matrix)), moved, search)
-    for steps in range(1, MAX_STEPS + 1):
+    for steps in range(1, most + 1):
         turn = _advance(point, trial, moved, turn, np.array(steps == 1))
         if turn.accepted:
             y, point = y + moved, trial

@@ -75,7 +75,9 @@ class Model:
         own = [
             ModelParameter(f"{linear.prefix}.frequency", "Hz", linear.nominal_frequency or 1.0, True, kind="linear",
                            doc="natural frequency of the unloaded linear part"),
-            ModelParameter(f"{linear.prefix}.quality", "1", 30.0, True, kind="linear", doc="quality factor"),
+            # Below one half nothing oscillates, and a missing effect could hide behind slow exponentials.
+            ModelParameter(f"{linear.prefix}.quality", "1", 30.0, True, kind="linear", limits=(0.5, 1e6),
+                           doc="quality factor"),
             ModelParameter(f"{linear.prefix}.{linear.gain_name}", linear.gain_unit, 1e-12, False, kind="linear",
                            doc="drive gain"),
         ]  # fmt: skip

@@ -1,0 +1,44 @@
+"""One steady sine: amplitude and phase are two numbers, and a linear oscillator has three.
+
+Any quality factor then fits, with a resonance and a gain to go with it. Left free, it does not stay undetermined: a
+missing effect drags it along the line to where slow exponentials or a stiff resonance mimic a little of the misfit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..campaign.drive import drive_frequency
+from ..campaign.record import Trace
+from ..model import Model
+
+_SAME = 2e-3  # relative difference of frequencies that count as one
+_STEADY = 0.01  # change of the fundamental from the first half of a record to the second
+
+
+def hold_quality(model: Model, records: Sequence[Trace]) -> Model:
+    """The model with its quality factor held, if steady sines of one frequency are all there is to determine it."""
+    name = f"{model.linear.prefix}.quality"
+    frequencies = [drive_frequency(record) for record in records]
+    one = max(frequencies) < (1 + _SAME) * min(frequencies)
+    if name in model.freed or not one or not all(map(_steady, records)):
+        return model
+    return replace(model, held=model.held | {name})
+
+
+def _steady(record: Trace) -> bool:
+    """Whether drive and response are one periodic motion from beginning to end, the drive a sine."""
+    if record.start == "rest" or record.period is None:
+        return False
+    omega = drive_frequency(record) * record.step
+    half = int(len(record.time) // 2 // (2 * np.pi / omega) * (2 * np.pi / omega))
+    if half < 2 * record.period:
+        return False
+    turn = np.exp(-1j * omega * np.arange(len(record.time)))
+    lines = lambda x: np.array([np.mean((x * turn)[:half]), np.mean((x * turn)[-half:])])
+    driven, answer = lines(record.drive - np.mean(record.drive)), lines(record.response - np.mean(record.response))
+    pure = 2 * abs(driven[0]) ** 2 > 0.98 * np.var(record.drive)
+    return bool(pure and abs(answer[1] - answer[0]) < _STEADY * abs(answer[0]))

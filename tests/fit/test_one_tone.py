@@ -1,0 +1,57 @@
+"""One steady sine does not determine a quality factor, and the fit says so instead of inventing one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ident.campaign.campaign import Campaign
+from ident.campaign.device import Oscillator
+from ident.campaign.noise import NoiseFloor
+from ident.campaign.period import find_period
+from ident.campaign.record import Channel, Trace
+from ident.fit import fit
+from ident.fit.one_tone import hold_quality
+from ident.model import Model
+from ident.report.sentences import sentences
+
+FREQUENCY, QUALITY, GAIN, STEP, SIGMA = 500.0, 40.0, 2e6, 2.5e-5, 1e-4
+
+
+def steady(drive: float, start: str = "unknown", seed: int = 0) -> Trace:
+    """A sine of 1 V answered by a linear oscillator, in closed form."""
+    omega, omega0 = 2 * np.pi * drive, 2 * np.pi * FREQUENCY
+    answer = GAIN / (omega0**2 - omega**2 + 1j * omega * omega0 / QUALITY)
+    t = STEP * np.arange(1600)
+    voltage, response = np.sin(omega * t), np.imag(answer * np.exp(1j * omega * t))
+    response = response + SIGMA * np.random.default_rng(seed).normal(size=len(t))
+    one = Channel("V", 1.0)
+    noise = NoiseFloor(SIGMA, (), "given", 0.0)
+    return Trace(f"{drive:g}.csv", t, voltage, response, one, one, noise, start=start, period=find_period(voltage))  # type: ignore[arg-type]
+
+
+def held(*records: Trace, model: Model | None = None) -> bool:
+    return "oscillator.quality" in hold_quality(model or Model(Oscillator()), records).held
+
+
+def test_it_is_held_for_one_steady_sine_only() -> None:
+    assert held(steady(480.0)) and held(steady(480.0), steady(480.0, seed=1))
+    assert not held(steady(480.0), steady(505.0))
+    assert not held(steady(480.0, start="rest"))
+    assert not held(steady(480.0), model=replace(Model(Oscillator()), freed=frozenset({"oscillator.quality"})))
+
+
+def test_a_motion_that_still_changes_determines_it() -> None:
+    record = steady(480.0)
+    dying = 0.2 * np.exp(-record.time / 0.01) * np.sin(2 * np.pi * FREQUENCY * record.time)
+    assert not held(replace(record, response=record.response + dying))
+
+
+def test_the_fit_describes_the_record_and_says_what_it_held() -> None:
+    found = fit(Model(Oscillator()), Campaign("one sine", (steady(480.0),), Oscillator()))
+    quality = found.estimates[1]
+    assert quality.standard_error is None and "held" in quality.flags and quality.value == 30.0
+    assert found.fitted.error_over_noise == pytest.approx(1.0, abs=0.06)
+    assert any(s.warning and "quality factor is held at 30" in s.text for s in sentences(found))
