@@ -93,11 +93,17 @@ def test_second_mode_is_a_second_oscillator_under_the_same_voltage():
     assert_agrees(make("second-mode", travel=travel, period=1 / f2, quality=q2), physics, SMOOTH)
 
 
+@pytest.mark.parametrize("spread", [1.0, 9.0])
 @pytest.mark.parametrize("time", [1e-4, 3e-4, 5e-3])
-def test_viscoelastic_support_is_a_spring_behind_a_dashpot(time):
-    # Written with the force f of the Maxwell element as the state: f' = k v − f/τ.
-    physics = Physics(lambda t, z, v, h: -h[0], lambda t, z, v, h: (0.2 * K * v - h[0] / time,), start=(0.0,))
-    assert_agrees(make("viscoelastic-support", stiffness=0.2 * K, time=time), physics, SMOOTH)
+def test_viscoelastic_support_is_two_springs_behind_dashpots(time, spread):
+    # Written with the forces f of the Maxwell elements as the states: f' = k v − f/τ.
+    times = (time / np.sqrt(spread), time * np.sqrt(spread))
+    physics = Physics(
+        lambda t, z, v, h: -h[0] - h[1],
+        lambda t, z, v, h: tuple(0.1 * K * v - f / tau for f, tau in zip(h, times, strict=True)),
+        start=(0.0, 0.0),
+    )
+    assert_agrees(make("viscoelastic-support", stiffness=0.2 * K, time=time, spread=spread), physics, SMOOTH)
 
 
 @pytest.mark.parametrize("sharpness", [1.0, 2.0])

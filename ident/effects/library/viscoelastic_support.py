@@ -4,27 +4,31 @@ from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
 
 
 class ViscoelasticSupport(AbstractEffect):
-    """A Maxwell element beside the spring: F = −k_v (z − q), τ q̇ = z − q, as of glue or polymer in the support.
+    """Two Maxwell elements beside the spring: F = −(k_v/2) Σ_j (z − q_j), τ_j q̇_j = z − q_j, τ_1,2 = τ/√s, τ √s.
 
-    With the suspension it makes a Zener (standard linear) solid: stiffer by k_v above 1/τ, with a loss that peaks at
-    ωτ = 1. Typical: k_v 0.1-10 % of the suspension. With τ far from 1/ω it is absorbed by damping (short) or by
-    stiffness (long), and only records at several frequencies show it.
+    As of glue or polymer in the support: stiffer by k_v above 1/τ, with a loss around ωτ = 1 that is the wider the
+    larger s; s near 1 is the Zener (standard linear) solid. Real polymers relax over decades of time, and two elements
+    follow about one and a half. Typical: k_v 0.1-10 % of the suspension. With τ far from 1/ω it is absorbed by damping
+    (short) or by stiffness (long), and only records at several frequencies show it.
     """
 
     name = "viscoelastic-support"
-    equation = "F = −k_v (z − q), τ q̇ = z − q"
-    source = "R. Lakes, Viscoelastic Materials, 2009, ch. 2 (standard linear solid)"
+    equation = "F = −(k_v/2) [(z − q₁) + (z − q₂)], τ_j q̇_j = z − q_j, τ_j = τ/√s, τ √s"
+    source = "R. Lakes, Viscoelastic Materials, 2009, ch. 2 (standard linear solid; generalised Maxwell model)"
     mistaken_for = ("creep", "drive-lag", "sensor-lag", "bouc-wen")
-    hidden_units = ("m",)
+    hidden_units = ("m", "m")
 
     stiffness = amplitude("N/m", "stiffness that relaxes, k_v")
     time = shape("s", "relaxation time, τ", grid=(0.05, 0.2, 0.8, 3.0, 12.0), scale="period")
+    spread = shape("1", "ratio of the two times, s", grid=(1.5, 8.0), limits=(1.0, 50.0))
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
-        return -self.stiffness * (state.z - state.hidden[0])
+        return -self.stiffness * (state.z - sum(state.hidden) / 2)
 
     def state0(self) -> tuple[Scalar, ...]:
-        return (0.0,)
+        return (0.0, 0.0)
 
     def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
-        return ((state.z - state.hidden[0]) / self.time,)
+        apart = self.spread**0.5
+        times = (self.time / apart, self.time * apart)
+        return tuple((state.z - q) / time for q, time in zip(state.hidden, times, strict=True))
