@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from ..effects.effect import AbstractEffect
@@ -14,6 +15,7 @@ from .experiments import NextExperiment, next_experiments
 from .locate import Where, locate
 from .score import Bench, prepare
 from .shorten import working
+from .ties import Unseen, unseen
 from .unknown import Unknown, find_unknown
 from .where_words import summary
 
@@ -26,7 +28,8 @@ class Diagnosis:
     """Answers about a fit.
 
     **Arguments:** `where`: where the fit fails; `unknown`: what the library lacks, if it lacks something, and
-    `effect_file`, where that was written; `next_experiments`: records that would separate what ties.
+    `effect_file`, where that was written; `next_experiments`: records that would separate what ties; `unseen`: effects
+    of which these records cannot say anything.
     """
 
     discovery: Discovery
@@ -34,6 +37,7 @@ class Diagnosis:
     unknown: Unknown | None = None
     effect_file: Path | None = None
     next_experiments: tuple[NextExperiment, ...] = ()
+    unseen: tuple[Unseen, ...] = ()
 
     @property
     def summary(self) -> str:
@@ -55,18 +59,19 @@ def diagnose(
     bench = prepare(working(fitted))
     where = locate(bench)
     found = continue_from(fitted, library, report)
+    answer = partial(Diagnosis, found, where, unseen=unseen(bench, found.ranking, library))
     if found.verdict != "not-in-library":
         unknown = _instead(bench, report) if found.lacking else None
-        return Diagnosis(found, where, unknown, next_experiments=_experiments(found, library, report))
+        return answer(unknown, next_experiments=_experiments(found, library, report))
     if effect_file is None:
-        return Diagnosis(found, where, _instead(bench, report))
+        return answer(_instead(bench, report))
     beyond = go_beyond(bench, effect_file, report)
     if beyond.fit.fitted.error_over_noise < found.final.fitted.error_over_noise:
         name = beyond.fit.model.names[-1]
         gain = 1 - (beyond.fit.fitted.error_over_noise**2 - 1) / max(fitted.fitted.error_over_noise**2 - 1, 1e-9)
         step = Step(name, beyond.unknown.share, gain, (name,), "effect", beyond.fit)
         found = replace(found, steps=(step,))
-    return Diagnosis(found, where, beyond.unknown, beyond.path)
+    return replace(answer(beyond.unknown, beyond.path), discovery=found)
 
 
 def _instead(bench: Bench, report: Report) -> Unknown:

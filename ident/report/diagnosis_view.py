@@ -12,7 +12,7 @@ from .quantity import show
 from .sheet import Column, Mark, Sheet
 from .story import staircase_section
 from .style import png
-from .tables import ratio_text
+from .tables import listed, ratio_text
 from .where_figure import where_figure
 
 _LISTED = 6
@@ -92,6 +92,11 @@ def advice(found: Diagnosis) -> list[str]:
         pair = " from ".join(experiment.separates)
         gain = experiment.expected_delta_chi2
         sentences.append(f"To tell {pair}, measure: {experiment.record} (expected Δχ² {gain:.3g}).")
+    if found.unseen:
+        names = listed([effect.name for effect in found.unseen])
+        sentences.append(
+            f"Not to be seen beside the first model, whose parameters absorb it in these records: {names}."
+        )
     if found.unknown is not None:
         sentences += found.unknown.sentences
     if found.effect_file is not None:
