@@ -95,7 +95,7 @@ def advice(found: Diagnosis) -> list[str]:
     if found.unseen:
         names = listed([effect.name for effect in found.unseen])
         sentences.append(
-            f"Not to be seen beside the first model, whose parameters absorb it in these records: {names}."
+            f"Beside the first model these records cannot show {names}: its parameters absorb it."
         )
     if found.unknown is not None:
         sentences += found.unknown.sentences
