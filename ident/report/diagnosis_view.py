@@ -94,9 +94,7 @@ def advice(found: Diagnosis) -> list[str]:
         sentences.append(f"To tell {pair}, measure: {experiment.record} (expected Δχ² {gain:.3g}).")
     if found.unseen:
         names = listed([effect.name for effect in found.unseen])
-        sentences.append(
-            f"Beside the first model these records cannot show {names}: its parameters absorb it."
-        )
+        sentences.append(f"Beside the first model these records cannot show {names}: its parameters absorb it.")
     if found.unknown is not None:
         sentences += found.unknown.sentences
     if found.effect_file is not None:
