@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from ident.effects.effect import Drive, State
 from tests.effects.harness import (
@@ -122,6 +123,21 @@ def test_the_loop_of_plays_does_not_depend_on_the_frequency():
     swing = 7 * np.sin(2 * np.pi * np.linspace(0, 2, 2001))
     loops = [_followers(effect, swing, duration) for duration in (1.0, 2.0**-10)]
     np.testing.assert_allclose(loops[0], loops[1], rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("level", [-90.0, -3.0, 0.0, 20.0])
+def test_plays_of_a_record_under_voltage_are_where_the_voltage_has_taken_them(level):
+    effect = make("prandtl-ishlinskii", weight=0.3, reach=24.0)
+    rise = np.linspace(0.0, level, 4001)
+    exact = [plays(rise, 24.0 * (j + 0.5) / 6)[-1] for j in range(6)]
+    np.testing.assert_allclose(effect.begun(Drive(level, 0.0, 1.0, 1.0)), exact, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("level", [-9.0, 0.5, 4.0])
+def test_a_yielding_element_under_voltage_is_loaded_by_it(level):
+    effect = make("bouc-wen-drive", loop=1.0, travel=3.0, sharpness=2.0)
+    loaded = solve_ivp(lambda u, h: [(1 - h[0] ** 2) / 3.0], (0.0, abs(level)), [0.0], rtol=1e-9, atol=1e-12).y[0, -1]
+    assert float(effect.begun(Drive(level, 0.0, 1.0, 1.0))[0]) == pytest.approx(np.sign(level) * loaded, rel=1e-6)
 
 
 def _followers(effect, volts: np.ndarray, duration: float) -> np.ndarray:
