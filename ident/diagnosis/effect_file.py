@@ -67,14 +67,14 @@ def effect_source(formula: Formula, name: str, found: str = "") -> str:
     whole = body + memory
     imports = "import jax.numpy as jnp\n\n" if "jnp." in whole or "bump(" in whole else ""
     kinds = "AbstractEffect, amplitude" + (", shape" if "= shape(" in declared else "")
-    slip = "from ident.effects.memory import slip\n" if "slip(" in whole else ""
-    sharp = next((n for mark, n in (("tanh", 250), ("slip(", 120), ("maximum(", 120)) if mark in whole), 0)
+    plays = "from ident.effects.memory import dragged\n" if "dragged(" in whole else ""
+    sharp = next((n for mark, n in (("tanh", 250), ("dragged(", 120), ("maximum(", 120)) if mark in whole), 0)
     fine = f"    steps_per_period = {sharp}\n" if sharp else ""
     head = f'"""{found or "What a fit could not explain, as a formula."}\n\nEdit it as you learn what it is."""\n\n'
     title = "".join(word.capitalize() for word in name.split("-"))
     text = formula.text if len(formula.text) < 90 else f"{len(formula.terms)} terms in {', '.join(names)}"
     return (
-        f"{head}{imports}from ident import {kinds}\n{slip}{_BUMP if 'bump(' in whole else ''}\n\n"
+        f"{head}{imports}from ident import {kinds}\n{plays}{_BUMP if 'bump(' in whole else ''}\n\n"
         f'class {title}(AbstractEffect):\n    """{text}."""\n\n'
         f'    name = "{name}"\n    equation = "{text}"\n{units}{fine}\n{declared}\n'
         f"    def {signature}:\n{body}{memory}"
@@ -105,7 +105,7 @@ def _term(
         speed = "state.v" if term.names[0] == "z" else "drive.rate"
         rate = f"({x} - {h}) / {number}"
         if term.memory == "play":
-            rate = f"{speed} * slip({rate}, {speed}, 24)"
+            rate = f"{speed} * dragged({rate}, {speed})"
     return _Written(f"self.c{i} * {code}" if code != "1.0" else f"self.c{i}", tuple(declared), rate,
                     UNITS[term.names[0]] if term.memory else "")  # fmt: skip
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import jax
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -131,6 +132,27 @@ def test_plays_of_a_record_under_voltage_are_where_the_voltage_has_taken_them(le
     rise = np.linspace(0.0, level, 4001)
     exact = [plays(rise, 24.0 * (j + 0.5) / 6)[-1] for j in range(6)]
     np.testing.assert_allclose(effect.begun(Drive(level, 0.0, 1.0, 1.0)), exact, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("reach", [1.5, 3.0, 9.0])
+def test_tangents_of_narrow_plays_stay_finite_and_point_the_right_way(reach):
+    swing = 9 * np.sin(2 * np.pi * np.linspace(0, 3, 2881))  # Euler steps, as fine as Runge-Kutta with 120 a period
+    rate = np.gradient(swing)
+
+    def held(width):
+        effect = make("prandtl-ishlinskii", weight=1.0).with_values(weight=1.0, tilt=0.0, reach=width)
+
+        def step(hidden, at):
+            change = effect.rate(State(0.0, 0.0, hidden), Drive(*at, 1.0, 1.0), 0.0)
+            hidden = tuple(p + c for p, c in zip(hidden, change, strict=True))
+            return hidden, effect.drive(hidden, Drive(*at, 1.0, 1.0), 0.0)
+
+        return jax.lax.scan(step, tuple(0.0 * width for _ in range(6)), (swing, rate))[1]
+
+    _, tangent = jax.jvp(held, (reach,), (1.0,))
+    difference = (held(reach * 1.02) - held(reach * 0.98)) / (0.04 * reach)
+    cosine = tangent @ difference / np.linalg.norm(tangent) / np.linalg.norm(difference)
+    assert np.linalg.norm(tangent) < 3 * np.linalg.norm(difference) and cosine > 0.9
 
 
 @pytest.mark.parametrize("level", [-9.0, 0.5, 4.0])

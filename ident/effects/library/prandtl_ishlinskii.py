@@ -1,10 +1,9 @@
 """Hysteresis of the piezoelectric drive as a sum of plays."""
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
-from ..memory import slip, within
+from ..memory import dragged, within
 
 _PLAYS = 6
-_SHARPNESS = 24  # of each edge: rounded less, it gains nothing at a hundred steps per period
 
 
 class PrandtlIshlinskii(AbstractEffect):
@@ -48,7 +47,7 @@ class PrandtlIshlinskii(AbstractEffect):
 
     def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
         parts = [(drive.V - p) / r for p, r in zip(state.hidden, self._widths(), strict=True)]
-        return tuple(drive.rate * slip(part, drive.rate, _SHARPNESS) for part in parts)
+        return tuple(drive.rate * dragged(part, drive.rate) for part in parts)
 
     def _widths(self) -> list[Scalar]:
         return [self.reach * (j + 0.5) / _PLAYS for j in range(_PLAYS)]
