@@ -23,7 +23,7 @@ def hold_quality(model: Model, records: Sequence[Trace]) -> Model:
     """The model with its quality factor held, if steady sines of one frequency are all there is to determine it."""
     name = f"{model.linear.prefix}.quality"
     frequencies = [drive_frequency(record) for record in records]
-    one = max(frequencies) < (1 + _SAME) * min(frequencies)
+    one = max(frequencies, default=0.0) < (1 + _SAME) * min(frequencies, default=0.0)
     if name in model.freed or not one or not all(map(_steady, records)):
         return model
     return replace(model, held=model.held | {name})
