@@ -35,7 +35,7 @@ from ident.response.transient import Lane
 
 ROOT = Path(__file__).resolve().parents[2]
 SIGMA = 50e-9
-STEPS = 2  # of the adaptive rival, which needs many more: its time is a lower bound
+STEPS = 5  # of the adaptive rival, which needs a dozen: its time is a lower bound
 
 
 class Line(NamedTuple):
