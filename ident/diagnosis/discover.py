@@ -1,8 +1,8 @@
 """The loop by itself: fit, look where the error is, add the effect that explains it, until the noise floor.
 
 Greedy addition with swaps. A term is added only if chance would not produce its gain and held-out records do not
-suffer; the model is adequate when the error stands at the noise floor. Adequacy, not the falling error, decides whether
-a name is reported: with the true effect absent from the library an impostor still lowers the error.
+suffer; the model is adequate when the error stands at the noise floor. Not the falling error but what is left decides
+whether a name is sure: with the true effect absent from the library an impostor still lowers the error.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ..fit import Fit, fit
 from ..model import Model
 from .change import remove
 from .confirm import Confirmed, accept, confirm
-from .lacking import lacking
+from .lacking import ANOTHER_LAW, lacking
 from .prune import Pruned, hurts, prune
 from .score import Bench, Candidate, prepare, score, significant
 from .shorten import working
@@ -116,7 +116,8 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
     steps = [_tied_at_the_end(step, steps[-1].fit, library, report) for step in steps[:-1]] + steps[-1:]
     remaining = tuple(significant(candidates))
     lacks = lacking(_after_effects(steps, bench), first, report) if steps else 0.0
-    return Discovery(_verdict(steps, bench, lacks), start, tuple(steps), ranking, gains, remaining, bench, lacks)
+    verdict = _verdict(steps, bench, first, lacks)
+    return Discovery(verdict, start, tuple(steps), ranking, gains, remaining, bench, lacks)
 
 
 def _after_effects(steps: list[Step], bench: Bench) -> Bench:
@@ -232,10 +233,12 @@ def adequate(bench: Bench) -> bool:
     return float(np.sqrt(bench.chi2 / bench.n)) < 1.05 + 2 * min(doubt, 0.1)
 
 
-def _verdict(steps: list[Step], bench: Bench, lacks: float) -> Verdict:
-    """A name is given as sure only if what it leaves has no structure of a size that laws of one kind differ by."""
+def _verdict(steps: list[Step], bench: Bench, first: Bench, lacks: float) -> Verdict:
+    """A name is given as sure only if what it leaves is noise, or as little as laws of one kind differ by."""
+    fine = adequate(bench)
     if not steps:
-        return "adequate" if adequate(bench) else "not-in-library"
-    if lacks:
-        return "ambiguous" if adequate(bench) else "not-in-library"
-    return "ambiguous" if any(len(s.tie_set) > 1 for s in steps if s.role == "effect") else "identified"
+        return "adequate" if fine else "not-in-library"
+    if not fine and (lacks or bench.chi2 - bench.n > ANOTHER_LAW * (first.chi2 - first.n)):
+        return "not-in-library"
+    tied = any(len(s.tie_set) > 1 for s in steps if s.role == "effect")
+    return "ambiguous" if lacks or tied else "identified"

@@ -86,7 +86,7 @@ def minimise(
     else:
         report("reading the resonance off the records")
         quality = model.parameters[1]
-        guess = guess_linear(records, model.linear.nominal_frequency, () if quality.fitted else (quality.value,))
+        guess = guess_linear(records, model.linear.nominal_frequency, None if quality.fitted else quality.value)
     scales = data_scales(records, guess.frequency)
     base = told[0] if told else base_values(model, guess, scales)
     groups, layout = make_groups(records, max(guess.frequency, float(base[0])), guess.quality, model.steps_per_period)

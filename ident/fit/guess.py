@@ -46,22 +46,23 @@ class DataScales(NamedTuple):
 
 
 def guess_linear(
-    records: Sequence[Trace], nominal_frequency: float | None = None, held: Sequence[float] = ()
+    records: Sequence[Trace], nominal_frequency: float | None = None, held: float | None = None
 ) -> LinearGuess:
     """The linear oscillator nearest to the records; `held`: its quality factor, if that is known."""
     pieces = [_piece(record) for record in records]
     grid = _frequencies(records, nominal_frequency)
-    trials = [(_misfit(pieces, f, q), f, q) for q in held or _QUALITIES for f in grid]
+    qualities = _QUALITIES if held is None else (held,)
+    trials = [(_misfit(pieces, f, q), f, q) for q in qualities for f in grid]
     trials.sort()
     best = trials[0]
     for start in _distinct(trials)[:2]:
         found = optimize.minimize(
-            lambda x: _misfit(pieces, math.exp(x[0]), held[0] if held else math.exp(x[1])),
+            lambda x: _misfit(pieces, math.exp(x[0]), math.exp(x[1]) if held is None else held),
             [math.log(start[1]), math.log(start[2])],
             method="Nelder-Mead",
             options={"initial_simplex": _simplex(start[1], start[2]), "xatol": 1e-5, "fatol": 1e-9, "maxiter": 80},
         )
-        quality = held[0] if held else math.exp(min(found.x[1], 9.0))
+        quality = math.exp(min(found.x[1], 9.0)) if held is None else held
         best = min(best, (float(found.fun), math.exp(found.x[0]), quality))
     misfit, frequency, quality = best
     return LinearGuess(frequency, quality, _gain(pieces, frequency, quality), misfit)
