@@ -7,9 +7,9 @@ Jacobian costs p + 2 tangent simulations whatever the number of records (p if al
 
 from __future__ import annotations
 
+from functools import partial
 from typing import NamedTuple
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -93,7 +93,7 @@ class Evaluation(NamedTuple):
     by_start: tuple[Array, ...]
 
 
-@eqx.filter_jit
+@partial(jax.jit, static_argnums=0)
 def evaluate(static: Static, data: Data, unknowns: Unknowns) -> Evaluation:
     """Residuals and Jacobian in one pass of tangent simulations."""
     p = unknowns.x.shape[0]
@@ -115,7 +115,7 @@ def evaluate(static: Static, data: Data, unknowns: Unknowns) -> Evaluation:
     return Evaluation(values, readings, residuals, tuple(t[:p] for t in tangents), tuple(t[p:] for t in tangents))
 
 
-@eqx.filter_jit
+@partial(jax.jit, static_argnums=0)
 def read_groups(static: Static, data: Data, unknowns: Unknowns) -> tuple[Array, ...]:
     """Model readings alone, per group."""
     return predict(static, data, unknowns)
