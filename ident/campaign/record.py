@@ -55,6 +55,7 @@ class Trace:
     - `load`: extra mass on the stage, kg.
     - `skip`: number of leading samples that are simulated but not counted.
     - `noise`: the noise floor; `period`: samples per period if the drive is periodic over the record, else None.
+    - `excerpt`: a stretch of a longer record, cut out to compare models on it; no estimate is reported from it.
     """
 
     name: str
@@ -69,6 +70,7 @@ class Trace:
     load: float = 0.0
     skip: int = 0
     period: float | None = None
+    excerpt: bool = False
 
     @property
     def step(self) -> float:

@@ -9,10 +9,13 @@ import numpy as np
 
 from ..effects.effect import AbstractEffect
 from ..fit import Fit, fit
+from ..fit.fit import minimise
 from ..fit.judge import Score
+from ..fit.problem import evaluate
+from ..fit.rebuild import fit_at
 from ..fit.starts import starting_points
 from ..model import make_effect
-from .confirm import start_of
+from .confirm import MOST_STEPS, start_of
 from .score import prepare, score
 
 Report = Callable[[str], None]
@@ -33,9 +36,21 @@ def add(parent: Fit, effect: type[AbstractEffect], report: Report = lambda _: No
 
 def remove(parent: Fit, name: str, report: Report = lambda _: None) -> Fit:
     """The parent's model without one effect, fitted from the parent's values."""
+    return fit(parent.model - name, parent.campaign, initial=_kept(parent, name), report=report)
+
+
+def try_without(parent: Fit, name: str) -> Fit:
+    """The same for a comparison only: a model that lacks what it needs would crawl for long, and no number of it is
+    reported."""
     model = parent.model - name
-    kept = [v for p, v in zip(parent.model.parameters, parent.values, strict=True) if p.effect != name]
-    return fit(model, parent.campaign, initial=np.array(kept), report=report)
+    found = minimise(model, parent.campaign, initial=_kept(parent, name), most=MOST_STEPS)
+    values = evaluate(found.static, found.data, found.best.unknowns).values
+    return fit_at(model, parent.campaign, np.asarray(values))
+
+
+def _kept(parent: Fit, name: str) -> np.ndarray:
+    """Values of all parameters but those of one effect."""
+    return np.array([v for p, v in zip(parent.model.parameters, parent.values, strict=True) if p.effect != name])
 
 
 def lineage_entry(

@@ -35,7 +35,7 @@ class Confirmed(NamedTuple):
 
 _MOST_STARTS = 6
 _RACE = 12  # steps of every start; the best one goes on
-_MOST_STEPS = 60  # a rival that needs more crawls along a valley and comes no nearer
+MOST_STEPS = 60  # a rival that needs more crawls along a valley and comes no nearer
 
 
 def confirm(bench: Bench, effect: type[AbstractEffect], candidate: Candidate) -> Confirmed:
@@ -52,7 +52,7 @@ def weigh(bench: Bench, model: Model, candidate: Candidate, starts: list[np.ndar
     if len(starts) > 1:
         race = minimise(model, bench.fit.campaign, initial=starts, most=_RACE)
         starts = [np.asarray(evaluate(race.static, race.data, race.best.unknowns).values)]
-    found = minimise(model, bench.fit.campaign, initial=starts, most=_MOST_STEPS)
+    found = minimise(model, bench.fit.campaign, initial=starts, most=MOST_STEPS)
     at = evaluate(found.static, found.data, found.best.unknowns)
     records = bench.fit.campaign.fitted
     rows = [

@@ -1,8 +1,9 @@
 """The loop by itself: fit, look where the error is, add the effect that explains it, until the noise floor.
 
-Greedy addition with swaps. A term is added only if chance would not produce its gain and held-out records do not
-suffer; the model is adequate when the error stands at the noise floor. Not the falling error but what is left decides
-whether a name is sure: with the true effect absent from the library an impostor still lowers the error.
+Greedy addition with swaps. A term is added only if chance would not produce its gain; held-out records judge it once
+the fitted ones have nothing more to say, because until then what is still missing spoils both. The model is adequate
+when the error stands at the noise floor. Not the falling error but what is left decides whether a name is sure: with
+the true effect absent from the library an impostor still lowers the error.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from ..campaign.campaign import Campaign
 from ..effects.effect import AbstractEffect
 from ..fit import Fit, fit
 from ..model import Model
-from .change import remove
+from .change import try_without
 from .confirm import Confirmed, accept, confirm
 from .lacking import ANOTHER_LAW, lacking
 from .prune import Pruned, hurts, prune
@@ -33,6 +34,7 @@ MOST_TERMS = 6
 _SHORTLIST = 3
 _NEAR = 0.1  # of the excess: candidates this near the best are confirmed too
 _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
+_WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
 _TIED_CRITERION = 10.0  # difference of the information criterion below which data do not choose
 _SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
 _SAME_WHILE_LACKING = 0.02  # the same as long as ten times as much is unexplained
@@ -98,20 +100,22 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
         candidates = score(bench, library)
         ranking = ranking or tuple(candidates)
         real = significant(candidates)
-        if not real or len(steps) >= most or (steps and _only_shapes_left(bench, real, first)):
+        if not real or len(steps) >= most or (steps and _nothing_worth_adding(bench, real, first)):
             break
-        step = _best_step(current, bench, real, library, first, gains if not steps else {}, report)
-        if step is None:
+        found = _best_step(current, bench, real, library, first, gains if not steps else {}, report)
+        if found is None:
             break
+        step, bench = found
         steps.append(step)
         current = step.fit
-        bench = prepare(working(current))
         report(f"added {step.added}: error over noise {current.fitted.error_over_noise:.3g}")
+    while steps and hurts(steps[-2].fit if len(steps) > 1 else start, steps[-1].fit):
+        steps.pop()
     needed = prune(steps[-1].fit, [s.added for s in steps], library, report) if len(steps) > 1 else None
     if needed is not None:
         steps = _replayed(start, needed, library)
-        current = steps[-1].fit
-        bench = prepare(working(current))
+    if (steps[-1].fit if steps else start) is not current:
+        bench = prepare(working(steps[-1].fit if steps else start))
         candidates = score(bench, library)
     steps = [_tied_at_the_end(step, steps[-1].fit, library, report) for step in steps[:-1]] + steps[-1:]
     remaining = tuple(significant(candidates))
@@ -126,14 +130,16 @@ def _after_effects(steps: list[Step], bench: Bench) -> Bench:
     return bench if last == len(steps) - 1 else prepare(working(steps[last].fit))
 
 
-def _only_shapes_left(bench: Bench, real: list[Candidate], first: Bench) -> bool:
-    """Whether the model stands at the noise floor and nothing promises more than a finer shape of what was found.
+def _nothing_worth_adding(bench: Bench, real: list[Candidate], first: Bench) -> bool:
+    """Whether all candidates promise no more than a finer shape of what was found, and the model is adequate without
+    it or hardly better with it.
 
     No law has exactly the device's shape, so something always remains significant; to add it would name physics that
     is not there.
     """
-    worth_a_name = _SHAPE * (first.chi2 - first.n)
-    return adequate(bench) and max(c.drop for c in real) < worth_a_name
+    best = max(c.drop for c in real)
+    little = best < _WORTH * (bench.chi2 - bench.n)
+    return best < _SHAPE * (first.chi2 - first.n) and (little or adequate(bench))
 
 
 def _replayed(start: Fit, needed: Pruned, library: Library) -> list[Step]:
@@ -160,7 +166,7 @@ def _tied_at_the_end(step: Step, last: Fit, library: Library, report: Report) ->
     if len(step.tie_set) < 2 or step.role != "effect":
         return step
     report(f"what {step.added} could be mistaken for")
-    bench = prepare(working(remove(last, step.added)))
+    bench = prepare(try_without(working(last), step.added))
     candidates = significant(score(bench, library))
     chosen = next((c for c in candidates if c.name == step.added), None)
     if chosen is None:
@@ -184,8 +190,9 @@ def _best_step(
     first: Bench,
     gains: dict[str, float],
     report: Report,
-) -> Step | None:
-    """Confirm the best candidates by refits and take the one that the criterion prefers, if held-out data agree."""
+) -> tuple[Step, Bench] | None:
+    """Confirm the best candidates by refits and take the one that the criterion prefers, if held-out data agree; the
+    bench of the fit with it too."""
     excess = max(bench.chi2 - bench.n, 1e-9)
     best = max(c.drop for c in real)
     short = [c for c in real if c.drop > best - max(_NEAR * excess, _TIED_CRITERION)][:_SHORTLIST]
@@ -199,13 +206,15 @@ def _best_step(
         if not np.isfinite(found.criterion) or found.criterion > limit:
             return None
         after = accept(found, current)
-        if not np.isfinite(after.fitted.error_over_noise) or hurts(current, after):
+        if not np.isfinite(after.fitted.error_over_noise):
             continue
-        role = _role(bench, found, first)
+        role, left = _role(bench, found, first), prepare(working(after))
+        if (role == "shape-refinement" or adequate(left)) and hurts(current, after):
+            continue
         name, predicted = found.candidate.name, found.candidate.predicted_gain
         ties = tie_set(bench, found.candidate, real, library, tried)
         tied = tuple(c for c in real if c.name in ties.names)
-        return Step(name, predicted, found.gain, ties.names, role, after, ties.reasons, tied, bench)
+        return Step(name, predicted, found.gain, ties.names, role, after, ties.reasons, tied, bench), left
     return None
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..effects.effect import AbstractEffect
 from ..fit import Fit, fit
-from .change import remove
+from .change import try_without
 from .confirm import accept, confirm
 from .score import prepare, score, significant
 from .shorten import working
@@ -37,14 +37,15 @@ def prune(
 ) -> Pruned | None:
     """What is left of the added effects once each has been questioned; None if all are needed."""
     names, changed_once, changed = list(added), False, True
+    campaign, last = last.campaign, working(last)
     while changed and len(names) > 1:
         changed = False
         for i, name in enumerate(names[:-1]):
             report(f"does the model still need {name}?")
-            without = remove(last, name)
-            bench = prepare(working(without))
+            without = try_without(last, name)
+            bench = prepare(without)
             per_parameter = float(np.log(bench.n))
-            full = prepare(working(last)).chi2 + len(last.free) * per_parameter
+            full = prepare(last).chi2 + len(last.free) * per_parameter
             if bench.chi2 + len(without.free) * per_parameter < full:
                 names, last, changed = [*names[:i], *names[i + 1 :]], without, True
                 break
@@ -58,4 +59,4 @@ def prune(
                     names, last, changed = [*names[:i], better.name, *names[i + 1 :]], after, True
                     break
         changed_once = changed_once or changed
-    return Pruned(tuple(names), fit(last.model, last.campaign, initial=last.values)) if changed_once else None
+    return Pruned(tuple(names), fit(last.model, campaign, initial=last.values)) if changed_once else None

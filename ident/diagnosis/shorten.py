@@ -39,4 +39,5 @@ def _liveliest(record: Trace, length: int) -> Trace:
         start=start,
         skip=before,
         period=None,
+        excerpt=True,
     )
