@@ -20,6 +20,7 @@ from ..fit import Fit, fit
 from ..model import Model
 from .change import try_without
 from .confirm import Confirmed, accept, confirm
+from .enough import adequate, nothing_worth_adding, worth_a_name
 from .lacking import ANOTHER_LAW, lacking
 from .prune import Pruned, hurts, prune
 from .score import Bench, Candidate, prepare, score, significant
@@ -33,8 +34,6 @@ Report = Callable[[str], None]
 MOST_TERMS = 6
 _SHORTLIST = 3
 _NEAR = 0.1  # of the excess: candidates this near the best are confirmed too
-_SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
-_WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
 _TIED_CRITERION = 10.0  # difference of the information criterion below which data do not choose
 _SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
 _SAME_WHILE_LACKING = 0.02  # the same as long as ten times as much is unexplained
@@ -100,7 +99,7 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
         candidates = score(bench, library)
         ranking = ranking or tuple(candidates)
         real = significant(candidates)
-        if not real or len(steps) >= most or (steps and _nothing_worth_adding(bench, real, first)):
+        if not real or len(steps) >= most or (steps and nothing_worth_adding(bench, real, first)):
             break
         found = _best_step(current, bench, real, library, first, gains if not steps else {}, report)
         if found is None:
@@ -111,7 +110,7 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
         report(f"added {step.added}: error over noise {current.fitted.error_over_noise:.3g}")
     while steps and hurts(steps[-2].fit if len(steps) > 1 else start, steps[-1].fit):
         steps.pop()
-    needed = prune(steps[-1].fit, [s.added for s in steps], library, report) if len(steps) > 1 else None
+    needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report) if len(steps) > 1 else None
     if needed is not None:
         steps = _replayed(start, needed, library)
     if (steps[-1].fit if steps else start) is not current:
@@ -128,18 +127,6 @@ def _after_effects(steps: list[Step], bench: Bench) -> Bench:
     """The bench of the last effect, without the terms that only refine shapes: they would hide that a law differs."""
     last = max(i for i, step in enumerate(steps) if step.role == "effect")
     return bench if last == len(steps) - 1 else prepare(working(steps[last].fit))
-
-
-def _nothing_worth_adding(bench: Bench, real: list[Candidate], first: Bench) -> bool:
-    """Whether all candidates promise no more than a finer shape of what was found, and the model is adequate without
-    it or hardly better with it.
-
-    No law has exactly the device's shape, so something always remains significant; to add it would name physics that
-    is not there.
-    """
-    best = max(c.drop for c in real)
-    little = best < _WORTH * (bench.chi2 - bench.n)
-    return best < _SHAPE * (first.chi2 - first.n) and (little or adequate(bench))
 
 
 def _replayed(start: Fit, needed: Pruned, library: Library) -> list[Step]:
@@ -178,8 +165,7 @@ def _tied_at_the_end(step: Step, last: Fit, library: Library, report: Report) ->
 
 def _role(bench: Bench, found: Confirmed, first: Bench) -> Literal["effect", "shape-refinement"]:
     """An effect removes a share of the first excess that is worth a name; the first one always is."""
-    share = (bench.chi2 - found.chi2) / max(first.chi2 - first.n, 1e-9)
-    return "effect" if share > _SHAPE or bench is first else "shape-refinement"
+    return "effect" if bench is first or worth_a_name(bench.chi2 - found.chi2, first) else "shape-refinement"
 
 
 def _best_step(
@@ -231,15 +217,6 @@ def _in_order(tried: list[Confirmed], bench: Bench) -> list[Confirmed]:
     limit = best.criterion + max(_TIED_CRITERION, same)
     near = sorted((c for c in tried if c.criterion <= limit), key=lambda c: (len(c.values), c.criterion))
     return near + sorted((c for c in tried if not c.criterion <= limit), key=lambda c: c.criterion)
-
-
-def adequate(bench: Bench) -> bool:
-    """Whether the error stands at the noise floor, within what is known of that floor.
-
-    What counts is the whitened error without mains hum and initial states: hum is no shortcoming of a model.
-    """
-    doubt = float(np.mean([record.noise.relative_error for record in bench.fit.campaign.fitted]))
-    return float(np.sqrt(bench.chi2 / bench.n)) < 1.05 + 2 * min(doubt, 0.1)
 
 
 def _verdict(steps: list[Step], bench: Bench, first: Bench, lacks: float) -> Verdict:

@@ -11,7 +11,8 @@ from ..effects.effect import AbstractEffect
 from ..fit import Fit, fit
 from .change import try_without
 from .confirm import accept, confirm
-from .score import prepare, score, significant
+from .enough import superfluous
+from .score import Bench, prepare, score, significant
 from .shorten import working
 
 _CLEARLY = 10.0  # of the information criterion: by so much a rival must be better to be swapped in
@@ -33,27 +34,32 @@ def hurts(before: Fit, after: Fit) -> bool:
 
 
 def prune(
-    last: Fit, added: list[str], library: Mapping[str, type[AbstractEffect]], report: Callable[[str], None]
+    last: Fit,
+    added: list[str],
+    library: Mapping[str, type[AbstractEffect]],
+    first: Bench,
+    report: Callable[[str], None],
 ) -> Pruned | None:
-    """What is left of the added effects once each has been questioned; None if all are needed."""
+    """What is left of the added effects once each has been questioned; None if all are needed.
+
+    `first`: the bench before any was added.
+    """
     names, changed_once, changed = list(added), False, True
     campaign, last = last.campaign, working(last)
     while changed and len(names) > 1:
-        changed = False
+        changed, full = False, prepare(last)
         for i, name in enumerate(names[:-1]):
             report(f"does the model still need {name}?")
             without = try_without(last, name)
             bench = prepare(without)
-            per_parameter = float(np.log(bench.n))
-            full = prepare(last).chi2 + len(last.free) * per_parameter
-            if bench.chi2 + len(without.free) * per_parameter < full:
+            if superfluous(bench, full, first):
                 names, last, changed = [*names[:i], *names[i + 1 :]], without, True
                 break
             better = next(iter(significant(score(bench, library))), None)
             if better is None or better.name == name:
                 continue
             trial = confirm(bench, library[better.name], better)
-            if trial.criterion < full - _CLEARLY:
+            if trial.criterion < full.chi2 + len(last.free) * float(np.log(full.n)) - _CLEARLY:
                 after = accept(trial, without)
                 if not hurts(last, after):
                     names, last, changed = [*names[:i], better.name, *names[i + 1 :]], after, True

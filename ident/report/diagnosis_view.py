@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..campaign.device import Device
 from ..diagnosis.diagnose import Diagnosis
-from ..diagnosis.discover import adequate
+from ..diagnosis.enough import adequate
 from ..diagnosis.score import Candidate
 from ..fit import Fit
 from .html import Picture, Section

@@ -1,0 +1,44 @@
+"""When is a model good enough, and when is a term more than a finer shape of another one?"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .score import Bench, Candidate
+
+_SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
+_WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
+
+
+def adequate(bench: Bench) -> bool:
+    """Whether the error stands at the noise floor, within what is known of that floor.
+
+    What counts is the whitened error without mains hum and initial states: hum is no shortcoming of a model.
+    """
+    doubt = float(np.mean([record.noise.relative_error for record in bench.fit.campaign.fitted]))
+    return float(np.sqrt(bench.chi2 / bench.n)) < 1.05 + 2 * min(doubt, 0.1)
+
+
+def worth_a_name(drop: float, first: Bench) -> bool:
+    """Whether a fall of χ² is more than laws of one kind differ by; `first`: the bench before any effect was added.
+
+    No law has exactly the device's shape, so something always remains significant; to add it would name physics that
+    is not there.
+    """
+    return drop > _SHAPE * (first.chi2 - first.n)
+
+
+def nothing_worth_adding(bench: Bench, real: Sequence[Candidate], first: Bench) -> bool:
+    """Whether all candidates promise no more than a finer shape of what was found, and the model is adequate without
+    it or hardly better with it."""
+    best = max(c.drop for c in real)
+    little = best < _WORTH * (bench.chi2 - bench.n)
+    return not worth_a_name(best, first) and (little or adequate(bench))
+
+
+def superfluous(without: Bench, with_it: Bench, first: Bench) -> bool:
+    """Whether a model does as well without a term: by the information criterion, or at the noise floor and nearly."""
+    loss, terms = without.chi2 - with_it.chi2, len(with_it.fit.free) - len(without.fit.free)
+    return loss < terms * float(np.log(with_it.n)) or (adequate(without) and not worth_a_name(loss, first))
