@@ -60,7 +60,7 @@ def weigh(bench: Bench, model: Model, candidate: Candidate, starts: list[np.ndar
         for record, (g, lane, n) in zip(records, found.layout.places, strict=True)
     ]
     chi2 = float(sum(np.sum(whiten(piece, row) ** 2) for piece, row in zip(bench.pieces, rows, strict=True)))
-    gain = (bench.chi2 - chi2) / max(bench.chi2 - bench.n, 1e-9)
+    gain = (bench.fit_chi2 - chi2) / max(bench.fit_chi2 - bench.n, 1e-9)
     return Confirmed(
         candidate, model, np.asarray(at.values), chi2, gain, chi2 + len(found.static.free) * float(np.log(bench.n))
     )

@@ -165,7 +165,7 @@ def _tied_at_the_end(step: Step, last: Fit, library: Library, report: Report) ->
 
 def _role(bench: Bench, found: Confirmed, first: Bench) -> Literal["effect", "shape-refinement"]:
     """An effect removes a share of the first excess that is worth a name; the first one always is."""
-    return "effect" if bench is first or worth_a_name(bench.chi2 - found.chi2, first) else "shape-refinement"
+    return "effect" if bench is first or worth_a_name(bench.fit_chi2 - found.chi2, first) else "shape-refinement"
 
 
 def _best_step(
@@ -187,14 +187,15 @@ def _best_step(
         report(f"confirming {candidate.name}")
         tried.append(confirm(bench, library[candidate.name], candidate))
         gains[candidate.name] = tried[-1].gain
-    limit = bench.chi2 + len(bench.scene.static.free) * np.log(bench.n)
+    limit = bench.fit_chi2 + len(bench.scene.static.free) * np.log(bench.n)
     for found in _in_order(tried, bench):
         if not np.isfinite(found.criterion) or found.criterion > limit:
             return None
         after = accept(found, current)
-        if not np.isfinite(after.fitted.error_over_noise):
+        shown = working(after)
+        if not np.isfinite(after.fitted.error_over_noise) or not np.isfinite(shown.fitted.error_over_noise):
             continue
-        role, left = _role(bench, found, first), prepare(working(after))
+        role, left = _role(bench, found, first), prepare(shown)
         if (role == "shape-refinement" or adequate(left)) and hurts(current, after):
             continue
         name, predicted = found.candidate.name, found.candidate.predicted_gain

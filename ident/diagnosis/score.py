@@ -37,7 +37,9 @@ class Bench:
     """A fit prepared for regressions: whitened residual (n,) without what the model absorbs, and how to project a
     column.
 
-    **Arguments:** `starts`: first sample of each record within n; `absorbed`: (n, q) orthonormal.
+    **Arguments:** `starts`: first sample of each record within n; `absorbed`: (n, q) orthonormal; `fit_chi2`: χ² of
+    the whitened residual as the fit left it, with which refits are compared. Along the measured motion the model's
+    parameters absorb more than that, and far from the data more than a refit can.
     """
 
     fit: Fit
@@ -46,6 +48,7 @@ class Bench:
     starts: tuple[int, ...]
     absorbed: np.ndarray
     residual: np.ndarray
+    fit_chi2: float
 
     @property
     def n(self) -> int:
@@ -100,14 +103,15 @@ def prepare(fit: Fit) -> Bench:
         pieces.append(make_piece(record, rows))
     lengths = [len(r.time) - r.skip for r in records]
     starts = tuple(int(x) for x in np.concatenate([[0], np.cumsum(lengths)[:-1]]))
-    bench = Bench(fit, scene, tuple(pieces), starts, np.zeros((sum(lengths), 0)), np.zeros(sum(lengths)))
+    bench = Bench(fit, scene, tuple(pieces), starts, np.zeros((sum(lengths), 0)), np.zeros(sum(lengths)), 0.0)
     # A shape at its bound cannot move as its column says: to project that out would hide a misfit that remains.
     free = [i for i in scene.static.free if "at-bound" not in fit.estimates[i].flags]
     directions = np.eye(len(fit.values))[free] * np.where(fit.values[free] == 0, 1.0, fit.values[free])[:, None]
     known = stack(bench, fit.model, np.tile(fit.values, (len(free), 1)), directions)
     residual = np.concatenate([whiten(piece, r[None])[0] for piece, r in zip(pieces, scene.residuals, strict=True)])
-    absorbed = _orthonormal(known)
-    return Bench(fit, scene, tuple(pieces), starts, absorbed, residual - absorbed @ (absorbed.T @ residual))
+    absorbed = orthonormal(known)
+    left = residual - absorbed @ (absorbed.T @ residual)
+    return Bench(fit, scene, tuple(pieces), starts, absorbed, left, float(residual @ residual))
 
 
 def stack(bench: Bench, model: Model, values: np.ndarray, directions: np.ndarray) -> np.ndarray:
@@ -130,7 +134,7 @@ def by_record(bench: Bench, found: Sequence[np.ndarray]) -> np.ndarray:
     return np.concatenate([whiten(piece, found[g][:, lane, :n]) for piece, (g, lane, n) in places], axis=1)
 
 
-def _orthonormal(rows: np.ndarray, like: np.ndarray | None = None) -> np.ndarray:
+def orthonormal(rows: np.ndarray, like: np.ndarray | None = None) -> np.ndarray:
     """Orthonormal basis (n, q) of the span of rows (k, n), ignoring those that are negligible against `like`."""
     lengths = np.linalg.norm(rows if like is None else like, axis=1)
     usable = np.isfinite(lengths) & (lengths > 0)
@@ -168,7 +172,7 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     tried_points = []
     for k, point in enumerate(points):
         rows = slice(k * len(amplitudes), (k + 1) * len(amplitudes))
-        basis = _orthonormal(projected[rows], raw[rows])
+        basis = orthonormal(projected[rows], raw[rows])
         if basis.shape[1]:
             tried_points.append((float(np.sum((basis.T @ bench.residual) ** 2)), point, basis, projected[rows]))
     if not tried_points:
