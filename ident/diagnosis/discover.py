@@ -32,7 +32,7 @@ Library = Mapping[str, type[AbstractEffect]]
 Report = Callable[[str], None]
 
 MOST_TERMS = 6
-_SHORTLIST = 3
+_SHORTLIST = 3  # twice as many if refits keep less than the scores promised
 _NEAR = 0.1  # of the excess: candidates this near the best are confirmed too
 _TIED_CRITERION = 10.0  # difference of the information criterion below which data do not choose
 _SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
@@ -179,11 +179,10 @@ def _best_step(
 ) -> tuple[Step, Bench] | None:
     """Confirm the best candidates by refits and take the one that the criterion prefers, if held-out data agree; the
     bench of the fit with it too."""
-    excess = max(bench.chi2 - bench.n, 1e-9)
-    best = max(c.drop for c in real)
-    short = [c for c in real if c.drop > best - max(_NEAR * excess, _TIED_CRITERION)][:_SHORTLIST]
     tried: list[Confirmed] = []
-    for candidate in short:
+    for candidate in real:
+        if len(tried) == _SHORTLIST * 2 or not _may_be_best(candidate, real, tried, bench):
+            break
         report(f"confirming {candidate.name}")
         tried.append(confirm(bench, library[candidate.name], candidate))
         gains[candidate.name] = tried[-1].gain
@@ -203,6 +202,16 @@ def _best_step(
         tied = tuple(c for c in real if c.name in ties.names)
         return Step(name, predicted, found.gain, ties.names, role, after, ties.reasons, tied, bench), left
     return None
+
+
+def _may_be_best(candidate: Candidate, real: list[Candidate], tried: list[Confirmed], bench: Bench) -> bool:
+    """Whether a candidate is worth a refit: it promises nearly as much as the best one promised, or as refits kept."""
+    promised = max(c.drop for c in real)
+    kept = max((bench.fit_chi2 - found.chi2 for found in tried), default=promised)
+    if len(tried) >= _SHORTLIST:
+        return candidate.drop > kept
+    excess = max(bench.chi2 - bench.n, 1e-9)
+    return candidate.drop > min(promised, kept) - max(_NEAR * excess, _TIED_CRITERION)
 
 
 def _in_order(tried: list[Confirmed], bench: Bench) -> list[Confirmed]:
