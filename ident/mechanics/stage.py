@@ -63,6 +63,22 @@ def l_beam(section: Section, length_1: Scalar, length_2: Scalar) -> Beam:
     )
 
 
+def unstressed_stiffness(beam: Beam) -> Scalar:
+    """Stiffness of the stage without axial forces.
+
+    K = 4 K_1⁰ K_2⁰/(K_1⁰ + K_2⁰),   K_j⁰ = 12 (EI/l_j³)(1 + r_j)/(1 + 4 r_j)
+
+    Returns N/m.
+
+    Source: Sensors 2020, 20, 3959, Eqs. 6-7, 11 and 13.
+    """
+    k1, k2 = (
+        12 * scale * (1 + r) / (1 + 4 * r)
+        for scale, r in ((beam.scale_1, beam.spring_1), (beam.scale_2, beam.spring_2))
+    )
+    return BEAMS * k1 * k2 / (k1 + k2)
+
+
 @jax.custom_jvp
 def series_stiffness(x1: Scalar, x2: Scalar, r1: Scalar, r2: Scalar, scale_1: Scalar, scale_2: Scalar) -> Scalar:
     """Stiffness of two segments in series, with a single division.
