@@ -116,7 +116,7 @@ def least_squares(
     y = pack(start)
     point = trial = normal_equations(static, data, y, found, robust)
     moved = np.zeros_like(y)
-    search = _SEARCH.init(y, _info(point, np.ones_like(y)))
+    search = _SEARCH.init(y, jax.eval_shape(_info, point, y))
     search = eqx.tree_at(lambda s: s.step_size, search, np.array(_FIRST_STEP))
     turn = _Turn(np.array(True), np.sqrt(np.diagonal(point.matrix)), moved, search)
     for steps in range(1, most + 1):
