@@ -16,6 +16,7 @@ S. Boyd, L. Vandenberghe, Convex Optimization, 2004, §9.5.1 (decrement).
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -25,6 +26,7 @@ import lineax as lx
 import numpy as np
 import optimistix as optx
 
+from ..runtime import compiler_options
 from .coordinates import slopes
 from .normal import Normal, normal_equations, pack, unpack
 from .problem import Data, Evaluation, Static, Unknowns, evaluate
@@ -64,7 +66,7 @@ def _info(normal: Normal, units: Any) -> Any:
     return optx.FunctionInfo.EvalGradHessian(normal.cost, normal.gradient / units, matrix)
 
 
-@jax.jit
+@partial(jax.jit, compiler_options=compiler_options())
 def _advance(point: Normal, trial: Normal, moved: Any, last: _Turn, first: Any) -> _Turn:
     """Accept or reject a trial that lies `moved` away from the point, then propose the next move."""
     still = jnp.zeros_like(moved)
