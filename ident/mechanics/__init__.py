@@ -43,5 +43,4 @@ from .stage import Beam as Beam
 from .stage import l_beam as l_beam
 from .stage import series_stiffness as series_stiffness
 from .stage import stage_stiffness as stage_stiffness
-from .stage import unstressed_stiffness as unstressed_stiffness
 from .stiffness import segment_stiffness as segment_stiffness

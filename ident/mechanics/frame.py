@@ -11,7 +11,7 @@ from .l_frame import in_plane_flexibility
 from .residual import InitialShape
 from .scalar import Scalar, vector
 from .section import Section
-from .stage import BEAMS, l_beam, unstressed_stiffness
+from .stage import l_beam
 
 InPlane = Literal["yaw", "clamped", "free", "translation"]
 
@@ -142,7 +142,11 @@ def frame_law(
     flexibility = in_plane_flexibility(section, length_1, length_2, shape.rise_1, shape.rise_2, shear=shear, arch=arch)
     g = end_stiffness(flexibility, in_plane, beam_end)
 
-    unstressed = unstressed_stiffness(beam) / BEAMS
+    linear_1, linear_2 = (
+        12 * scale * (1 + r) / (1 + 4 * r)
+        for scale, r in ((beam.scale_1, beam.spring_1), (beam.scale_2, beam.spring_2))
+    )
+    unstressed = linear_1 * linear_2 / (linear_1 + linear_2)
     c0, c1, c2, c3 = q @ g @ e0, unstressed + q @ g @ q + 2 * (p @ g @ e0), 3 * (p @ g @ q), 2 * (p @ g @ p)
     z = _equilibrium(c0, c1, c2, c3, 0.02 * unstressed)
     return FrameLaw(k1=c1 + z * (2 * c2 + 3 * c3 * z), k2=c2 + 3 * c3 * z, k3=c3, rise=shape.rise_1 + shape.rise_2 + z)

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 
 from .scalar import Scalar
 from .section import Section
-from .stage import Beam, unstressed_stiffness
+from .stage import Beam, stage_stiffness
 
 
 def electric_field(voltage: Scalar, section: Section) -> Scalar:
@@ -60,4 +60,4 @@ def drive_force_coefficient(section: Section, beam: Beam) -> Scalar:
     """
     curvature = section.pzt_modulus * section.width * section.pzt_thickness * section.pzt_arm / section.bending
     travel = curvature * (beam.length_1**2 + beam.length_2**2) / 4
-    return unstressed_stiffness(beam) * travel
+    return stage_stiffness(beam, 0.0, 0.0) * travel

@@ -14,7 +14,7 @@ from functools import lru_cache
 
 from ..campaign.device import Device, Platform
 from ..effects.section import device_section
-from ..mechanics import drive_force_coefficient, l_beam, unstressed_stiffness
+from ..mechanics import drive_force_coefficient, l_beam, stage_stiffness
 
 
 @dataclass(frozen=True)
@@ -44,5 +44,5 @@ def linear_part(device: Device) -> LinearPart:
     section = device_section(device)
     beam = l_beam(section, device.length_1, device.length_2)
     force_per_gain = float(drive_force_coefficient(section, beam)) / device.pzt_thickness
-    frequency = math.sqrt(unstressed_stiffness(beam) / device.stage_mass) / (2 * math.pi)
+    frequency = math.sqrt(stage_stiffness(beam, 0.0, 0.0) / device.stage_mass) / (2 * math.pi)
     return LinearPart("platform", "d31", "m/V", device.stage_mass, force_per_gain, frequency)
