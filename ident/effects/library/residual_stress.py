@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import jax.numpy as jnp
+
 from ...campaign.device import Platform
 from ...mechanics import Restoring, Scalar, restoring, restoring_stiffness, stage_stiffness
 from ..effect import AbstractEffect, Drive, State, amplitude, choice, shape
@@ -68,7 +70,7 @@ class ResidualStress(AbstractEffect):
             in_plane=self.device.in_plane,
             beam_end=self.device.beam_end,
         )
-        return Stressed(law, stage_stiffness(law.beam, 0.0, 0.0))
+        return Stressed(law, stage_stiffness(law.beam, jnp.zeros(()), jnp.zeros(())))
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         scale = self.restraint if self.closure == "frame" else 1.0
