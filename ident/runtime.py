@@ -1,4 +1,4 @@
-"""The only place that configures JAX: double precision, one XLA flag, the compilation cache.
+"""The only place that configures JAX: double precision, how XLA compiles, the compilation cache.
 
 XLA runs each pass of a loop as a separate dispatch (about 0.6 µs) unless it may compile the whole loop into one
 kernel, which by default it does for tiny bodies only. The flag below lifts that limit; it must be set before the
@@ -33,6 +33,19 @@ def configure() -> None:
         # Zero and −1 mean "cache everything": our programs are small and compile in under a second each.
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
         jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
+
+
+def compiler_options() -> dict[str, bool | int]:
+    """Options of `jax.jit` for large programs: XLA's older emitter, in one piece.
+
+    It compiles simulations in half the time, to code that runs as fast. A release without one of these options would
+    refuse to compile: newer ones than were tried do without.
+    """
+    import jax
+
+    if jax.__version_info__ >= (0, 11):
+        return {}
+    return {"xla_cpu_use_fusion_emitters": False, "xla_cpu_parallel_codegen_split_count": 1}
 
 
 def _append_loop_flag() -> None:

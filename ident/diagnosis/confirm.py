@@ -56,7 +56,7 @@ def weigh(bench: Bench, model: Model, candidate: Candidate, starts: list[np.ndar
     at = evaluate(found.static, found.data, found.best.unknowns)
     records = bench.fit.campaign.fitted
     rows = [
-        (record.response - np.asarray(at.readings[g][lane, :n]))[None]
+        (record.response - np.asarray(at.readings[g])[lane, :n])[None]
         for record, (g, lane, n) in zip(records, found.layout.places, strict=True)
     ]
     chi2 = float(sum(np.sum(whiten(piece, row) ** 2) for piece, row in zip(bench.pieces, rows, strict=True)))

@@ -145,8 +145,8 @@ def _predict(fitted: Fit, campaign: Campaign, groups: tuple, layout: Layout) -> 
     static, data = assemble(fitted.model, campaign, groups, layout, fitted.values)
     found = evaluate(static, data, begin(groups, static))
     scale = np.asarray(data.scale)[:, None]
-    readings = np.stack([np.asarray(found.readings[g][lane]) for g, lane, _ in layout.places])
-    slopes = np.stack([np.asarray(found.by_x[g][:, lane]) / scale for g, lane, _ in layout.places])
+    readings = np.stack([np.asarray(found.readings[g])[lane] for g, lane, _ in layout.places])
+    slopes = np.stack([np.asarray(found.by_x[g])[:, lane] / scale for g, lane, _ in layout.places])
     doubt = max(fitted.fitted.error_over_noise, 1.0)  # a model that does not reach the noise floor knows less
     return _Prediction(readings, slopes, fitted.linear.jacobian.T @ fitted.linear.jacobian / doubt**2)
 

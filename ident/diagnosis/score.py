@@ -99,7 +99,7 @@ def prepare(fit: Fit) -> Bench:
     found = evaluate(scene.static, scene.data, scene.unknowns)
     pieces = []
     for record, (g, lane, n) in zip(records, scene.layout.places, strict=True):
-        rows = np.asarray(found.by_start[g][:, lane, :n]) if record.start != "rest" else None
+        rows = np.asarray(found.by_start[g])[:, lane, :n] if record.start != "rest" else None
         pieces.append(make_piece(record, rows))
     lengths = [len(r.time) - r.skip for r in records]
     starts = tuple(int(x) for x in np.concatenate([[0], np.cumsum(lengths)[:-1]]))

@@ -73,7 +73,7 @@ def lay_out(fit: Fit) -> Scene:
     paths = [Path(np.zeros_like(g.lanes.voltage), np.zeros_like(g.lanes.voltage)) for g in groups]
     residuals = []
     for record, (g, lane, n) in zip(records, layout.places, strict=True):
-        residual = record.response - np.asarray(found.readings[g][lane, :n])
+        residual = record.response - np.asarray(found.readings[g])[lane, :n]
         z, v = (np.asarray(x[lane, :n]) for x in states[g])
         correction, rate = _smooth(residual, record.step, fit.scales.period)
         spline = CubicHermiteSpline(record.time, z + correction, v + rate)

@@ -46,7 +46,7 @@ def finish(model: Model, campaign: Campaign, minimum: Minimum, sigma: SigmaChoic
     stretch = slopes(values[free], data.lower, data.upper)  # d(physical value)/d(coordinate)
     spectrum = covariance(linear, np.asarray(data.prior_weight) * stretch)
     judged = identifiability([parameters[i] for i in free], values[free], stretch, spectrum)
-    inside = [np.asarray(found.readings[g][lane, :n]) for g, lane, n in layout.places]
+    inside = [np.asarray(found.readings[g])[lane, :n] for g, lane, n in layout.places]
     finer, heldout = _finer_and_heldout(model, campaign, static, data, unknowns, layout, values, scales)
     step_error = max(
         float(np.max(np.abs(a - b))) / record.noise.sigma for record, a, b in zip(records, inside, finer, strict=True)
@@ -100,12 +100,12 @@ def _finer_and_heldout(
     groups, places = make_groups((*campaign.fitted, *beside), 1.0 / scales.period, float(values[1]), substeps=steps)
     starts = [np.zeros_like(group.free) for group in groups]
     for (group, lane, _), (old, old_lane, _) in zip(places.places, layout.places, strict=False):
-        scale = data.groups[old].start_scale / groups[group].start_scale
+        scale = np.asarray(data.groups[old].start_scale) / groups[group].start_scale
         starts[group][lane] = np.asarray(unknowns.starts[old])[old_lane] * scale
     paths = read_groups(
         static._replace(substeps=places.substeps), data._replace(groups=groups), Unknowns(unknowns.x, tuple(starts))
     )
-    found = [np.asarray(paths[group][lane, :n]) for group, lane, n in places.places]
+    found = [np.asarray(paths[group])[lane, :n] for group, lane, n in places.places]
     inside = len(campaign.fitted)
     return found[:inside], read(model, values, alone) if alone else found[inside:]
 

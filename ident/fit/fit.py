@@ -128,7 +128,7 @@ def _with_residual_noise(campaign: Campaign, found: Evaluation, layout: Layout) 
     for i, record in enumerate(records):
         if isinstance(record, Trace) and not record.holdout:
             group, lane, n = next(places)
-            residual = np.asarray(found.residuals[group][lane, record.skip : n]) * record.noise.sigma
+            residual = np.asarray(found.residuals[group])[lane, record.skip : n] * record.noise.sigma
             noise = replace(record.noise, sigma=float(np.std(residual)), method="residual of the fit")
             records[i] = replace(record, noise=noise)
     return replace(campaign, records=tuple(records))

@@ -145,26 +145,28 @@ def oscillator_filter(frequency: float, quality: float, step: float) -> tuple[np
     return np.array([g[0], g[1] + a[1] * g[0], g[2] + a[1] * g[1] + a[2] * g[0]]), a
 
 
-def _columns(piece: _Piece, frequency: float, quality: float) -> tuple[np.ndarray, np.ndarray]:
-    """Response to the drive for unit gain, and the free motions (with a constant) that the start may add."""
+def _free_motions(piece: _Piece, frequency: float, quality: float) -> np.ndarray:
+    """What a start in motion may add to the response, and a constant, (n, 3)."""
     omega = 2 * math.pi * frequency
-    forced = recursive_filter(*oscillator_filter(frequency, quality, piece.step), piece.drive)
-    constant = np.ones_like(piece.drive)
-    if piece.rest:
-        return forced, constant[:, None]
     t = piece.step * np.arange(len(piece.drive))
     decay = np.exp(-omega / (2 * quality) * t)
     ring = omega * math.sqrt(max(1 - 1 / (4 * quality**2), 1e-6)) * t
-    return forced, np.stack([constant, decay * np.cos(ring), decay * np.sin(ring)], axis=1)
+    return np.stack([np.ones_like(t), decay * np.cos(ring), decay * np.sin(ring)], axis=1)
 
 
 def _projected(pieces: Sequence[_Piece], frequency: float, quality: float) -> tuple[np.ndarray, np.ndarray]:
+    """Response to the drive for unit gain, and the measured one, without what the start may add to them."""
     forced, measured = [], []
     for piece in pieces:
-        column, free = _columns(piece, frequency, quality)
-        basis, _ = np.linalg.qr(free)
-        forced.append((column - basis @ (basis.T @ column)) / piece.size)
-        measured.append(piece.response - basis @ (basis.T @ piece.response))
+        column = recursive_filter(*oscillator_filter(frequency, quality, piece.step), piece.drive)
+        both = np.stack([column / piece.size, piece.response])
+        if piece.rest:
+            both -= both.mean(axis=1, keepdims=True)
+        else:
+            basis, _ = np.linalg.qr(_free_motions(piece, frequency, quality))
+            both -= both @ basis @ basis.T
+        forced.append(both[0])
+        measured.append(both[1])
     return np.concatenate(forced), np.concatenate(measured)
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from jax import Array
 
 from ..response import Equation, Group, simulate_group
+from ..runtime import compiler_options
 from .coordinates import to_values
 
 Numbers = Array | np.ndarray
@@ -93,7 +94,7 @@ class Evaluation(NamedTuple):
     by_start: tuple[Array, ...]
 
 
-@partial(jax.jit, static_argnums=0)
+@partial(jax.jit, static_argnums=0, compiler_options=compiler_options())
 def evaluate(static: Static, data: Data, unknowns: Unknowns) -> Evaluation:
     """Residuals and Jacobian in one pass of tangent simulations."""
     p = unknowns.x.shape[0]
@@ -115,7 +116,7 @@ def evaluate(static: Static, data: Data, unknowns: Unknowns) -> Evaluation:
     return Evaluation(values, readings, residuals, tuple(t[:p] for t in tangents), tuple(t[p:] for t in tangents))
 
 
-@partial(jax.jit, static_argnums=0)
+@partial(jax.jit, static_argnums=0, compiler_options=compiler_options())
 def read_groups(static: Static, data: Data, unknowns: Unknowns) -> tuple[Array, ...]:
     """Model readings alone, per group."""
     return predict(static, data, unknowns)

@@ -24,7 +24,7 @@ def read(model: Model, values: np.ndarray, records: Sequence[Trace]) -> list[np.
     if any(record.start != "rest" for record in records):
         unknowns = fit_starts(static, data, unknowns)
     paths = read_groups(static, data, unknowns)
-    return [np.asarray(paths[g][lane, :n]) for g, lane, n in layout.places]
+    return [np.asarray(paths[g])[lane, :n] for g, lane, n in layout.places]
 
 
 def fit_starts(static: Static, data: Data, unknowns: Unknowns, rounds: int = 6) -> Unknowns:

@@ -16,6 +16,7 @@ S. Boyd, L. Vandenberghe, Convex Optimization, 2004, §9.5.1 (decrement).
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, NamedTuple
 
 import equinox as eqx
@@ -25,6 +26,7 @@ import lineax as lx
 import numpy as np
 import optimistix as optx
 
+from ..runtime import compiler_options
 from .coordinates import slopes
 from .normal import Normal, normal_equations, pack, unpack
 from .problem import Data, Evaluation, Static, Unknowns, evaluate
@@ -64,7 +66,7 @@ def _info(normal: Normal, units: Any) -> Any:
     return optx.FunctionInfo.EvalGradHessian(normal.cost, normal.gradient / units, matrix)
 
 
-@jax.jit
+@partial(jax.jit, compiler_options=compiler_options())
 def _advance(point: Normal, trial: Normal, moved: Any, last: _Turn, first: Any) -> _Turn:
     """Accept or reject a trial that lies `moved` away from the point, then propose the next move."""
     still = jnp.zeros_like(moved)
@@ -116,7 +118,7 @@ def least_squares(
     y = pack(start)
     point = trial = normal_equations(static, data, y, found, robust)
     moved = np.zeros_like(y)
-    search = _SEARCH.init(y, _info(point, np.ones_like(y)))
+    search = _SEARCH.init(y, jax.eval_shape(_info, point, y))
     search = eqx.tree_at(lambda s: s.step_size, search, np.array(_FIRST_STEP))
     turn = _Turn(np.array(True), np.sqrt(np.diagonal(point.matrix)), moved, search)
     for steps in range(1, most + 1):

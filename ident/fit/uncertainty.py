@@ -40,10 +40,10 @@ def linearise(found: Evaluation, layout: Layout, records: Sequence[Trace]) -> Li
     spread = np.zeros((p, p))
     for record, (group, lane, n) in zip(records, layout.places, strict=True):
         counted = slice(record.skip, n)
-        jacobian = np.asarray(found.by_x[group][:, lane, counted]).T
-        residual = np.asarray(found.residuals[group][lane, counted])
+        jacobian = np.asarray(found.by_x[group])[:, lane, counted].T
+        residual = np.asarray(found.residuals[group])[lane, counted]
         if record.start != "rest":
-            basis, _ = np.linalg.qr(np.asarray(found.by_start[group][:, lane, counted]).T)
+            basis, _ = np.linalg.qr(np.asarray(found.by_start[group])[:, lane, counted].T)
             jacobian = jacobian - basis @ (basis.T @ jacobian)
             residual = residual - basis @ (basis.T @ residual)
         rows.append(jacobian)

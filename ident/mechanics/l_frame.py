@@ -5,7 +5,7 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 
-from .scalar import Scalar, vector
+from .scalar import Scalar, library, vector
 from .section import Section
 
 
@@ -24,7 +24,8 @@ def shortening_stiffness(section: Section, length_1: Scalar, length_2: Scalar) -
     i1, i2 = section.in_plane_bending / length_1**3, section.in_plane_bending / length_2**3
     # Seen from the corner, segment 2 lies towards −x and segment 1 towards +y.
     turn_1, turn_2 = -6 * i1 * length_1, -6 * i2 * length_2
-    corner = jnp.stack(
+    xp = library(k1, k2, i1, i2)
+    corner = xp.stack(
         [
             vector(k2 + 12 * i1, 0.0, turn_1),
             vector(0.0, k1 + 12 * i2, turn_2),
@@ -32,8 +33,8 @@ def shortening_stiffness(section: Section, length_1: Scalar, length_2: Scalar) -
         ]
     )
     # A shortened segment pulls the corner: 1 towards +y (its far end is held), 2 towards −x.
-    pull = jnp.stack([vector(0.0, k1, 0.0), vector(-k2, 0.0, 0.0)])
-    return jnp.diag(vector(k1, k2)) - pull @ jnp.linalg.solve(corner, pull.T)
+    pull = xp.stack([vector(0.0, k1, 0.0), vector(-k2, 0.0, 0.0)])
+    return xp.diag(vector(k1, k2)) - pull @ xp.linalg.solve(corner, pull.T)
 
 
 def _product(a: jax.Array, b: jax.Array) -> jax.Array:

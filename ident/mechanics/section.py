@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import jax.numpy as jnp
+import numpy as np
 
-from .scalar import Scalar
+from .scalar import Scalar, library
 
 _ZETA_5 = 1.03692775514336992633  # Riemann's zeta(5)
 
@@ -43,12 +43,13 @@ def torsion_constant(width: Scalar, height: Scalar) -> Scalar:
 
     Source: Timoshenko & Goodier, Theory of Elasticity, 1970, §109.
     """
-    remainder = sum(
-        (2.0 / n**5) * jnp.exp(-n * jnp.pi * width / height) / (1.0 + jnp.exp(-n * jnp.pi * width / height))
-        for n in range(1, 40, 2)
-    )
+    ratio = width / height
+    n = np.arange(1.0, 40.0, 2.0)
+    xp = library(ratio)
+    decay = xp.exp(-np.pi * n * xp.asarray(ratio)[..., None])
+    remainder = (2.0 / n**5 * decay / (1.0 + decay)).sum(axis=-1)
     series = 31.0 / 32.0 * _ZETA_5 - remainder
-    return width * height**3 / 3.0 * (1.0 - 192.0 / jnp.pi**5 * (height / width) * series)
+    return width * height**3 / 3.0 * (1.0 - 192.0 / np.pi**5 / ratio * series)
 
 
 def section(

@@ -6,9 +6,10 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax.custom_derivatives import SymbolicZero
 
-from .scalar import Scalar
+from .scalar import Scalar, library
 from .section import Section
 from .stiffness import stiffness_fraction, stiffness_slopes
 
@@ -63,7 +64,6 @@ def l_beam(section: Section, length_1: Scalar, length_2: Scalar) -> Beam:
     )
 
 
-@jax.custom_jvp
 def series_stiffness(x1: Scalar, x2: Scalar, r1: Scalar, r2: Scalar, scale_1: Scalar, scale_2: Scalar) -> Scalar:
     """Stiffness of two segments in series, with a single division.
 
@@ -76,13 +76,19 @@ def series_stiffness(x1: Scalar, x2: Scalar, r1: Scalar, r2: Scalar, scale_1: Sc
 
     Source: Sensors 2020, 20, 3959, Eq. 11.
     """
+    rule = _series if library(x1, x2, r1, r2, scale_1, scale_2) is np else _differentiable
+    return rule(x1, x2, r1, r2, scale_1, scale_2)
+
+
+def _series(x1: Scalar, x2: Scalar, r1: Scalar, r2: Scalar, scale_1: Scalar, scale_2: Scalar) -> Scalar:
     n1, d1 = stiffness_fraction(x1, r1)
     n2, d2 = stiffness_fraction(x2, r2)
     top_1, top_2 = scale_1 * n1, scale_2 * n2
     k1, k2 = top_1 * d2, top_2 * d1  # the stiffnesses times d1 d2
     regular = (2 * k1 + k2 > 0) & (k1 + 2 * k2 > 0)
-    numerator = jnp.where(regular, top_1 * top_2, -jnp.maximum(jnp.maximum(k1, k2), 0.0))
-    return numerator / jnp.where(regular, k1 + k2, d1 * d2)
+    xp = library(k1, k2)
+    numerator = xp.where(regular, top_1 * top_2, -xp.maximum(xp.maximum(k1, k2), 0.0))
+    return numerator / xp.where(regular, k1 + k2, d1 * d2)
 
 
 def _series_rule(primals: Any, tangents: Any) -> tuple[Scalar, Scalar]:
@@ -109,11 +115,12 @@ def _series_rule(primals: Any, tangents: Any) -> tuple[Scalar, Scalar]:
     )
     # Geometry is rarely fitted: its tangents are symbolic zeros and cost nothing.
     terms = [slope * t for slope, t in zip(slopes, tangents, strict=True) if not isinstance(t, SymbolicZero)]
-    primal = series_stiffness(*primals)
+    primal = _differentiable(*primals)
     return primal, sum(terms[1:], terms[0]) if terms else jnp.zeros_like(primal)
 
 
-series_stiffness.defjvp(_series_rule, symbolic_zeros=True)
+_differentiable = jax.custom_jvp(_series)
+_differentiable.defjvp(_series_rule, symbolic_zeros=True)
 
 
 def stage_stiffness(beam: Beam, force_1: Scalar, force_2: Scalar) -> Scalar:

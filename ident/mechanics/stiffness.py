@@ -8,7 +8,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from .scalar import Scalar
+from .scalar import Scalar, library
 
 LAST_LEVEL = 25
 """Last denominator of the continued fraction, 3, 5, …, 25."""
@@ -43,7 +43,7 @@ def _polynomial(coefficients: tuple[float, ...], s: Scalar) -> Scalar:
 
 def _parts(x: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
     """s = x/4 and A, B, Q with h = A/B, g = 1/(3 + s h) = B/Q."""
-    s = jnp.clip(x, SMALLEST, LARGEST) / 4
+    s = library(x).clip(x, SMALLEST, LARGEST) / 4
     a, b = _polynomial(_A, s), _polynomial(_B, s)
     return s, a, b, 3 * b + s * a
 

@@ -10,13 +10,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache, partial
-
-import jax
+from functools import lru_cache
 
 from ..campaign.device import Device, Platform
 from ..effects.section import device_section
-from ..mechanics import Scalar, drive_force_coefficient, l_beam, stage_stiffness
+from ..mechanics import drive_force_coefficient, l_beam, stage_stiffness
 
 
 @dataclass(frozen=True)
@@ -43,12 +41,8 @@ def linear_part(device: Device) -> LinearPart:
     """The linear part of a device; K_f of the platform from its geometry (Sensors 2020, 20, 3959, Eq. 13)."""
     if not isinstance(device, Platform):
         return LinearPart("oscillator", "gain", "N/V", 1.0, 1.0, None)
-    actuator, stiffness = (float(x) for x in _actuator_and_stiffness(device))
-    frequency = math.sqrt(stiffness / device.stage_mass) / (2 * math.pi)
-    return LinearPart("platform", "d31", "m/V", device.stage_mass, actuator / device.pzt_thickness, frequency)
-
-
-@partial(jax.jit, static_argnums=0)  # one small program instead of a hundred single operations, each compiled alone
-def _actuator_and_stiffness(device: Platform) -> tuple[Scalar, Scalar]:
-    beam = l_beam(device_section(device), device.length_1, device.length_2)
-    return drive_force_coefficient(device_section(device), beam), stage_stiffness(beam, 0.0, 0.0)
+    section = device_section(device)
+    beam = l_beam(section, device.length_1, device.length_2)
+    force_per_gain = float(drive_force_coefficient(section, beam)) / device.pzt_thickness
+    frequency = math.sqrt(stage_stiffness(beam, 0.0, 0.0) / device.stage_mass) / (2 * math.pi)
+    return LinearPart("platform", "d31", "m/V", device.stage_mass, force_per_gain, frequency)

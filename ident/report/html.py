@@ -108,12 +108,12 @@ def _pictures(fit: Fit) -> tuple[Picture, list[_Record], list[str]]:
     worst = sorted(rows, key=lambda row: -row[2].error_over_noise)[:_MOST_FIGURES]
     shown = {id(row[0]) for row in worst}
     tables = offset_sheets(fit)
-    records = []
+    records, figures = [], {}
     for trace, reading, score in sorted(rows, key=lambda row: row[2].holdout):
         if id(trace) not in shown:
             continue
         caption = f"{trace.name}: model over data, residual in noise floors, response against the drive"
-        image = png(record_figure(trace, reading, score, device))
+        image = png(record_figure(trace, reading, score, device, figures))
         records.append(_Record(trace.name, Picture(caption, image), tables.get(trace.name)))
     omitted = [trace.name for trace, _, _ in rows if id(trace) not in shown]
     return Picture("Error over noise of each record", png(overview_figure(fit))), records, omitted

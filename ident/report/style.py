@@ -55,6 +55,18 @@ def new_axes(figure: Figure, left: float, bottom: float, width: float, height: f
     return axes
 
 
+def emptied(figure: Figure) -> Figure:
+    """The figure with nothing drawn on it; its axes stay, whose ticks take longer to make than all else to draw."""
+    for text in list(figure.texts):
+        text.remove()
+    for axes in figure.axes:
+        for artist in (*axes.lines, *axes.patches):
+            artist.remove()
+        axes.relim()
+        axes.autoscale()
+    return figure
+
+
 def label(axes: Axes, x: str = "", y: str = "", title: str = "") -> None:
     """Names of the axes and a short heading."""
     axes.set_xlabel(x, fontsize=_SIZE, color=INK, labelpad=2)

@@ -1,7 +1,7 @@
 """Transient response: fixed-step Runge–Kutta of order 4 in one scan, driven by the measured voltage.
 
-One lane is one record. The carry is a tuple of scalars, so that XLA keeps the whole loop in registers; forces that
-depend on the drive alone are computed before the loop, on the half-step grid that RK4 needs.
+One lane is one record. The carry is a tuple of scalars, so that XLA keeps the whole loop in registers. Forces that
+depend on the drive alone are computed in the loop too: read from memory, with their tangents, they would cost more.
 
 Source: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 1993, §II.1.
 """
@@ -86,8 +86,7 @@ def integrate(
     system: System, substeps: int, start: Numbers, lane: Lane, half_time: Array, whole_state: bool = True
 ) -> tuple[Array, ...]:
     """State (z, v, hidden …) at the samples, or z alone; each (n / substeps + 1,)."""
-    pushed = _pushed(system, lane, half_time)
-    grids = (pushed, lane.voltage, lane.rate, half_time)
+    grids = (lane.voltage, lane.rate, half_time)
     inputs = tuple((grid[:-1:2], grid[1::2], grid[2::2]) for grid in grids)
     # Adding a zero that depends on the parameters gives the carry the type it will have under differentiation.
     nothing = 0.0 * system.stiffness
@@ -130,30 +129,20 @@ def assemble(equation: Equation, values: Numbers, lane: Lane) -> System:
     )
 
 
-def _pushed(system: System, lane: Lane, time: Array) -> Array:
-    """Forces that depend on nothing but the drive, on the half-step grid, N."""
-    force = system.gain * lane.voltage
-    for effect, own in zip(system.effects, system.slices, strict=True):
-        if effect.overrides("drive") and own.start == own.stop:
-            one = lambda v, r, t, effect=effect: effect.drive((), Drive(v, r, system.omega, system.gain), t)
-            force = force + jax.vmap(one)(lane.voltage, lane.rate, time)
-    return force
-
-
 def derivative(system: System, y: tuple[Array, ...], at: tuple[Array, ...]) -> tuple[Array, ...]:
-    """(ż, v̇, hidden rates) of the state `y` at `at` = (force of the drive alone, V, V̇, t)."""
-    pushed, voltage, rate, t = at
+    """(ż, v̇, hidden rates) of the state `y` at `at` = (V, V̇, t)."""
+    voltage, rate, t = at
     z, v, *hidden = y
     drive = Drive(voltage, rate, system.omega, system.gain)
-    force, rates = pushed - system.damping * v - system.stiffness * z, []
+    force, rates = system.gain * voltage - system.damping * v - system.stiffness * z, []
     for effect, own in zip(system.effects, system.slices, strict=True):
         memory = tuple(hidden[own])
         state = State(z, v, memory)
         if effect.overrides("force"):
             force = force + effect.force(state, drive, t)
+        if effect.overrides("drive"):
+            force = force + effect.drive(memory, drive, t)
         if memory:
-            if effect.overrides("drive"):
-                force = force + effect.drive(memory, drive, t)
             rates += effect.rate(state, drive, t)
     return (v, force / system.mass, *rates)
 
