@@ -181,6 +181,7 @@ def _cpu_seconds(folder: Path) -> float:
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     call = [sys.executable, "-m", "ident.cli.main", "fit", str(ROOT / "data" / "platform_317hz")]
     environment = os.environ | {"IDENT_CACHE": str(folder / "cache")}
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)  # a user's Python keeps the bytecode of what it has imported
     done = subprocess.run(
         [*call, "-o", str(folder / "run"), "--force"], env=environment, cwd=ROOT, capture_output=True, text=True
     )
