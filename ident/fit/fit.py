@@ -24,6 +24,7 @@ from .starts import base_values, random_points, starting_points
 
 Report = Callable[[str], None]
 _KEPT_STARTS = 4  # of the grid, the ones whose first error is smallest
+_AT_THE_FLOOR = 1.02  # error over noise with which no further start of the grid can be better
 
 
 def fit(
@@ -42,7 +43,8 @@ def fit(
 
     Minimises Σ ((measured − model)/σ)² over the fitted parameters and the initial states of the records that do not
     start at rest, from the records' own linear guess, from the effects' grids, and from `starts` random points within
-    ±`spread` of the best; or from `initial` alone, one point or several (SI, all parameters).
+    ±`spread` of the best; or from `initial` alone, one point or several (SI, all parameters). The grids are tried until
+    one start ends at the noise floor.
 
     **Arguments:** `sigma`: "known" (noise floors as given or estimated), "scaled" (error bars times the error over
     noise), "fitted" (each record's own residual); `robust`: large residuals count linearly; `report`: called with
@@ -96,14 +98,16 @@ def minimise(
     if not told and starts:
         points = [base, *random_points(model, base, starts, spread, seed)]
     candidates = _first_errors(static, data, points)[: None if starts or told else _KEPT_STARTS]
+    samples = sum(int(np.count_nonzero(group.weight)) for group in groups)
+    per_sample = lambda cost: float(np.sqrt(cost / samples))
     solutions = []
     for number, (first, point) in enumerate(candidates, 1):
         report(f"least squares, start {number} of {len(candidates)}")
         there = at_values(data, static, point)
         solutions.append((first, *solve.least_squares(static, there, begin(groups, static), robust, most)))
+        if not starts and not told and per_sample(solutions[-1][2].cost) < _AT_THE_FLOOR:
+            break
     _, data, best = min(solutions, key=lambda s: s[2].cost if np.isfinite(s[2].cost) else np.inf)
-    samples = sum(int(np.count_nonzero(group.weight)) for group in groups)
-    per_sample = lambda cost: float(np.sqrt(cost / samples))
     table = tuple(Start(first, per_sample(s.cost), s.steps, s.converged) for first, _, s in solutions)
     return Minimum(static, data, layout, best, table, scales)
 
