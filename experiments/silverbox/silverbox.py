@@ -12,6 +12,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 from typing import NamedTuple
 
@@ -35,6 +36,9 @@ STEPS = (
     Step(("add", "runs/cubic", "quadratic-stiffness", "-o", "runs/quadratic"), "runs/quadratic", 0.40),
     Step(("add", "runs/quadratic", "quadratic-damping", "-o", "runs/damped"), "runs/damped", 0.32, 0.29),
 )
+
+
+ARROW_ALONE = 0.32  # mV, the most that the loop by itself may leave
 
 
 class Outcome(NamedTuple):
@@ -63,13 +67,13 @@ def campaign_text() -> str:
     return fence[1]
 
 
-def prepare(work: Path) -> None:
-    """Make the campaign folder of the page: its campaign.toml with the three tables beside it."""
-    folder = work / "silverbox"
+def prepare(work: Path, name: str = "silverbox", text: str | None = None) -> None:
+    """Make the campaign folder of the page: its campaign.toml, or another `text`, with the three tables beside it."""
+    folder = work / name
     folder.mkdir()
-    (folder / "campaign.toml").write_text(campaign_text(), encoding="utf-8")
-    for name in FILES:
-        (folder / name).symlink_to((data_folder() / name).resolve())
+    (folder / "campaign.toml").write_text(text or campaign_text(), encoding="utf-8")
+    for file in FILES:
+        (folder / file).symlink_to((data_folder() / file).resolve())
 
 
 def ident(arguments: tuple[str, ...], work: Path) -> None:
@@ -103,6 +107,27 @@ def walk(work: Path) -> list[Outcome]:
     return found
 
 
+def discover(work: Path) -> tuple[list[str], Outcome]:
+    """What `ident discover` names in the linear oscillator, knowing nothing, and the errors at the end."""
+    without_model = re.sub(r"\[model\]\n.*?\n\n", "", campaign_text(), flags=re.DOTALL)
+    prepare(work, "blind", without_model)
+    begun = time.perf_counter()
+    ident(("discover", "blind", "-o", "runs/discovered"), work)
+    seconds = time.perf_counter() - begun
+    said = json.loads((work / "runs/discovered/diagnosis.json").read_text(encoding="utf-8"))
+    names, errors = [step["added"] for step in said["steps"]], outcome(work / "runs/discovered")
+    heldout = [said["start"], *said["steps"]]
+    assert names[0] == "cubic-stiffness", names
+    assert errors.arrow <= ARROW_ALONE, errors
+    assert all(
+        b["holdout_error_over_noise"] < a["holdout_error_over_noise"]
+        for a, b in zip(heldout, heldout[1:], strict=False)
+    ), heldout
+    print(f"{'runs/discovered':<16} {errors.train:9.4f} {errors.multisine:9.4f} {errors.arrow:9.4f}")
+    print(f"discovered: {', '.join(names)}; verdict {said['verdict']}; {seconds:.0f} s")
+    return names, errors
+
+
 if __name__ == "__main__":
     if not available():
         print(f"skipped: {data_folder()} lacks the Silverbox files; set IDENT_BENCHMARKS to the folder above it")
@@ -110,3 +135,4 @@ if __name__ == "__main__":
         with tempfile.TemporaryDirectory() as temporary:
             print(f"{'run':<16} {'train':>9} {'multisine':>9} {'arrow':>9}   mV")
             walk(Path(temporary))
+            discover(Path(temporary))

@@ -88,7 +88,7 @@ class Candidate(NamedTuple):
     near: tuple[Mapping[str, float], ...] = ()
 
 
-_NEAR_POINTS = 3  # of a grid, kept as starts: the best of them may lead into a local minimum
+_NEAR_POINTS = 5  # of a grid, kept as starts: the best of them may lead into a local minimum
 _ABSORBED = 1e-3  # share of a column that must survive the projection for it to say anything new
 
 

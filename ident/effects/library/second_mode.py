@@ -23,7 +23,7 @@ class SecondMode(AbstractEffect):
 
     travel = amplitude("m/V", "static travel per volt, a")
     period = shape(
-        "s", "period of the mode, T₂", grid=(0.2, 0.28, 0.36, 0.45, 0.55, 0.7), scale="period"
+        "s", "period of the mode, T₂", grid=(0.2, 0.22, 0.25, 0.28, 0.32, 0.36, 0.4, 0.45, 0.5, 0.56, 0.63, 0.7), scale="period"
     )  # fmt: skip
     quality = shape("1", "quality factor of the mode, Q₂", grid=(30.0,))
 
