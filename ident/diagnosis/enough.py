@@ -10,6 +10,7 @@ from .score import Bench, Candidate
 
 _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
 _WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
+_LEAST = 0.1  # of what is left: where every effect promises less, the library lacks the one that is missing
 
 
 def adequate(bench: Bench) -> bool:
@@ -31,11 +32,13 @@ def worth_a_name(drop: float, first: Bench) -> bool:
 
 
 def nothing_worth_adding(bench: Bench, real: Sequence[Candidate], first: Bench) -> bool:
-    """Whether all candidates promise no more than a finer shape of what was found, and the model is adequate without
-    it or hardly better with it."""
+    """Whether all candidates promise little of what is left, or no more than a finer shape of what was found where the
+    model is adequate without it."""
     best = max(c.drop for c in real)
-    little = best < _WORTH * (bench.chi2 - bench.n)
-    return not worth_a_name(best, first) and (little or adequate(bench))
+    share = best / max(bench.chi2 - bench.n, 1e-9)
+    if worth_a_name(best, first):
+        return share < _LEAST
+    return share < _WORTH or adequate(bench)
 
 
 def superfluous(without: Bench, with_it: Bench, first: Bench) -> bool:

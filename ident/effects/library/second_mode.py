@@ -23,7 +23,8 @@ class SecondMode(AbstractEffect):
 
     travel = amplitude("m/V", "static travel per volt, a")
     period = shape(
-        "s", "period of the mode, T₂", grid=(0.2, 0.22, 0.25, 0.28, 0.32, 0.36, 0.4, 0.45, 0.5, 0.56, 0.63, 0.7), scale="period"
+        "s", "period of the mode, T₂", scale="period",
+        grid=(0.2, 0.22, 0.25, 0.28, 0.32, 0.36, 0.4, 0.45, 0.5, 0.56, 0.63, 0.7),
     )  # fmt: skip
     quality = shape("1", "quality factor of the mode, Q₂", grid=(30.0,))
 
