@@ -10,7 +10,7 @@ from .score import Bench, Candidate
 
 _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
 _WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
-_LEAST = 0.1  # of what is left: where every effect promises less, the library lacks the one that is missing
+_LEAST = 0.2  # of what is left: where every effect promises less, the library lacks the one that is missing
 
 
 def adequate(bench: Bench) -> bool:
