@@ -99,7 +99,7 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
         candidates = score(bench, library)
         ranking = ranking or tuple(candidates)
         real = significant(candidates)
-        if not real or len(steps) >= most or (steps and nothing_worth_adding(bench, real, first)):
+        if not real or len(steps) >= most or nothing_worth_adding(bench, real, first):
             break
         found = _best_step(current, bench, real, library, first, gains if not steps else {}, report)
         if found is None:

@@ -11,6 +11,7 @@ from .score import Bench, Candidate
 _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
 _WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
 _LEAST = 0.2  # of what is left: where every effect promises less, the library lacks the one that is missing
+_FAR = 4.0  # χ² per sample, more than a wrong noise floor would make
 
 
 def adequate(bench: Bench) -> bool:
@@ -36,6 +37,8 @@ def nothing_worth_adding(bench: Bench, real: Sequence[Candidate], first: Bench) 
     model is adequate without it."""
     best = max(c.drop for c in real)
     share = best / max(bench.chi2 - bench.n, 1e-9)
+    if bench is first:
+        return share < _LEAST and bench.chi2 > _FAR * bench.n
     if worth_a_name(best, first):
         return share < _LEAST
     return share < _WORTH or adequate(bench)
