@@ -109,7 +109,7 @@ def prepare(fit: Fit) -> Bench:
     directions = np.eye(len(fit.values))[free] * np.where(fit.values[free] == 0, 1.0, fit.values[free])[:, None]
     known = stack(bench, fit.model, np.tile(fit.values, (len(free), 1)), directions)
     residual = np.concatenate([whiten(piece, r[None])[0] for piece, r in zip(pieces, scene.residuals, strict=True)])
-    absorbed = orthonormal(known)
+    absorbed = _orthonormal(known)
     left = residual - absorbed @ (absorbed.T @ residual)
     return Bench(fit, scene, tuple(pieces), starts, absorbed, left, float(residual @ residual))
 
@@ -134,7 +134,7 @@ def by_record(bench: Bench, found: Sequence[np.ndarray]) -> np.ndarray:
     return np.concatenate([whiten(piece, found[g][:, lane, :n]) for piece, (g, lane, n) in places], axis=1)
 
 
-def orthonormal(rows: np.ndarray, like: np.ndarray | None = None) -> np.ndarray:
+def _orthonormal(rows: np.ndarray, like: np.ndarray | None = None) -> np.ndarray:
     """Orthonormal basis (n, q) of the span of rows (k, n), ignoring those that are negligible against `like`."""
     lengths = np.linalg.norm(rows if like is None else like, axis=1)
     usable = np.isfinite(lengths) & (lengths > 0)
@@ -172,7 +172,7 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     tried_points = []
     for k, point in enumerate(points):
         rows = slice(k * len(amplitudes), (k + 1) * len(amplitudes))
-        basis = orthonormal(projected[rows], raw[rows])
+        basis = _orthonormal(projected[rows], raw[rows])
         if basis.shape[1]:
             tried_points.append((float(np.sum((basis.T @ bench.residual) ** 2)), point, basis, projected[rows]))
     if not tried_points:
