@@ -151,7 +151,7 @@ def _errors(fitted: Fit) -> list[float | None]:
 def _unknown(found: Discovery) -> dict[str, Any]:
     """What is said of the missing term before any effect was added, and the errors once it is written and refitted."""
     with tempfile.TemporaryDirectory() as folder:
-        beyond = go_beyond(prepare(found.start), Path(folder) / "unknown.py")
+        beyond = go_beyond(found.start, prepare(found.start), Path(folder) / "unknown.py")
     unknown = beyond.unknown
     formula = unknown.formula.text if unknown.formula is not None else ""
     alike = [[r.side, list(r.coordinates)] for r in unknown.alike]

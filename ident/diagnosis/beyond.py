@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..effects.registry import registry
-from ..fit import Fit
+from ..fit import Fit, fit
 from .change import add
 from .effect_file import write_effect
 from .score import Bench
@@ -26,18 +26,23 @@ class Beyond(NamedTuple):
     fit: Fit
 
 
-def go_beyond(bench: Bench, path: Path, report: Report = lambda _: None) -> Beyond:
+def go_beyond(fitted: Fit, bench: Bench, path: Path, report: Report = lambda _: None) -> Beyond:
     """Estimate what a fit lacks, write it to a file that does not exist yet, and refit with it.
+
+    **Arguments:** `bench`: of the fit, or of its `working` excerpt.
 
     **Raises:** UserError if the file exists.
     """
     report("estimating what the library lacks, as a function of its coordinates")
     unknown = find_unknown(bench)
-    name = free_name(bench.fit)
+    name = free_name(fitted)
     write_effect(unknown, path, name)
-    files = (*bench.fit.campaign.effect_files, path)
-    parent = replace(bench.fit, campaign=replace(bench.fit.campaign, effect_files=files))
-    return Beyond(unknown, path, add(parent, registry(files)[name], report))
+    files = (*fitted.campaign.effect_files, path)
+    known = lambda parent: replace(parent, campaign=replace(parent.campaign, effect_files=files))
+    found = add(known(bench.fit), registry(files)[name], report)
+    if bench.fit is not fitted:
+        found = fit(found.model, known(fitted).campaign, initial=found.values, report=report)
+    return Beyond(unknown, path, found)
 
 
 def free_name(fitted: Fit) -> str:

@@ -15,10 +15,11 @@ from ..fit.problem import evaluate
 from ..fit.rebuild import fit_at
 from ..fit.starts import starting_points
 from ..model import make_effect
-from .confirm import MOST_STEPS, start_of
+from .confirm import start_of
 from .score import prepare, score
 
 Report = Callable[[str], None]
+_ENOUGH = 25  # steps from the parent's values: one that is as good without the effect is near, and found by then
 
 
 def add(parent: Fit, effect: type[AbstractEffect], report: Report = lambda _: None) -> Fit:
@@ -43,7 +44,7 @@ def try_without(parent: Fit, name: str) -> Fit:
     """The same for a comparison only: a model that lacks what it needs would crawl for long, and no number of it is
     reported."""
     model = parent.model - name
-    found = minimise(model, parent.campaign, initial=_kept(parent, name), most=MOST_STEPS)
+    found = minimise(model, parent.campaign, initial=_kept(parent, name), most=_ENOUGH)
     values = evaluate(found.static, found.data, found.best.unknowns).values
     return fit_at(model, parent.campaign, np.asarray(values))
 

@@ -13,8 +13,10 @@ from ..fit import Fit, fit
 from ..fit.fit import minimise
 from ..fit.guess import DataScales
 from ..fit.problem import evaluate
+from ..fit.rebuild import fit_at
 from ..model import Model, make_effect
 from .score import Bench, Candidate
+from .shorten import is_long
 from .whiten import whiten
 
 
@@ -22,7 +24,8 @@ class Confirmed(NamedTuple):
     """A candidate after its refit.
 
     **Arguments:** `model` and `values` (SI) of the refit; `chi2`: whitened, comparable with the bench's; `gain`: share
-    of the bench's excess over noise that it removed; `criterion`: χ² plus ln n per fitted parameter.
+    of the bench's excess over noise that it removed; `criterion`: χ² plus ln n per fitted parameter, infinite if the
+    effect ended with a sign that it cannot have.
     """
 
     candidate: Candidate
@@ -47,12 +50,14 @@ def confirm(bench: Bench, effect: type[AbstractEffect], candidate: Candidate) ->
     return weigh(bench, model, candidate, [*starts, *_reprofiled(model, starts[0], before)][:_MOST_STARTS])
 
 
-def weigh(bench: Bench, model: Model, candidate: Candidate, starts: list[np.ndarray]) -> Confirmed:
-    """Refit a model from given starts and weigh it against the bench's own."""
+def weigh(
+    bench: Bench, model: Model, candidate: Candidate, starts: list[np.ndarray], most: int = MOST_STEPS
+) -> Confirmed:
+    """Refit a model from given starts, in at most so many steps, and weigh it against the bench's own."""
     if len(starts) > 1:
         race = minimise(model, bench.fit.campaign, initial=starts, most=_RACE)
         starts = [np.asarray(evaluate(race.static, race.data, race.best.unknowns).values)]
-    found = minimise(model, bench.fit.campaign, initial=starts, most=MOST_STEPS)
+    found = minimise(model, bench.fit.campaign, initial=starts, most=most)
     at = evaluate(found.static, found.data, found.best.unknowns)
     records = bench.fit.campaign.fitted
     rows = [
@@ -61,13 +66,25 @@ def weigh(bench: Bench, model: Model, candidate: Candidate, starts: list[np.ndar
     ]
     chi2 = float(sum(np.sum(whiten(piece, row) ** 2) for piece, row in zip(bench.pieces, rows, strict=True)))
     gain = (bench.fit_chi2 - chi2) / max(bench.fit_chi2 - bench.n, 1e-9)
-    return Confirmed(
-        candidate, model, np.asarray(at.values), chi2, gain, chi2 + len(found.static.free) * float(np.log(bench.n))
-    )
+    values = np.asarray(at.values)
+    criterion = chi2 + len(found.static.free) * float(np.log(bench.n)) if _possible(model, values) else np.inf
+    return Confirmed(candidate, model, values, chi2, gain, criterion)
+
+
+def _possible(model: Model, values: np.ndarray) -> bool:
+    """Whether the model's last effect has a sign that physics allows."""
+    own = dict(zip((p.name for p in model.parameters), values, strict=True))
+    last = model.effects[-1]
+    return not any(p.one_sided and own[f"{last.name}.{p.name}"] < 0 for p in last.declared())
 
 
 def accept(confirmed: Confirmed, before: Fit) -> Fit:
-    """The confirmed model as a Fit with uncertainties."""
+    """The confirmed model as a Fit with uncertainties.
+
+    Long records are only read: the refit saw an excerpt of them, and the walk ends with a fit to all.
+    """
+    if is_long(before.campaign):
+        return fit_at(confirmed.model, before.campaign, confirmed.values)
     return fit(confirmed.model, before.campaign, initial=confirmed.values)
 
 

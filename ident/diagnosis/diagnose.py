@@ -65,7 +65,7 @@ def diagnose(
         return answer(unknown, next_experiments=_experiments(found, library, report))
     if effect_file is None:
         return answer(_instead(bench, report))
-    beyond = go_beyond(bench, effect_file, report)
+    beyond = go_beyond(fitted, bench, effect_file, report)
     if beyond.fit.fitted.error_over_noise < found.final.fitted.error_over_noise:
         name = beyond.fit.model.names[-1]
         gain = 1 - (beyond.fit.fitted.error_over_noise**2 - 1) / max(fitted.fitted.error_over_noise**2 - 1, 1e-9)

@@ -23,8 +23,9 @@ from .confirm import Confirmed, accept, confirm
 from .enough import adequate, nothing_worth_adding, worth_a_name
 from .lacking import ANOTHER_LAW, lacking
 from .prune import Pruned, hurts, prune
+from .refits import by_refits, ranked
 from .score import Bench, Candidate, prepare, score, significant
-from .shorten import working
+from .shorten import is_long, working
 from .ties import tie_set
 
 Verdict = Literal["adequate", "identified", "ambiguous", "not-in-library"]
@@ -33,6 +34,7 @@ Report = Callable[[str], None]
 
 MOST_TERMS = 6
 _SHORTLIST = 3  # twice as many if refits keep less than the scores promised
+_BROKEN = 0.5  # of what the scores promised: if refits keep less, they rank the rest
 _NEAR = 0.1  # of the excess: candidates this near the best are confirmed too
 _TIED_CRITERION = 10.0  # difference of the information criterion below which data do not choose
 _SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
@@ -96,7 +98,7 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
     bench = first = prepare(working(current))
     while True:
         report(f"scoring {len(library) - len(current.model.names)} effects")
-        candidates = score(bench, library)
+        candidates = ranked(bench, library, report)
         ranking = ranking or tuple(candidates)
         real = significant(candidates)
         if not real or len(steps) >= most or nothing_worth_adding(bench, real, first):
@@ -113,6 +115,10 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
     needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report) if len(steps) > 1 else None
     if needed is not None:
         steps = _replayed(start, needed, library)
+    if steps and is_long(start.campaign):
+        report("fitting all samples")
+        last = steps[-1].fit
+        steps[-1] = steps[-1]._replace(fit=fit(last.model, last.campaign, initial=last.values))
     if (steps[-1].fit if steps else start) is not current:
         bench = prepare(working(steps[-1].fit if steps else start))
         candidates = score(bench, library)
@@ -179,13 +185,8 @@ def _best_step(
 ) -> tuple[Step, Bench] | None:
     """Confirm the best candidates by refits and take the one that the criterion prefers, if held-out data agree; the
     bench of the fit with it too."""
-    tried: list[Confirmed] = []
-    for candidate in real:
-        if len(tried) == _SHORTLIST * 2 or not _may_be_best(candidate, real, tried, bench):
-            break
-        report(f"confirming {candidate.name}")
-        tried.append(confirm(bench, library[candidate.name], candidate))
-        gains[candidate.name] = tried[-1].gain
+    tried = _tried(bench, real, library, report)
+    gains.update({found.candidate.name: found.gain for found in tried})
     limit = bench.fit_chi2 + len(bench.scene.static.free) * np.log(bench.n)
     for found in _in_order(tried, bench):
         if not np.isfinite(found.criterion) or found.criterion > limit:
@@ -198,16 +199,40 @@ def _best_step(
         if (role == "shape-refinement" or adequate(left)) and hurts(current, after):
             continue
         name, predicted = found.candidate.name, found.candidate.predicted_gain
-        ties = tie_set(bench, found.candidate, real, library, tried)
-        tied = tuple(c for c in real if c.name in ties.names)
+        impossible = {c.candidate.name for c in tried if not np.isfinite(c.criterion)}
+        rivals = [c for c in real if c.name not in impossible]
+        ties = tie_set(bench, found.candidate, rivals, library, tried)
+        tied = tuple(c for c in rivals if c.name in ties.names)
         return Step(name, predicted, found.gain, ties.names, role, after, ties.reasons, tied, bench), left
     return None
 
 
+def _tried(bench: Bench, real: list[Candidate], library: Library, report: Report) -> list[Confirmed]:
+    """Refits of the candidates that may be the best, by their scores; by short refits where the scores broke their
+    word."""
+    tried: list[Confirmed] = []
+    rest = list(real)
+    while rest and len(tried) < _SHORTLIST * 2 and _may_be_best(rest[0], real, tried, bench):
+        candidate = rest.pop(0)
+        report(f"confirming {candidate.name}")
+        tried.append(confirm(bench, library[candidate.name], candidate))
+        if len(tried) == _SHORTLIST and bench.credible and _best_drop(tried, bench) < _BROKEN * _promised(real):
+            rest = by_refits(bench, rest, library, report)
+    return tried
+
+
+def _promised(real: list[Candidate]) -> float:
+    return max(c.drop for c in real)
+
+
+def _best_drop(tried: list[Confirmed], bench: Bench) -> float:
+    """The most that a refit of a possible effect kept; what the best one promised, if there is none yet."""
+    return max((bench.fit_chi2 - found.chi2 for found in tried if np.isfinite(found.criterion)), default=np.inf)
+
+
 def _may_be_best(candidate: Candidate, real: list[Candidate], tried: list[Confirmed], bench: Bench) -> bool:
     """Whether a candidate is worth a refit: it promises nearly as much as the best one promised, or as refits kept."""
-    promised = max(c.drop for c in real)
-    kept = max((bench.fit_chi2 - found.chi2 for found in tried), default=promised)
+    promised, kept = _promised(real), _best_drop(tried, bench)
     if len(tried) >= _SHORTLIST:
         return candidate.drop > kept
     excess = max(bench.chi2 - bench.n, 1e-9)

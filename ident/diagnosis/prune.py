@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..effects.effect import AbstractEffect
-from ..fit import Fit, fit
+from ..fit import Fit
+from ..fit.rebuild import fit_at
 from .change import try_without
 from .confirm import accept, confirm
 from .enough import superfluous
@@ -45,7 +46,7 @@ def prune(
     `first`: the bench before any was added.
     """
     names, changed_once, changed = list(added), False, True
-    campaign, last = last.campaign, working(last)
+    given, last = last, working(last)
     while changed and len(names) > 1:
         changed, full = False, prepare(last)
         for i, name in enumerate(names[:-1]):
@@ -59,10 +60,13 @@ def prune(
             if better is None or better.name == name:
                 continue
             trial = confirm(bench, library[better.name], better)
-            if trial.criterion < full.chi2 + len(last.free) * float(np.log(full.n)) - _CLEARLY:
+            if trial.criterion < full.fit_chi2 + len(last.free) * float(np.log(full.n)) - _CLEARLY:
                 after = accept(trial, without)
                 if not hurts(last, after):
                     names, last, changed = [*names[:i], better.name, *names[i + 1 :]], after, True
                     break
         changed_once = changed_once or changed
-    return Pruned(tuple(names), fit(last.model, campaign, initial=last.values)) if changed_once else None
+    if not changed_once:
+        return None
+    on_all = last if last.campaign is given.campaign else fit_at(last.model, given.campaign, last.values)
+    return None if hurts(given, on_all) else Pruned(tuple(names), on_all)

@@ -1,11 +1,9 @@
 """Which effect is missing: score statistics of every candidate, from the one definition of each effect.
 
 The residual of the fit is regressed on what each candidate would add to the readings, after everything that the model
-can
-already absorb (its parameters, initial states, mains hum) is projected out. Shapes are tried on their grids. The drop
-of
-χ² ranks the candidates; whether the best one is real is judged after whitening by the colour of what is left, so that
-coloured noise raises no alarm.
+can already absorb (its parameters, initial states, mains hum) is projected out. Shapes are tried on their grids. The
+drop of χ² ranks the candidates; whether the best one is real is judged after whitening by the colour of what is left,
+so that coloured noise raises no alarm.
 
 Source: C. R. Rao, 1948, Proc. Camb. Phil. Soc. 44, 50; L. G. Godfrey, Misspecification Tests in Econometrics, 1988, §1.
 """
@@ -14,7 +12,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -38,8 +36,8 @@ class Bench:
     column.
 
     **Arguments:** `starts`: first sample of each record within n; `absorbed`: (n, q) orthonormal; `fit_chi2`: χ² of
-    the whitened residual as the fit left it, with which refits are compared. Along the measured motion the model's
-    parameters absorb more than that, and far from the data more than a refit can.
+    the whitened residual as the fit left it, with which refits are compared; `credible`: whether the model's own
+    parameters could be followed along the measured motion, on which the score statistics rest (see `prepare`).
     """
 
     fit: Fit
@@ -49,6 +47,7 @@ class Bench:
     absorbed: np.ndarray
     residual: np.ndarray
     fit_chi2: float
+    credible: bool = True
 
     @property
     def n(self) -> int:
@@ -90,10 +89,17 @@ class Candidate(NamedTuple):
 
 _NEAR_POINTS = 5  # of a grid, kept as starts: the best of them may lead into a local minimum
 _ABSORBED = 1e-3  # share of a column that must survive the projection for it to say anything new
+_CREDIBLE = 0.5  # of the excess that a fit left: the most that its own parameters can be believed to absorb still
 
 
 def prepare(fit: Fit) -> Bench:
-    """Lay out a fit for regressions."""
+    """Lay out a fit for regressions.
+
+    What the model's own parameters absorb is taken along the measured motion, so that a large misfit does not bend
+    it. Where inertia hardly matters that is too much: displacement is then the drive force over the stiffness, and a
+    change of stiffness seen on the measured motion, with one of gain, "explains" whatever was measured. A fit has no
+    such freedom, and shows it by having left what they claim to absorb; its own Jacobian is then taken instead.
+    """
     scene = lay_out(fit)
     records = fit.campaign.fitted
     found = evaluate(scene.static, scene.data, scene.unknowns)
@@ -107,11 +113,21 @@ def prepare(fit: Fit) -> Bench:
     # A shape at its bound cannot move as its column says: to project that out would hide a misfit that remains.
     free = [i for i in scene.static.free if "at-bound" not in fit.estimates[i].flags]
     directions = np.eye(len(fit.values))[free] * np.where(fit.values[free] == 0, 1.0, fit.values[free])[:, None]
-    known = stack(bench, fit.model, np.tile(fit.values, (len(free), 1)), directions)
     residual = np.concatenate([whiten(piece, r[None])[0] for piece, r in zip(pieces, scene.residuals, strict=True)])
+    bench = replace(bench, residual=residual, fit_chi2=float(residual @ residual))
+    along_measured = stack(bench, fit.model, np.tile(fit.values, (len(free), 1)), directions)
+    measured = _without(bench, along_measured)
+    if bench.fit_chi2 - measured.chi2 < _CREDIBLE * max(bench.fit_chi2 - bench.n, bench.n):
+        return measured
+    chosen = [scene.static.free.index(i) for i in free]
+    bench = replace(bench, credible=False)
+    return _without(bench, by_record(bench, [np.asarray(rows)[chosen] for rows in found.by_x]))
+
+
+def _without(bench: Bench, known: np.ndarray) -> Bench:
+    """The bench with what rows (k, n) can absorb taken out of its residual."""
     absorbed = _orthonormal(known)
-    left = residual - absorbed @ (absorbed.T @ residual)
-    return Bench(fit, scene, tuple(pieces), starts, absorbed, left, float(residual @ residual))
+    return replace(bench, absorbed=absorbed, residual=bench.residual - absorbed @ (absorbed.T @ bench.residual))
 
 
 def stack(bench: Bench, model: Model, values: np.ndarray, directions: np.ndarray) -> np.ndarray:

@@ -64,6 +64,7 @@ class Parameter:
     scale: Scale
     fitted: bool
     limits: tuple[float, float] | None = None
+    one_sided: bool = False
     name: str = ""
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -74,15 +75,23 @@ class Parameter:
 
 
 def amplitude(
-    unit: str, doc: str = "", *, default: float = 0.0, positive: bool = False, fitted: bool = True, grid: tuple = ()
+    unit: str,
+    doc: str = "",
+    *,
+    default: float = 0.0,
+    positive: bool = False,
+    one_sided: bool = False,
+    fitted: bool = True,
+    grid: tuple = (),
 ) -> Any:
     """Declare a parameter that switches the effect off when it is zero.
 
     **Arguments:** `unit` ("N/m^3"); `doc`, a few words for the help page; `default`, the value to start a fit from;
-    `positive`, if it cannot be negative; `fitted=False` holds it unless the campaign frees it; `grid`, other values
-    from which a fit should start.
+    `positive`, if a fit must keep it above zero; `one_sided`, if it may pass through zero on its way but means nothing
+    below (a friction that drives): what ends there is not the effect that is missing; `fitted=False` holds it unless
+    the campaign frees it; `grid`, other values from which a fit should start.
     """
-    return Parameter("amplitude", unit, doc, default, positive, grid, "one", fitted)
+    return Parameter("amplitude", unit, doc, default, positive, grid, "one", fitted, None, one_sided)
 
 
 def shape(

@@ -27,11 +27,15 @@ def read(model: Model, values: np.ndarray, records: Sequence[Trace]) -> list[np.
     return [np.asarray(paths[g])[lane, :n] for g, lane, n in layout.places]
 
 
-def fit_starts(static: Static, data: Data, unknowns: Unknowns, rounds: int = 6) -> Unknowns:
+_ROUNDS = 6
+_STILL = 1e-7  # of the largest displacement and velocity
+
+
+def fit_starts(static: Static, data: Data, unknowns: Unknowns) -> Unknowns:
     """Gauss–Newton on the initial states alone; they enter almost linearly."""
-    for _ in range(rounds):
+    for _ in range(_ROUNDS):
         found = evaluate(static, data, unknowns)
-        moved = []
+        moved, farthest = [], 0.0
         for residual, slope, group, now in zip(
             found.residuals, found.by_start, data.groups, unknowns.starts, strict=True
         ):
@@ -39,5 +43,8 @@ def fit_starts(static: Static, data: Data, unknowns: Unknowns, rounds: int = 6) 
             gram = np.einsum("kln,mln->lkm", slope, slope) + 1e-12 * np.eye(2)
             step = np.linalg.solve(gram, np.einsum("kln,ln->lk", slope, residual)[..., None])[..., 0]
             moved.append(np.asarray(now) - step * group.free)
+            farthest = max(farthest, float(np.max(np.abs(step * group.free))))
         unknowns = Unknowns(unknowns.x, tuple(moved))
+        if farthest < _STILL:
+            break
     return unknowns

@@ -22,7 +22,7 @@ class BoucWen(AbstractEffect):
     steps_per_period = 120
     hidden_units = ("1",)
 
-    friction = amplitude("N", "force when fully slipping, F_y")
+    friction = amplitude("N", "force when fully slipping, F_y", one_sided=True)
     travel = shape("m", "yield displacement, z_y", grid=(0.05, 0.15, 0.4, 1.0), scale="displacement")
     sharpness = shape("1", "sharpness of the yield, n", grid=(1.0, 2.0))
 

@@ -19,7 +19,7 @@ class CoulombFriction(AbstractEffect):
     mistaken_for = ("bouc-wen", "quadratic-damping")
     steps_per_period = 250
 
-    friction = amplitude("N", "friction force")
+    friction = amplitude("N", "friction force", one_sided=True)
     velocity = shape(
         "m/s", "velocity over which the force turns", grid=(0.01, 0.05), limits=(0.003, 0.15), scale="velocity"
     )

@@ -13,7 +13,7 @@ class QuadraticDamping(AbstractEffect):
     source = "Nayfeh & Mook, Nonlinear Oscillations, 1979, ch. 3"
     mistaken_for = ("cubic-damping", "squeeze-film-damping", "coulomb-friction")
 
-    c2 = amplitude("N*s^2/m^2", "quadratic damping")
+    c2 = amplitude("N*s^2/m^2", "quadratic damping", one_sided=True)
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         return -self.c2 * state.v * jnp.abs(state.v)

@@ -20,7 +20,7 @@ class SqueezeFilmDamping(AbstractEffect):
     source = "Bao & Yang, Squeeze film air damping in MEMS, 2007, Sens. Actuators A 136, 3, §2"
     mistaken_for = ("cubic-damping", "quadratic-damping")
 
-    damping = amplitude("N*s/m", "damping by the film in the open gap, c")
+    damping = amplitude("N*s/m", "damping by the film in the open gap, c", one_sided=True)
     gap = shape(
         "m", "gap above (g > 0) or below the stage", grid=(-4.0, -1.5, 1.5, 4.0), scale="displacement", positive=False
     )  # fmt: skip

@@ -18,7 +18,7 @@ class ViscoelasticSupport(AbstractEffect):
     mistaken_for = ("creep", "drive-lag", "sensor-lag", "bouc-wen")
     hidden_units = ("m", "m")
 
-    stiffness = amplitude("N/m", "stiffness that relaxes, k_v")
+    stiffness = amplitude("N/m", "stiffness that relaxes, k_v", one_sided=True)
     time = shape("s", "relaxation time, τ", grid=(0.05, 0.2, 0.8, 3.0, 12.0), scale="period")
     spread = shape("1", "ratio of the two times, s", grid=(1.5, 8.0), limits=(1.0, 50.0))
 
