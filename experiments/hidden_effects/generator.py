@@ -251,6 +251,16 @@ def _measure(
     return Made(plan.name, t, drive, clean + error, clean, sigma, "unknown" if plan.lead else "rest", plan.holdout)
 
 
+def measure_again(case: Case, name: str, drive: Drive, time: np.ndarray) -> Made:
+    """One more record of a case's device, from rest, with the noise that its other records have."""
+    c, s = np.zeros(len(LAWS)), np.zeros((len(LAWS), 3))
+    for effect, law in case.truth["laws"].items():  # type: ignore[union-attr]
+        c[INDEX[effect]], s[INDEX[effect]] = law["coefficient"], law["shape"]
+    rng = np.random.default_rng([int(case.truth["seed"]), 13])  # type: ignore[call-overload]
+    plan = Plan(name, drive, time, 0, False)
+    return _measure(rng, plan, case.device, c, s, float(case.truth["noise"]), "white", 0.0)  # type: ignore[arg-type]
+
+
 def _decimals(smallest: float) -> int:
     """Decimals that keep the rounding well below `smallest`."""
     return max(0, int(np.ceil(-np.log10(smallest))) + 1)

@@ -6,21 +6,23 @@ import itertools
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
+from experiments.simulator.signals import Played
 from ident.diagnosis.beyond import go_beyond
 from ident.diagnosis.discover import Discovery, discover
+from ident.diagnosis.experiments import next_experiments
 from ident.diagnosis.score import prepare
 from ident.effects.registry import built_in
 from ident.fit import Fit
 from ident.model import Model
 
 from .campaigns import campaign_of, poor_case, rounded, sigma_ratios
-from .generator import Case, NoiseKind, draw
+from .generator import Case, NoiseKind, draw, measure_again
 from .laws import LAWS
 
 Part = Literal["single", "pairs", "nulls", "outside", "poor"]
@@ -32,6 +34,7 @@ LEVELS = ((0.02, 0.001), (0.02, 0.01), (0.08, 0.001), (0.08, 0.01), (0.005, 0.00
 OUTSIDE_LEVELS = ((0.02, 0.003), (0.08, 0.01))
 NULL_NOISE = (0.001, 0.003, 0.01, 0.03)
 NULL_KINDS: tuple[NoiseKind, ...] = ("white", "ar", "hum")
+_FINER = 20  # steps of the played waveform per sample
 STRESSED = {"residual-stress", "arch-force"}
 
 
@@ -139,7 +142,26 @@ def run(task: Task) -> dict[str, Any]:
     }  # fmt: skip
     if task.part == "outside":
         row["unknown"] = _unknown(found)
+    if task.part == "poor":
+        row["next"] = _measured_next(case, found)
     return row
+
+
+def _measured_next(case: Case, found: Discovery) -> dict[str, Any] | None:
+    """What is said once the record that the tool proposes has been taken; None if nothing ties."""
+    step = next((s for s in found.steps if s.role == "effect" and len(s.tie_set) > 1), None)
+    if step is None or step.bench is None:
+        return None
+    proposed = next_experiments(step.bench, step.tied, built_in(), count=1)
+    if not proposed:
+        return {"record": None, "named": [], "expected": 0.0}
+    best = proposed[0]
+    fine = np.linspace(best.time[0], best.time[-1], _FINER * (len(best.time) - 1) + 1)
+    taken = measure_again(case, "next", Played(fine, best.waveform.voltage(fine)), best.time)
+    campaign = campaign_of(replace(case, records=[*case.records, taken]))
+    after = discover(Model(campaign.device), campaign, built_in())
+    names = [name for s in after.steps if s.role == "effect" for name in s.tie_set]
+    return {"record": best.record, "named": names, "expected": round(best.expected_delta_chi2, 1)}
 
 
 def _errors(fitted: Fit) -> list[float | None]:

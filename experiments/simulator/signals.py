@@ -54,7 +54,24 @@ class Chirp:
         return self.amplitude * speed * np.cos(self._angle(t))
 
 
-Drive = Tones | Chirp
+@dataclass(frozen=True, eq=False)
+class Played:
+    """A voltage (V) at times (s) as a generator of waveforms plays it: straight lines between its samples."""
+
+    t: np.ndarray
+    volts: np.ndarray
+
+    def value(self, t: np.ndarray) -> np.ndarray:
+        """Voltage at times `t` (s), V."""
+        return np.interp(t, self.t, self.volts)
+
+    def rate(self, t: np.ndarray) -> np.ndarray:
+        """Rate of the voltage at times `t` (s), V/s: of the line that begins there."""
+        at = np.clip(np.searchsorted(self.t, t, side="right") - 1, 0, len(self.t) - 2)
+        return (np.diff(self.volts) / np.diff(self.t))[at]
+
+
+Drive = Tones | Chirp | Played
 
 
 def sine(amplitude: float, frequency: float) -> Tones:

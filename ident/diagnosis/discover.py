@@ -20,7 +20,7 @@ from ..fit import Fit, fit
 from ..model import Model
 from .change import try_without
 from .confirm import Confirmed, accept, confirm
-from .enough import adequate, nothing_worth_adding, worth_a_name
+from .enough import adequate, not_worth_adding, worth_a_name
 from .lacking import ANOTHER_LAW, lacking
 from .prune import Pruned, hurts, prune
 from .refits import by_refits, ranked
@@ -101,7 +101,7 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
         candidates = ranked(bench, library, report)
         ranking = ranking or tuple(candidates)
         real = significant(candidates)
-        if not real or len(steps) >= most or nothing_worth_adding(bench, real, first):
+        if not real or len(steps) >= most or not_worth_adding(bench, max(c.drop for c in real), first):
             break
         found = _best_step(current, bench, real, library, first, gains if not steps else {}, report)
         if found is None:
@@ -112,7 +112,7 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
         report(f"added {step.added}: error over noise {current.fitted.error_over_noise:.3g}")
     while steps and hurts(steps[-2].fit if len(steps) > 1 else start, steps[-1].fit):
         steps.pop()
-    needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report) if len(steps) > 1 else None
+    needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report) if steps else None
     if needed is not None:
         steps = _replayed(start, needed, library)
     if steps and is_long(start.campaign):
@@ -187,6 +187,8 @@ def _best_step(
     bench of the fit with it too."""
     tried = _tried(bench, real, library, report)
     gains.update({found.candidate.name: found.gain for found in tried})
+    if not_worth_adding(bench, _best_drop(tried, bench), first):
+        return None
     limit = bench.fit_chi2 + len(bench.scene.static.free) * np.log(bench.n)
     for found in _in_order(tried, bench):
         if not np.isfinite(found.criterion) or found.criterion > limit:
@@ -216,13 +218,9 @@ def _tried(bench: Bench, real: list[Candidate], library: Library, report: Report
         candidate = rest.pop(0)
         report(f"confirming {candidate.name}")
         tried.append(confirm(bench, library[candidate.name], candidate))
-        if len(tried) == _SHORTLIST and bench.credible and _best_drop(tried, bench) < _BROKEN * _promised(real):
+        if len(tried) == _SHORTLIST and bench.credible and _best_drop(tried, bench) < _BROKEN * real[0].drop:
             rest = by_refits(bench, rest, library, report)
     return tried
-
-
-def _promised(real: list[Candidate]) -> float:
-    return max(c.drop for c in real)
 
 
 def _best_drop(tried: list[Confirmed], bench: Bench) -> float:
@@ -232,9 +230,10 @@ def _best_drop(tried: list[Confirmed], bench: Bench) -> float:
 
 def _may_be_best(candidate: Candidate, real: list[Candidate], tried: list[Confirmed], bench: Bench) -> bool:
     """Whether a candidate is worth a refit: it promises nearly as much as the best one promised, or as refits kept."""
-    promised, kept = _promised(real), _best_drop(tried, bench)
+    promised, kept = real[0].drop, _best_drop(tried, bench)
     if len(tried) >= _SHORTLIST:
-        return candidate.drop > kept
+        # Where short refits rank, what they reached is the least that a candidate gains, not the most.
+        return candidate.drop > kept * (1.0 if bench.credible else _BROKEN)
     excess = max(bench.chi2 - bench.n, 1e-9)
     return candidate.drop > min(promised, kept) - max(_NEAR * excess, _TIED_CRITERION)
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from .score import Bench, Candidate
+from .score import Bench
 
 _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
 _WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
@@ -32,10 +30,9 @@ def worth_a_name(drop: float, first: Bench) -> bool:
     return drop > _SHAPE * (first.chi2 - first.n)
 
 
-def nothing_worth_adding(bench: Bench, real: Sequence[Candidate], first: Bench) -> bool:
-    """Whether all candidates promise little of what is left, or no more than a finer shape of what was found where the
-    model is adequate without it."""
-    best = max(c.drop for c in real)
+def not_worth_adding(bench: Bench, best: float, first: Bench) -> bool:
+    """Whether the best fall of χ², promised or reached, is little of what is left, or no more than a finer shape of
+    what was found where the model is adequate without it."""
     share = best / max(bench.chi2 - bench.n, 1e-9)
     if bench is first:
         return share < _LEAST and bench.chi2 > _FAR * bench.n

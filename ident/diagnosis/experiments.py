@@ -175,10 +175,13 @@ def _gain(one: _Prediction, other: _Prediction, k: int, noise: float) -> float:
     if not (np.all(np.isfinite(difference)) and np.max(np.abs(difference)) < 1e6 and np.all(np.isfinite(slopes))):
         return float("nan")
     p = len(one.information)
-    gram = slopes @ slopes.T
+    with np.errstate(over="ignore"):  # a proposal on which a rival's motion is not sure at all
+        gram = slopes @ slopes.T
     gram[:p, :p] += one.information
     gram[p:, p:] += other.information
     along = slopes @ difference
+    if not np.all(np.isfinite(gram)):
+        return float("nan")
     size = np.sqrt(np.maximum(np.diag(gram), 1e-300))
     absorbed, _, _, _ = np.linalg.lstsq(gram / np.outer(size, size), along / size, rcond=1e-12)
     return max(float(difference @ difference - absorbed @ (along / size)), 0.0)

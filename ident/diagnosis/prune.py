@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-import numpy as np
-
 from ..effects.effect import AbstractEffect
 from ..fit import Fit
 from ..fit.rebuild import fit_at
 from .change import try_without
 from .confirm import accept, confirm
 from .enough import superfluous
+from .parts import criterion, take_apart
 from .score import Bench, prepare, score, significant
 from .shorten import working
 
@@ -43,13 +42,15 @@ def prune(
 ) -> Pruned | None:
     """What is left of the added effects once each has been questioned; None if all are needed.
 
+    The last one was weighed against its rivals when it was added, and is asked again only if something changed.
+
     `first`: the bench before any was added.
     """
     names, changed_once, changed = list(added), False, True
     given, last = last, working(last)
     while changed and len(names) > 1:
         changed, full = False, prepare(last)
-        for i, name in enumerate(names[:-1]):
+        for i, name in enumerate(names if changed_once else names[:-1]):
             report(f"does the model still need {name}?")
             without = try_without(last, name)
             bench = prepare(without)
@@ -60,12 +61,15 @@ def prune(
             if better is None or better.name == name:
                 continue
             trial = confirm(bench, library[better.name], better)
-            if trial.criterion < full.fit_chi2 + len(last.free) * float(np.log(full.n)) - _CLEARLY:
+            if trial.criterion < criterion(full) - _CLEARLY:
                 after = accept(trial, without)
                 if not hurts(last, after):
                     names, last, changed = [*names[:i], better.name, *names[i + 1 :]], after, True
                     break
         changed_once = changed_once or changed
+    if parts := take_apart(last, names, library, report):
+        at = names.index(parts.whole)
+        names, last, changed_once = [*names[:at], *parts.names, *names[at + 1 :]], parts.fit, True
     if not changed_once:
         return None
     on_all = last if last.campaign is given.campaign else fit_at(last.model, given.campaign, last.values)

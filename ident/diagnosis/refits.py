@@ -12,7 +12,7 @@ from .confirm import start_of, weigh
 from .score import Bench, Candidate, score
 
 Library = Mapping[str, type[AbstractEffect]]
-_FEW = 8  # steps of least squares: enough to tell who gains much
+_FEW = 15  # steps of least squares: enough to tell who gains much
 _REFITTED = 12  # of the candidates, by their scores: those further down have never gained much
 
 
@@ -45,4 +45,6 @@ def _refitted(bench: Bench, candidate: Candidate, effect: type[AbstractEffect]) 
     found = weigh(bench, model, candidate, [start], _FEW)
     if not np.isfinite(found.chi2):
         return candidate._replace(drop=0.0, predicted_gain=0.0)
-    return candidate._replace(drop=max(bench.fit_chi2 - found.chi2, 0.0), predicted_gain=float(np.clip(found.gain, 0, 1)))
+    return candidate._replace(
+        drop=max(bench.fit_chi2 - found.chi2, 0.0), predicted_gain=float(np.clip(found.gain, 0, 1))
+    )

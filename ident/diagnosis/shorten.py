@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,9 +13,12 @@ from ..fit import Fit
 from ..fit.rebuild import fit_at
 
 _MOST = 12_000  # samples of all fitted records together that are still worked on as a whole
-_KEPT = 8_000  # samples of longer ones: enough to name an effect, few enough to try several
+_KEPT = 9_000  # samples of longer ones: enough to name an effect, few enough to try several
 _BEFORE = 0.25  # of a stretch, simulated before it and not counted, to build up memory
 _QUIETER = 0.6  # a second stretch must move less than this, so that what grows with the amplitude shows
+_BLOCKS = 200  # of a record, to see where it moves
+_MOVES = 0.02  # of the liveliest block: below, the device rests
+_RESTS = 0.15  # of the samples kept are of the rest before the motion: it says what level the motion starts from
 
 
 def is_long(campaign: Campaign) -> bool:
@@ -28,27 +32,50 @@ def working(fitted: Fit) -> Fit:
     campaign = fitted.campaign
     if not is_long(campaign):
         return fitted
-    share = _KEPT // len(campaign.fitted)
-    records = []
-    for record in campaign.fitted:
-        records += _excerpts(record, share) if len(record.time) > share else [record]
+    spans = [_moving(record) for record in campaign.fitted]
+    lengths = _shares([stop - first for first, stop in spans])
+    records = [
+        part
+        for record, span, length in zip(campaign.fitted, spans, lengths, strict=True)
+        for part in _excerpts(record, span, length)
+    ]
     return fit_at(fitted.model, replace(campaign, records=tuple(records)), fitted.values)
 
 
-def _excerpts(record: Trace, length: int) -> list[Trace]:
-    """The stretch that moves most and, where the record has one that moves much less, that one too."""
-    whole = _sizes(record, length)
-    half = _sizes(record, length // 2)
+def _moving(record: Trace) -> tuple[int, int]:
+    """The stretch of the counted samples in which the device moves: a lab may wait long before it drives."""
+    counted = record.response[record.skip :]
+    size = max(len(counted) // _BLOCKS, 2)
+    moves = np.array([np.std(counted[i : i + size]) for i in range(0, len(counted) - size + 1, size)])
+    lively = np.flatnonzero(moves > _MOVES * moves.max())
+    return record.skip + int(lively[0]) * size, min(record.skip + (int(lively[-1]) + 1) * size, len(record.time))
+
+
+def _shares(lengths: Sequence[int]) -> list[int]:
+    """How many samples of each record are kept: short ones whole, the others as much as is left."""
+    kept, left = [0] * len(lengths), _KEPT
+    for done, i in enumerate(sorted(range(len(lengths)), key=lambda i: lengths[i])):
+        kept[i] = min(lengths[i], left // (len(lengths) - done))
+        left -= kept[i]
+    return kept
+
+
+def _excerpts(record: Trace, span: tuple[int, int], length: int) -> list[Trace]:
+    """The stretch that moves most; where the record has one that moves much less, that one too; the rest before."""
+    resting = min(int(_RESTS * length), span[0] - record.skip)
+    rest = [_part(record, span[0] - resting, resting)] if resting > 1 else []
+    length -= resting
+    whole, half = _sizes(record, span, length), _sizes(record, span, length // 2)
     loudest = max(whole.values())
     middle = min(half, key=lambda i: abs(half[i] / loudest - _QUIETER / 2))
-    if abs(half[middle] / loudest - _QUIETER / 2) > _QUIETER / 2:
-        return [_part(record, max(whole, key=lambda i: whole[i]), length)]
-    return [_part(record, max(half, key=lambda i: half[i]), length // 2), _part(record, middle, length // 2)]
+    if length == span[1] - span[0] or abs(half[middle] / loudest - _QUIETER / 2) > _QUIETER / 2:
+        return [*rest, _part(record, max(whole, key=lambda i: whole[i]), length)]
+    return [*rest, *(_part(record, i, length // 2) for i in (max(half, key=lambda i: half[i]), middle))]
 
 
-def _sizes(record: Trace, length: int) -> dict[int, float]:
+def _sizes(record: Trace, span: tuple[int, int], length: int) -> dict[int, float]:
     """How much the response moves in stretches of a length, by their first sample."""
-    starts = range(record.skip, len(record.time) - length + 1, max(length // 4, 1))
+    starts = range(span[0], span[1] - length + 1, max(length // 4, 1))
     return {i: float(np.std(record.response[i : i + length])) for i in starts}
 
 

@@ -148,7 +148,8 @@ class AbstractEffect:
     - `prepare()`: whatever is constant along a trajectory, computed once and found in `self.prepared`.
 
     An effect that builds on another names it in `needs`, and finds it in `self.partner`. One with a kink says in
-    `steps_per_period` how finely a period of the resonance must be divided to follow it.
+    `steps_per_period` how finely a period of the resonance must be divided to follow it. One whose law implies simpler
+    effects names them in `contains`: they are tried in its place.
     """
 
     name: ClassVar[str] = ""
@@ -157,6 +158,7 @@ class AbstractEffect:
     mistaken_for: ClassVar[tuple[str, ...]] = ()
     hidden_units: ClassVar[tuple[str, ...]] = ()
     platform_only: ClassVar[bool] = False
+    contains: ClassVar[tuple[str, ...]] = ()
     needs: ClassVar[str] = ""
     steps_per_period: ClassVar[int] = 0
     acts_on: ClassVar[str] = ""

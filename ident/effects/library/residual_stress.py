@@ -34,6 +34,7 @@ class ResidualStress(AbstractEffect):
     equation = "F = −[K(N(z, V)) − K(0)] z"
     source = "Sensors 2020, 20, 3959, Eqs. 1-11"
     mistaken_for = ("quadratic-stiffness", "cubic-stiffness", "voltage-stiffness", "arch-force")
+    contains = ("quadratic-stiffness", "cubic-stiffness", "voltage-stiffness")
     platform_only = True
 
     closure = choice("axial-force", "sign-change", "frame")

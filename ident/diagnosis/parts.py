@@ -1,0 +1,56 @@
+"""An effect that contains simpler ones, taken apart: are a few of these the whole truth?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..effects.effect import AbstractEffect
+from ..fit import Fit
+from .change import try_without
+from .confirm import accept, confirm
+from .score import Bench, prepare, score, significant
+
+_STRONG = 6.0  # difference of criteria: R. E. Kass, A. E. Raftery, Bayes factors, 1995, J. Am. Stat. Assoc. 90, §3.2
+
+
+class Parts(NamedTuple):
+    """`names`, the simpler effects that do better than the one called `whole`, and the fit with them in its place."""
+
+    whole: str
+    names: tuple[str, ...]
+    fit: Fit
+
+
+def take_apart(
+    last: Fit, added: Sequence[str], library: Mapping[str, type[AbstractEffect]], report: Callable[[str], None]
+) -> Parts | None:
+    """The first of the added effects that simpler ones out of what it `contains` explain better.
+
+    A law with several parameters mimics any two of the simple ones that it implies, and a walk that adds one effect at
+    a time meets it first. But one name is a simpler answer than two: each further one costs 2 ln(size of the library),
+    and the evidence must be strong beyond that.
+    """
+    for effect in (library[name] for name in added):
+        simple = {n: library[n] for n in effect.contains if n in library and n not in last.model.names}
+        if not simple:
+            continue
+        report(f"is {effect.name} the sum of simpler effects?")
+        whole, current = criterion(prepare(last)), try_without(last, effect.name)
+        bench, names = prepare(current), []
+        while best := next(iter(significant(score(bench, simple))), None):
+            trial = confirm(bench, simple[best.name], best)
+            if not trial.criterion < criterion(bench):
+                break
+            current = accept(trial, current)
+            bench, names = prepare(current), [*names, best.name]
+        if criterion(bench) + 2 * np.log(len(library)) * (len(names) - 1) < whole - _STRONG:
+            return Parts(effect.name, tuple(names), current)
+    return None
+
+
+def criterion(bench: Bench) -> float:
+    """χ² of a fit plus ln n per fitted parameter."""
+    return bench.fit_chi2 + len(bench.fit.free) * float(np.log(bench.n))
