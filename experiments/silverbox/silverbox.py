@@ -7,17 +7,16 @@ says so and ends. It prints the error of every model in mV and asserts the bound
 from __future__ import annotations
 
 import json
-import os
 import re
-import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
 from typing import NamedTuple
 
-ROOT = Path(__file__).resolve().parents[2]
-PAGE = ROOT / "docs" / "silverbox.md"
+from experiments import public_data
+from experiments.public_data import ident
+
+PAGE = public_data.ROOT / "docs" / "silverbox.md"
 FILES = ("silverbox_train_multisine.csv", "silverbox_test_multisine.csv", "silverbox_test_arrow.csv")
 
 
@@ -49,40 +48,9 @@ class Outcome(NamedTuple):
     arrow: float
 
 
-def data_folder() -> Path:
-    """Where the benchmark files are looked for."""
-    return Path(os.environ.get("IDENT_BENCHMARKS") or ROOT.parent / "shared" / "data") / "silverbox"
-
-
-def available() -> bool:
-    """Whether all three files are there."""
-    return all((data_folder() / name).is_file() for name in FILES)
-
-
-def campaign_text() -> str:
-    """The campaign of the page: what the reader would type."""
-    fence = re.search(r"^```toml\n(.*?)^```", PAGE.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
-    if fence is None:
-        raise ValueError(f"{PAGE} shows no campaign")
-    return fence[1]
-
-
 def prepare(work: Path, name: str = "silverbox", text: str | None = None) -> None:
-    """Make the campaign folder of the page: its campaign.toml, or another `text`, with the three tables beside it."""
-    folder = work / name
-    folder.mkdir()
-    (folder / "campaign.toml").write_text(text or campaign_text(), encoding="utf-8")
-    for file in FILES:
-        (folder / file).symlink_to((data_folder() / file).resolve())
-
-
-def ident(arguments: tuple[str, ...], work: Path) -> None:
-    """Run one command in the folder `work`, its progress on stderr."""
-    path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
-    subprocess.run(
-        (sys.executable, "-m", "ident.cli.main", *arguments), cwd=work, check=True, stdout=subprocess.DEVNULL,
-        env=os.environ | {"PYTHONPATH": path},
-    )  # fmt: skip
+    """Make the campaign folder of the page, or one of another `text`."""
+    public_data.prepare(work / name, text or public_data.campaign_text(PAGE), "silverbox", FILES)
 
 
 def outcome(run: Path) -> Outcome:
@@ -109,7 +77,7 @@ def walk(work: Path) -> list[Outcome]:
 
 def discover(work: Path) -> tuple[list[str], Outcome]:
     """What `ident discover` names in the linear oscillator, knowing nothing, and the errors at the end."""
-    without_model = re.sub(r"\[model\]\n.*?\n\n", "", campaign_text(), flags=re.DOTALL)
+    without_model = re.sub(r"\[model\]\n.*?\n\n", "", public_data.campaign_text(PAGE), flags=re.DOTALL)
     prepare(work, "blind", without_model)
     begun = time.perf_counter()
     ident(("discover", "blind", "-o", "runs/discovered"), work)
@@ -129,8 +97,10 @@ def discover(work: Path) -> tuple[list[str], Outcome]:
 
 
 if __name__ == "__main__":
-    if not available():
-        print(f"skipped: {data_folder()} lacks the Silverbox files; set IDENT_BENCHMARKS to the folder above it")
+    if not public_data.available("silverbox", FILES):
+        print(
+            f"skipped: {public_data.data_folder('silverbox')} lacks the Silverbox files; set IDENT_BENCHMARKS to the folder above it"
+        )
     else:
         with tempfile.TemporaryDirectory() as temporary:
             print(f"{'run':<16} {'train':>9} {'multisine':>9} {'arrow':>9}   mV")

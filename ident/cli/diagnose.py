@@ -34,11 +34,12 @@ def command(run: str, target: str | None, as_json: bool) -> None:
     fitted = load_run(run)
 
     from ident.diagnosis.document import diagnosis_dict
+    from ident.report.diagnosis_view import advice
 
     from .walk import examine, tell
 
     found = examine(fitted, None if target is None else Path(target))
-    document = diagnosis_dict(found)
+    document = diagnosis_dict(found) | {"advice": advice(found)}
     write_json(Path(run) / "diagnosis.json", document)
     if as_json:
         say_json(document)

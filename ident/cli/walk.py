@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 def walk(start: Fit, folder: Path, *, force: bool, as_json: bool) -> None:
     """Run the loop from a fit, write the last model as a run, and tell the story."""
     from ident.diagnosis.document import diagnosis_dict, lineage_of
-    from ident.report.diagnosis_view import sections
+    from ident.report.diagnosis_view import advice, sections
     from ident.report.run_folder import write_run
 
     found = examine(start, _free_file(folder))
     lineage = lineage_of(found.discovery, "the first fit")
-    document = diagnosis_dict(found)
+    document = diagnosis_dict(found) | {"advice": advice(found)}
     write_run(
         found.discovery.final, folder, force=force, command=command_line(), lineage=lineage,
         documents={"diagnosis.json": document}, extra={"sections": sections(found, lineage)}, report=progress,

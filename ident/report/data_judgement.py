@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -12,7 +13,7 @@ from ..campaign.device import Platform
 from ..campaign.drive import drive_frequency
 from ..campaign.judge import judge
 from ..campaign.record import Record, Sweep, Trace
-from .drive_words import drive_sine, drive_words
+from .drive_words import drive_words, only_frequency
 from .quantity import Scale, scale, show_in, significant
 from .sheet import Column, Mark, Sheet
 
@@ -32,8 +33,7 @@ def what_the_records_tell(campaign: Campaign) -> tuple[str, ...]:
             "All fitted records have one drive level: what grows with amplitude (cubic stiffness, quadratic "
             "damping, saturation) can be absorbed by the linear part. A record at half the level separates them."
         )
-    frequencies = [drive_frequency(r) for r in fitted if drive_sine(r) is not None and drive_frequency(r) > 0]
-    if fitted and len(frequencies) == len(fitted) and max(frequencies) <= _SAME * min(frequencies):
+    if one_frequency(fitted) is not None:
         starts = {r.start for r in fitted}
         how = "only the transients tell the resonance" if starts != {"steady"} else "nothing tells the resonance"
         found.append(
@@ -56,6 +56,13 @@ def what_the_records_tell(campaign: Campaign) -> tuple[str, ...]:
         )
     good = "Levels, frequencies and a held-out record differ: the linear part, what grows with amplitude and what has "
     return tuple(found) or (good + "memory can be told apart in principle.",)
+
+
+def one_frequency(records: Sequence[Trace]) -> float | None:
+    """The frequency (Hz) at which all records were driven, if it is one."""
+    found = [only_frequency(record) for record in records]
+    known = [frequency for frequency in found if frequency]
+    return known[0] if known and len(known) == len(found) and max(known) <= _SAME * min(known) else None
 
 
 def _level(record: Trace) -> float:

@@ -7,6 +7,7 @@ from ..diagnosis.diagnose import Diagnosis
 from ..diagnosis.enough import adequate
 from ..diagnosis.score import Candidate
 from ..fit import Fit
+from .data_judgement import one_frequency
 from .html import Picture, Section
 from .quantity import show
 from .sheet import Column, Mark, Sheet
@@ -92,6 +93,7 @@ def advice(found: Diagnosis) -> list[str]:
         pair = " from ".join(experiment.separates)
         gain = experiment.expected_delta_chi2
         sentences.append(f"To tell {pair}, measure: {experiment.record} (expected Δχ² {gain:.3g}).")
+    sentences += _not_identified(found.discovery.final)
     if found.unseen:
         names = listed([effect.name for effect in found.unseen])
         sentences.append(f"Beside the first model these records cannot show {names}: its parameters absorb it.")
@@ -100,6 +102,18 @@ def advice(found: Diagnosis) -> list[str]:
     if found.effect_file is not None:
         sentences.append(f"It is written as an effect of your own to refine: {found.effect_file}")
     return sentences
+
+
+def _not_identified(final: Fit) -> list[str]:
+    """A warning where effects with memory were fitted to records at one frequency only."""
+    memory = [effect.name for effect in final.model.effects if effect.hidden_units]
+    frequency = one_frequency(final.campaign.fitted)
+    if not memory or frequency is None:
+        return []
+    return [
+        f"All fitted records are driven at {frequency:.3g} Hz: how {listed(memory)} and a delay share what comes late "
+        "is not identified, and the model may fail at other frequencies. Add a record at another one."
+    ]
 
 
 def sections(found: Diagnosis, lineage: list[dict]) -> list[Section]:

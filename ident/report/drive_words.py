@@ -15,6 +15,9 @@ from .quantity import neat, scale
 _SINE = 0.98  # share of the drive's variance in its fundamental above which it is called a sine
 _FOLDS = 0.8  # and above which the response can be folded on it (a square wave has 0.81)
 
+_NEAR = 0.1  # relative distance within which two frequencies are one
+_ALONE = 0.7  # share of the power of V̇ in one frequency; a triangle has 0.81
+
 
 class DriveSine(NamedTuple):
     """The fundamental of a periodic drive: V = `mean` + `amplitude` sin(2π t/T + `phase`) at sample k, t = k steps.
@@ -48,6 +51,21 @@ def drive_sine(record: Trace) -> DriveSine | None:
         return None
     share = amplitude**2 / 2 / variance
     return DriveSine(period, amplitude, float(np.arctan2(b, a)), float(mean), share) if share > _FOLDS else None
+
+
+def only_frequency(record: Trace) -> float | None:
+    """The one rate (Hz) at which a drive repeats, whatever its waveform, level and offset; None if it has several.
+
+    Looked for in the rate of the voltage, where a slow change of level or offset weighs little.
+    """
+    slope = np.diff(record.drive)
+    power = np.abs(np.fft.rfft((slope - slope.mean()) * np.hanning(len(slope)))) ** 2
+    if power.sum() == 0.0:
+        return None
+    at = np.arange(len(power))
+    top = int(np.argmax(power))
+    share = float(power[np.abs(at - top) <= max(_NEAR * top, 3)].sum() / power.sum())
+    return top / (len(slope) * record.step) if share > _ALONE else None
 
 
 def drive_words(record: Trace, device: Device) -> str:

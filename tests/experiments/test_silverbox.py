@@ -5,13 +5,14 @@ from pathlib import Path
 
 import pytest
 
+from experiments import public_data
 from experiments.silverbox import silverbox
 
 
 @pytest.mark.slow
 def test_every_step_reaches_its_bound(tmp_path: Path) -> None:
-    if not silverbox.available():
-        pytest.skip(f"{silverbox.data_folder()} lacks the Silverbox files; IDENT_BENCHMARKS names another folder")
+    if not public_data.available("silverbox", silverbox.FILES):
+        pytest.skip(f"{public_data.data_folder('silverbox')} lacks the files; IDENT_BENCHMARKS names another folder")
     found = [*silverbox.walk(tmp_path), silverbox.discover(tmp_path)[1]]
     for shown, errors in zip(_table(), found, strict=True):
         assert shown == pytest.approx(errors, rel=0.02)

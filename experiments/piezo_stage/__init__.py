@@ -1,0 +1,1 @@
+"""The Silverbox benchmark, with the command line alone."""
