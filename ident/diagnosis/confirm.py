@@ -81,11 +81,15 @@ def _possible(model: Model, values: np.ndarray) -> bool:
 def accept(confirmed: Confirmed, before: Fit) -> Fit:
     """The confirmed model as a Fit with uncertainties.
 
-    Long records are only read: the refit saw an excerpt of them, and the walk ends with a fit to all.
+    The refit saw excerpts of long records; a few steps then lead near the minimum of all samples, and the walk ends
+    with a fit to all.
     """
-    if is_long(before.campaign):
-        return fit_at(confirmed.model, before.campaign, confirmed.values)
-    return fit(confirmed.model, before.campaign, initial=confirmed.values)
+    model, campaign, values = confirmed.model, before.campaign, confirmed.values
+    if not is_long(campaign):
+        return fit(model, campaign, initial=values)
+    found = minimise(model, campaign, initial=values, most=_RACE)
+    at = evaluate(found.static, found.data, found.best.unknowns).values
+    return fit_at(model, campaign, np.asarray(at))
 
 
 def start_of(model: Model, candidate: Candidate | None, scales: DataScales) -> np.ndarray:

@@ -197,6 +197,8 @@ def _best_step(
         shown = working(after)
         if not np.isfinite(after.fitted.error_over_noise) or not np.isfinite(shown.fitted.error_over_noise):
             continue
+        if after.fitted.error_over_noise > current.fitted.error_over_noise:
+            continue  # the excerpts do not speak for the records
         role, left = _role(bench, found, first), prepare(shown)
         if (role == "shape-refinement" or adequate(left)) and hurts(current, after):
             continue

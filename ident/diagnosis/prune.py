@@ -12,7 +12,7 @@ from .change import try_without
 from .confirm import accept, confirm
 from .enough import superfluous
 from .parts import criterion, take_apart
-from .score import Bench, prepare, score, significant
+from .score import Bench, Candidate, prepare, score, significant
 from .shorten import working
 
 _CLEARLY = 10.0  # of the information criterion: by so much a rival must be better to be swapped in
@@ -31,6 +31,14 @@ def hurts(before: Fit, after: Fit) -> bool:
     if before.holdout is None or after.holdout is None:
         return False
     return after.holdout.error_over_noise > _HURT * before.holdout.error_over_noise
+
+
+def _rivals(name: str, bench: Bench, library: Mapping[str, type[AbstractEffect]]) -> list[Candidate]:
+    """Who may stand in an effect's place: whoever scores better, and the best of those that it is mistaken for."""
+    candidates = significant(score(bench, library))
+    better = [c for c in candidates[:1] if c.name != name]
+    alike = [c for c in candidates if c.name in library[name].mistaken_for and c.name not in {b.name for b in better}]
+    return [*better, *alike[:1]]
 
 
 def prune(
@@ -57,14 +65,12 @@ def prune(
             if superfluous(bench, full, first):
                 names, last, changed = [*names[:i], *names[i + 1 :]], without, True
                 break
-            better = next(iter(significant(score(bench, library))), None)
-            if better is None or better.name == name:
-                continue
-            trial = confirm(bench, library[better.name], better)
-            if trial.criterion < criterion(full) - _CLEARLY:
-                after = accept(trial, without)
+            tried = [confirm(bench, library[rival.name], rival) for rival in _rivals(name, bench, library)]
+            better = min(tried, key=lambda found: found.criterion, default=None)
+            if better is not None and better.criterion < criterion(full) - _CLEARLY:
+                after = accept(better, without)
                 if not hurts(last, after):
-                    names, last, changed = [*names[:i], better.name, *names[i + 1 :]], after, True
+                    names, last, changed = [*names[:i], better.candidate.name, *names[i + 1 :]], after, True
                     break
         changed_once = changed_once or changed
     if parts := take_apart(last, names, library, report):
@@ -72,5 +78,8 @@ def prune(
         names, last, changed_once = [*names[:at], *parts.names, *names[at + 1 :]], parts.fit, True
     if not changed_once:
         return None
-    on_all = last if last.campaign is given.campaign else fit_at(last.model, given.campaign, last.values)
+    if last.campaign is given.campaign:
+        return Pruned(tuple(names), last)
+    # Swaps were judged on excerpts, which hold nothing out.
+    on_all = fit_at(last.model, given.campaign, last.values)
     return None if hurts(given, on_all) else Pruned(tuple(names), on_all)

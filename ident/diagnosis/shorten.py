@@ -9,8 +9,7 @@ import numpy as np
 
 from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
-from ..fit import Fit
-from ..fit.rebuild import fit_at
+from ..fit import Fit, fit
 
 _MOST = 12_000  # samples of all fitted records together that are still worked on as a whole
 _KEPT = 9_000  # samples of longer ones: enough to name an effect, few enough to try several
@@ -27,7 +26,7 @@ def is_long(campaign: Campaign) -> bool:
 
 
 def working(fitted: Fit) -> Fit:
-    """The fit on shortened records, at the same parameter values, without the held-out ones; the fit itself if its
+    """The model fitted to shortened records, from the fit's values, without the held-out ones; the fit itself if its
     records are short."""
     campaign = fitted.campaign
     if not is_long(campaign):
@@ -39,7 +38,7 @@ def working(fitted: Fit) -> Fit:
         for record, span, length in zip(campaign.fitted, spans, lengths, strict=True)
         for part in _excerpts(record, span, length)
     ]
-    return fit_at(fitted.model, replace(campaign, records=tuple(records)), fitted.values)
+    return fit(fitted.model, replace(campaign, records=tuple(records)), initial=fitted.values)
 
 
 def _moving(record: Trace) -> tuple[int, int]:

@@ -24,7 +24,7 @@ class BoucWenDrive(AbstractEffect):
     steps_per_period = 120
     hidden_units = ("1",)
 
-    loop = amplitude("V", "half height of the loop, V_h", one_sided=True)
+    loop = amplitude("V", "half height of the loop, V_h")
     travel = shape("V", "yield voltage, V_y", grid=(0.1, 0.3, 0.8), scale="voltage")
     sharpness = shape("1", "sharpness of the yield, n", grid=(1.0, 2.0))
 
