@@ -1,8 +1,8 @@
 """A measured PZT stage by the commands of `docs/piezo-stage.md`: `python -m experiments.piezo_stage.piezo_stage`.
 
-The data are not shipped. `IDENT_BENCHMARKS` names the folder that holds `piezo_stage/*.csv`; without them the script says so
-and ends. It prints what the loop names and the error of every step in percent of the held-out record's standard deviation,
-and asserts `NAMES` and `HELD_OUT`.
+The data are not shipped. `IDENT_BENCHMARKS` names the folder that holds `piezo_stage/*.csv`; without them the script
+says so and ends. It prints what the loop names and the error of every step in percent of the held-out record's
+standard deviation, and asserts what is named and `HELD_OUT`.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def percent(rmse: float) -> float:
 
 
 def walk(work: Path) -> list[tuple[str, float, float]]:
-    """What is named, step by step, with the error (%) on the fitted records, in noise floors, and the held-out one (%)."""
+    """What is named, step by step, with the error on the fitted records (noise floors) and on the held-out one (%)."""
     public_data.prepare(work / "piezo", public_data.campaign_text(PAGE), "piezo_stage", FILES)
     said = _discover("piezo", work)
     floor = _floor(work)

@@ -98,9 +98,7 @@ def discover(work: Path) -> tuple[list[str], Outcome]:
 
 if __name__ == "__main__":
     if not public_data.available("silverbox", FILES):
-        print(
-            f"skipped: {public_data.data_folder('silverbox')} lacks the Silverbox files; set IDENT_BENCHMARKS to the folder above it"
-        )
+        print(f"skipped: {public_data.data_folder('silverbox')} lacks the files; set IDENT_BENCHMARKS")
     else:
         with tempfile.TemporaryDirectory() as temporary:
             print(f"{'run':<16} {'train':>9} {'multisine':>9} {'arrow':>9}   mV")

@@ -8,7 +8,7 @@ the true effect absent from the library an impostor still lowers the error.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
@@ -20,8 +20,8 @@ from ..fit import Fit, fit
 from ..model import Model
 from .change import try_without
 from .confirm import Confirmed, accept, confirm
-from .enough import adequate, not_worth_adding, worth_a_name
-from .lacking import ANOTHER_LAW, lacking
+from .enough import ANOTHER_LAW, adequate, not_worth_adding, worth_a_name
+from .lacking import lacking
 from .prune import Pruned, hurts, prune
 from .refits import by_refits, ranked
 from .score import Bench, Candidate, prepare, score, significant
@@ -34,7 +34,8 @@ Report = Callable[[str], None]
 
 MOST_TERMS = 6
 _SHORTLIST = 3  # twice as many if refits keep less than the scores promised
-_BROKEN = 0.5  # of what the scores promised: if refits keep less, they rank the rest
+_BROKEN = 0.5  # of what the scores promised: if the refits of the shortlist keep less, refits rank the rest
+_BETRAYED = 0.1  # the same for any of them: then at once
 _NEAR = 0.1  # of the excess: candidates this near the best are confirmed too
 _TIED_CRITERION = 10.0  # difference of the information criterion below which data do not choose
 _SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
@@ -189,11 +190,7 @@ def _best_step(
     gains.update({found.candidate.name: found.gain for found in tried})
     if not_worth_adding(bench, _best_drop(tried, bench), first):
         return None
-    limit = bench.fit_chi2 + len(bench.scene.static.free) * np.log(bench.n)
-    for found in _in_order(tried, bench):
-        if not np.isfinite(found.criterion) or found.criterion > limit:
-            return None
-        after = accept(found, current)
+    for found, after in _accepted(tried, bench, current):
         shown = working(after)
         if not np.isfinite(after.fitted.error_over_noise) or not np.isfinite(shown.fitted.error_over_noise):
             continue
@@ -211,17 +208,32 @@ def _best_step(
     return None
 
 
+def _accepted(tried: list[Confirmed], bench: Bench, current: Fit) -> Iterator[tuple[Confirmed, Fit]]:
+    """The refits that the criterion prefers to the model as it is, with what they are on all samples, best first.
+
+    Where the parameters bend far to mimic what is missing, excerpts do not tell how well a refit does on the rest.
+    """
+    limit = bench.fit_chi2 + len(bench.scene.static.free) * np.log(bench.n)
+    better = [found for found in _in_order(tried, bench) if found.criterion <= limit]
+    if bench.credible or not is_long(current.campaign):
+        yield from ((found, accept(found, current)) for found in better)
+    else:
+        best = sorted(better, key=lambda found: found.criterion)[:_SHORTLIST]
+        yield from sorted(((c, accept(c, current)) for c in best), key=lambda pair: pair[1].fitted.error_over_noise)
+
+
 def _tried(bench: Bench, real: list[Candidate], library: Library, report: Report) -> list[Confirmed]:
     """Refits of the candidates that may be the best, by their scores; by short refits where the scores broke their
     word."""
     tried: list[Confirmed] = []
-    rest = list(real)
+    rest, believed = list(real), bench.credible
     while rest and len(tried) < _SHORTLIST * 2 and _may_be_best(rest[0], real, tried, bench):
         candidate = rest.pop(0)
         report(f"confirming {candidate.name}")
         tried.append(confirm(bench, library[candidate.name], candidate))
-        if len(tried) == _SHORTLIST and bench.credible and _best_drop(tried, bench) < _BROKEN * real[0].drop:
-            rest = by_refits(bench, rest, library, report)
+        least = _BROKEN if len(tried) == _SHORTLIST else _BETRAYED
+        if believed and len(tried) <= _SHORTLIST and _best_drop(tried, bench) < least * real[0].drop:
+            believed, rest = False, by_refits(bench, rest, library, report)
     return tried
 
 

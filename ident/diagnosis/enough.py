@@ -6,6 +6,7 @@ import numpy as np
 
 from .score import Bench
 
+ANOTHER_LAW = 0.001  # of the first excess: structured misfit beyond which a name is in doubt; see `lacking`
 _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
 _WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
 _LEAST = 0.2  # of what is left: where every effect promises less, the library lacks the one that is missing

@@ -11,11 +11,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from .colour_test import chance_of
+from .enough import ANOTHER_LAW
 from .score import Bench
 from .stage import set_stage
 from .subsets import TRIED, rank, regress, smallest_sufficient, spline_rows
 
-ANOTHER_LAW = 0.001  # of the first excess: structured misfit beyond which the name is in doubt
 _CHANCE = 1e-3
 
 

@@ -89,7 +89,7 @@ class Candidate(NamedTuple):
 
 _NEAR_POINTS = 5  # of a grid, kept as starts: the best of them may lead into a local minimum
 _ABSORBED = 1e-3  # share of a column that must survive the projection for it to say anything new
-_CREDIBLE = 0.5  # of the excess that a fit left: the most that its own parameters can be believed to absorb still
+_CREDIBLE = 0.25  # of the excess that a fit left: the most that its own parameters can be believed to absorb still
 
 
 def prepare(fit: Fit) -> Bench:

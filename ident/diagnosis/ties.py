@@ -10,6 +10,7 @@ import numpy as np
 from ..campaign.device import Platform
 from ..effects.effect import AbstractEffect
 from .confirm import Confirmed
+from .enough import ANOTHER_LAW
 from .equivalences import equivalence, exact_partners, what_separates
 from .score import Bench, Candidate
 
@@ -67,7 +68,8 @@ def tie_set(
     so that a misfit of the laws themselves widens the set. A parameter counts what chance gives it, 1, and not the
     ln n that selects a model: an effect that explains the data with one number more is still an explanation. n counts
     the independent samples in what the best one leaves. Refits replace predictions where there are any; where there
-    are none, an effect whose signature is nearly the same, or is known to pass for the other, stays in.
+    are none, an effect whose signature is nearly the same, or is known to pass for the other, stays in. Where noise is
+    small against the misfit, laws of one kind differ by more than noise: a refit within that stays in.
 
     **Arguments:** `candidates`: as scored on the same bench; `confirmed`: refits of some of them.
     """
@@ -83,7 +85,9 @@ def tie_set(
         behind = n * float(np.log(ratio)) + other.dof - best.dof
         alike = reproduced(bench, best, other)
         enough = KNOWN_SIGNATURE if equivalence(best.name, other.name) else TIED_SIGNATURE
-        if behind < TIED_CRITERION or (not both and alike > enough and _may_catch_up(library[other.name])):
+        shape = ANOTHER_LAW * max(bench.fit_chi2 - bench.n, 0.0)
+        near = both and refits[other.name].chi2 - refits[best.name].chi2 < shape
+        if behind < TIED_CRITERION or near or (not both and alike > enough and _may_catch_up(library[other.name])):
             found.append(_tie(best, other, behind, alike, library))
     named = {tie.name for tie in found}
     exact = exact_partners(best.name, library) if _is_linear(bench) else []
@@ -130,6 +134,8 @@ def _tie(best: Candidate, other: Candidate, behind: float, alike: float, library
     known = equivalence(best.name, other.name)
     if known is not None:
         why = known.why
+    elif behind >= TIED_CRITERION:
+        why = f"it explains within {100 * ANOTHER_LAW:.2g} % as much, and laws of one kind differ by that"
     elif alike > 0.95:
         why = f"on these records it reproduces {100 * alike:.3g} % of the same trace"
     else:
