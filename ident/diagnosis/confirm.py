@@ -37,6 +37,7 @@ class Confirmed(NamedTuple):
 
 
 _MOST_STARTS = 6
+_OFF_BOUND = 3.0
 _RACE = 12  # steps of every start; the best one goes on
 MOST_STEPS = 60  # a rival that needs more crawls along a valley and comes no nearer
 
@@ -46,8 +47,19 @@ def confirm(bench: Bench, effect: type[AbstractEffect], candidate: Candidate) ->
     before = bench.fit
     model = before.model + make_effect(before.campaign, effect.name, {effect.name: effect})
     scored = [candidate, *(candidate._replace(values=values) for values in candidate.near)]
-    starts = [np.concatenate([before.values, start_of(model, one, before.scales)]) for one in scored]
+    starts = [np.concatenate([base_of(bench), start_of(model, one, before.scales)]) for one in scored]
     return weigh(bench, model, candidate, [*starts, *_reprofiled(model, starts[0], before)][:_MOST_STARTS])
+
+
+def base_of(bench: Bench) -> np.ndarray:
+    """The values from which a refit starts: the fit's own, its quality factor off the bound to which it may have bent.
+
+    At a bound a parameter has no slope that could lead it back.
+    """
+    values = bench.fit.values.copy()
+    if "at-bound" in bench.fit.estimates[1].flags:
+        values[1] *= _OFF_BOUND
+    return values
 
 
 def weigh(

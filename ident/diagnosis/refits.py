@@ -8,7 +8,7 @@ import numpy as np
 
 from ..effects.effect import AbstractEffect
 from ..model import make_effect
-from .confirm import start_of, weigh
+from .confirm import base_of, start_of, weigh
 from .score import Bench, Candidate, score
 
 Library = Mapping[str, type[AbstractEffect]]
@@ -41,7 +41,7 @@ def _refitted(bench: Bench, candidate: Candidate, effect: type[AbstractEffect]) 
     """The candidate with the fall of χ² that a few steps of a fit reach."""
     before = bench.fit
     model = before.model + make_effect(before.campaign, effect.name, {effect.name: effect})
-    start = np.concatenate([before.values, start_of(model, candidate, before.scales)])
+    start = np.concatenate([base_of(bench), start_of(model, candidate, before.scales)])
     found = weigh(bench, model, candidate, [start], _FEW)
     if not np.isfinite(found.chi2):
         return candidate._replace(drop=0.0, predicted_gain=0.0)

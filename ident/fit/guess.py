@@ -21,6 +21,7 @@ from ..campaign.recursive import recursive_filter
 
 _MOST_SAMPLES = 4000  # of a record: enough to place a resonance, and long records stay cheap
 _QUALITIES = (4.0, 15.0, 60.0)
+_LEAST_QUALITY, _LOG_QUALITY = 0.5, 9.0  # below, nothing oscillates; beyond e⁹, nothing decays within a record
 _POINTS_PER_OCTAVE = 14
 
 
@@ -55,14 +56,17 @@ def guess_linear(
     trials = [(_misfit(pieces, f, q), f, q) for q in qualities for f in grid]
     trials.sort()
     best = trials[0]
+    # Without inertia in the records the search would run off to frequencies that no sample can follow.
+    within = [(math.log(grid.min() / 2), math.log(grid.max() * 2)), (math.log(_LEAST_QUALITY), _LOG_QUALITY)]
     for start in _distinct(trials)[:2]:
         found = optimize.minimize(
             lambda x: _misfit(pieces, math.exp(x[0]), math.exp(x[1]) if held is None else held),
             [math.log(start[1]), math.log(start[2])],
             method="Nelder-Mead",
+            bounds=within,
             options={"initial_simplex": _simplex(start[1], start[2]), "xatol": 1e-5, "fatol": 1e-9, "maxiter": 80},
         )
-        quality = math.exp(min(found.x[1], 9.0)) if held is None else held
+        quality = math.exp(found.x[1]) if held is None else held
         best = min(best, (float(found.fun), math.exp(found.x[0]), quality))
     misfit, frequency, quality = best
     return LinearGuess(frequency, quality, _gain(pieces, frequency, quality), misfit)

@@ -40,8 +40,12 @@ def fit_starts(static: Static, data: Data, unknowns: Unknowns) -> Unknowns:
             found.residuals, found.by_start, data.groups, unknowns.starts, strict=True
         ):
             slope, residual = np.asarray(slope), np.asarray(residual)
-            gram = np.einsum("kln,mln->lkm", slope, slope) + 1e-12 * np.eye(2)
-            step = np.linalg.solve(gram, np.einsum("kln,ln->lk", slope, residual)[..., None])[..., 0]
+            gram = np.einsum("kln,mln->lkm", slope, slope)
+            if not np.all(np.isfinite(gram)):
+                return unknowns
+            # Of an overdamped motion displacement and velocity at the start leave the same trace.
+            inverse = np.linalg.pinv(gram, rcond=1e-12, hermitian=True)
+            step = np.einsum("lkm,mln,ln->lk", inverse, slope, residual)
             moved.append(np.asarray(now) - step * group.free)
             farthest = max(farthest, float(np.max(np.abs(step * group.free))))
         unknowns = Unknowns(unknowns.x, tuple(moved))

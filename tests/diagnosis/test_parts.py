@@ -1,0 +1,25 @@
+"""A law that contains simpler ones gives way to two of them, and stays where it takes three."""
+
+from __future__ import annotations
+
+import pytest
+
+from experiments.hidden_effects.campaigns import campaign_of
+from experiments.hidden_effects.generator import draw
+from ident.diagnosis.discover import discover
+from ident.effects.library.coulomb_friction import CoulombFriction
+from ident.effects.registry import built_in
+from ident.model import Model
+
+STIFFNESSES = ("residual-stress", "cubic-stiffness", "quadratic-stiffness", "voltage-stiffness")
+
+
+@pytest.mark.parametrize("hidden", [("cubic-stiffness", "voltage-stiffness"), ("residual-stress",)])
+def test_what_is_named_is_what_is_there(hidden: tuple[str, ...]) -> None:
+    campaign = campaign_of(draw(5013 if len(hidden) > 1 else 302, hidden, size=0.02, noise=0.003))
+    found = discover(Model(campaign.device), campaign, {name: built_in()[name] for name in STIFFNESSES})
+    assert {step.added for step in found.steps if step.role == "effect"} == set(hidden)
+
+
+def test_a_friction_that_drives_is_no_friction() -> None:
+    assert [p.name for p in CoulombFriction.parameters if p.one_sided] == ["friction"]

@@ -1,0 +1,46 @@
+"""Excerpts of long records keep where they move most, where they move less, and the rest before."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ident.campaign.campaign import Campaign
+from ident.campaign.device import Oscillator
+from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.diagnosis.shorten import is_long, working
+from ident.fit import fit
+from ident.model import Model
+
+REST, MOVING = 6000, 24_000
+
+
+def growing() -> Trace:
+    """A record that rests, then moves more and more."""
+    time = 1e-3 * np.arange(REST + MOVING)
+    growth = np.clip(np.arange(len(time)) - REST, 0, None) / MOVING
+    drive = growth * np.sin(2 * np.pi * 20 * time)
+    response = 2.0 * drive + 1e-3 * np.random.default_rng(0).standard_normal(len(time))
+    channel = Channel("V", 1.0)
+    return Trace("a.csv", time, drive, response, channel, channel, NoiseFloor(1e-3, method="given"), "rest")
+
+
+def test_excerpts_cover_what_differs_and_are_no_longer_long() -> None:
+    record = growing()
+    campaign = Campaign("long", (record, replace(record, name="b.csv", holdout=True)), Oscillator())
+    assert is_long(campaign)
+    parts = working(fit(Model(campaign.device), campaign)).campaign
+    assert not is_long(parts) and not parts.heldout
+    sizes = [float(np.std(part.response[part.skip :])) for part in parts.fitted]
+    assert len(sizes) == 3
+    assert min(sizes) < 0.02 and max(sizes) > 1.2 and 0.2 < sorted(sizes)[1] / max(sizes) < 0.5
+    assert sum(len(part.time) - part.skip for part in parts.fitted) < 0.4 * len(record.time)
+
+
+def test_short_records_are_worked_on_whole() -> None:
+    record = growing()
+    short = replace(record, time=record.time[:9000], drive=record.drive[:9000], response=record.response[:9000])
+    campaign = Campaign("short", (short,), Oscillator())
+    found = fit(Model(campaign.device), campaign)
+    assert working(found) is found
