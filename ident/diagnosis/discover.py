@@ -27,6 +27,7 @@ from .refits import by_refits, ranked
 from .score import Bench, Candidate, prepare, score, significant
 from .shorten import is_long, working
 from .ties import tie_set
+from .trajectory import Diverged
 
 Verdict = Literal["adequate", "identified", "ambiguous", "not-in-library"]
 Library = Mapping[str, type[AbstractEffect]]
@@ -196,7 +197,10 @@ def _best_step(
             continue
         if after.fitted.error_over_noise > current.fitted.error_over_noise:
             continue  # the excerpts do not speak for the records
-        role, left = _role(bench, found, first), prepare(shown)
+        try:
+            role, left = _role(bench, found, first), prepare(shown)
+        except Diverged:
+            continue
         if (role == "shape-refinement" or adequate(left)) and hurts(current, after):
             continue
         name, predicted = found.candidate.name, found.candidate.predicted_gain

@@ -199,7 +199,7 @@ def _by_harmonic(samples: list[_Samples], resonance: float, quality: float) -> V
             angle = 2 * np.pi * k * np.asarray(s.turns)
             rows = without(np.stack([np.cos(angle), np.sin(angle)])[: 2 if k else 1])
             along = rows @ left
-            total[k] += float(along @ np.linalg.solve(rows @ rows.T, along))
+            total[k] += float(along @ np.linalg.lstsq(rows @ rows.T, along, rcond=None)[0])
             freedom[k] += len(rows)
     return from_sums("harmonic of the drive", np.arange(_HARMONICS + 1) - 0.5, total, freedom, 0.0)
 

@@ -27,6 +27,10 @@ from ..response.transient import Lane, half_step_time, integrate
 from ..response.transient import assemble as bind
 
 
+class Diverged(ArithmeticError):
+    """The motion of a model has no bound on a record: nothing can be compared with it."""
+
+
 class Path(NamedTuple):
     """Displacement and velocity on the half-step grid of each lane, (lanes, 2 n + 1), m and m/s."""
 
@@ -61,7 +65,10 @@ def _states(static: Static, data: Data, values: np.ndarray, starts: tuple) -> tu
 
 
 def lay_out(fit: Fit) -> Scene:
-    """The scene of a fit: its model's states, corrected by the smoothed residual of each record."""
+    """The scene of a fit: its model's states, corrected by the smoothed residual of each record.
+
+    **Raises:** Diverged if the model's motion has no bound.
+    """
     records = fit.campaign.fitted
     groups, layout = make_groups(records, 1.0 / fit.scales.period, float(fit.values[1]), fit.model.steps_per_period)
     static, data = assemble(fit.model, fit.campaign, groups, layout, fit.values, fit.scales)
@@ -74,6 +81,8 @@ def lay_out(fit: Fit) -> Scene:
     residuals = []
     for record, (g, lane, n) in zip(records, layout.places, strict=True):
         residual = record.response - np.asarray(found.readings[g])[lane, :n]
+        if not np.all(np.isfinite(residual)):
+            raise Diverged(record.name)
         z, v = (np.asarray(x[lane, :n]) for x in states[g])
         correction, rate = _smooth(residual, record.step, fit.scales.period)
         spline = CubicHermiteSpline(record.time, z + correction, v + rate)

@@ -32,9 +32,14 @@ _STILL = 1e-7  # of the largest displacement and velocity
 
 
 def fit_starts(static: Static, data: Data, unknowns: Unknowns) -> Unknowns:
-    """Gauss–Newton on the initial states alone; they enter almost linearly."""
+    """Gauss–Newton on the initial states alone; they enter almost linearly. Never worse than where it began."""
+    best, least = unknowns, np.inf
     for _ in range(_ROUNDS):
         found = evaluate(static, data, unknowns)
+        cost = sum(float(np.sum(np.asarray(residual) ** 2)) for residual in found.residuals)
+        if not cost < least:
+            return best
+        best, least = unknowns, cost
         moved, farthest = [], 0.0
         for residual, slope, group, now in zip(
             found.residuals, found.by_start, data.groups, unknowns.starts, strict=True
@@ -42,9 +47,10 @@ def fit_starts(static: Static, data: Data, unknowns: Unknowns) -> Unknowns:
             slope, residual = np.asarray(slope), np.asarray(residual)
             gram = np.einsum("kln,mln->lkm", slope, slope)
             if not np.all(np.isfinite(gram)):
-                return unknowns
-            # Of an overdamped motion displacement and velocity at the start leave the same trace.
-            inverse = np.linalg.pinv(gram, rcond=1e-12, hermitian=True)
+                return best
+            # A start of which nothing is left where samples count stays as it was read; of an overdamped motion
+            # displacement and velocity at the start leave the same trace.
+            inverse = np.linalg.pinv(gram + 1e-12 * np.eye(2), rcond=1e-12, hermitian=True)
             step = np.einsum("lkm,mln,ln->lk", inverse, slope, residual)
             moved.append(np.asarray(now) - step * group.free)
             farthest = max(farthest, float(np.max(np.abs(step * group.free))))

@@ -11,7 +11,7 @@ import pytest
 from ident.campaign import NoiseFloor, Platform
 from ident.fit.identifiability import Combination
 from ident.fit.result import Start
-from ident.report.drive_words import drive_words
+from ident.report.drive_words import drive_words, only_frequency
 from ident.report.sentences import sentences, verdict
 from ident.report.tables import (
     combination_sentences,
@@ -178,3 +178,14 @@ def test_a_record_is_named_by_its_drive(make_fit):
     assert drive_words(replace(trace, load=40e-6), Platform()) == "8 V sine at 317 Hz, 40 mg load"
     assert drive_words(replace(trace, period=None), Platform()).startswith("changing drive, up to 7.98 V, around 3")
     assert drive_words(replace(trace, drive=np.full_like(trace.drive, 2.0), period=None), Platform()) == "constant 2 V"
+
+
+def test_one_drive_frequency_is_seen_whatever_the_waveform(make_fit):
+    record = make_fit().campaign.fitted[0]
+    t = record.step * np.arange(len(record.time))
+    hertz = 20 / t[-1]
+    triangle = (1 + t / t[-1]) * np.arcsin(np.sin(2 * np.pi * hertz * t)) + 5 * t / t[-1]
+    assert only_frequency(replace(record, drive=triangle)) == pytest.approx(hertz, rel=0.05)
+    tones = sum(np.sin(2 * np.pi * f * t) for f in hertz * np.arange(1, 6))
+    assert only_frequency(replace(record, drive=tones)) is None
+    assert only_frequency(replace(record, drive=np.full(len(t), 3.0))) is None
