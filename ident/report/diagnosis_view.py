@@ -44,7 +44,7 @@ def verdict_words(found: Diagnosis) -> str:
         ties = [f"{s.added} cannot be told from {' or '.join(s.tie_set[1:])}" for s in named if len(s.tie_set) > 1]
         return f"Missing was {names}{refined}, {error}; but in these records {'; '.join(ties)}."
     helped = (
-        f"{names} lowers it to {ratio_text(final.fitted.error_over_noise)}, which is no proof"
+        f"{names} {'lowers' if len(named) == 1 else 'lower'} it to {ratio_text(final.fitted.error_over_noise)}, which is no proof"
         if named
         else "none helps"
     )
