@@ -43,11 +43,9 @@ def verdict_words(found: Diagnosis) -> str:
     if loop.verdict == "ambiguous":
         ties = [f"{s.added} cannot be told from {' or '.join(s.tie_set[1:])}" for s in named if len(s.tie_set) > 1]
         return f"Missing was {names}{refined}, {error}; but in these records {'; '.join(ties)}."
-    helped = (
-        f"{names} {'lowers' if len(named) == 1 else 'lower'} it to {ratio_text(final.fitted.error_over_noise)}, which is no proof"
-        if named
-        else "none helps"
-    )
+    lower = "lowers" if len(named) == 1 else "lower"
+    left = ratio_text(final.fitted.error_over_noise)
+    helped = f"{names} {lower} it to {left}, which is no proof" if named else "none helps"
     start = ratio_text(loop.start.fitted.error_over_noise)
     return f"No effect of the library explains these records (error over noise {start}; {helped})."
 
