@@ -11,7 +11,6 @@ from ..effects.effect import AbstractEffect
 from ..fit import Fit, fit
 from ..fit.fit import minimise
 from ..fit.judge import Score
-from ..fit.problem import evaluate
 from ..fit.rebuild import fit_at
 from ..fit.starts import starting_points
 from ..model import make_effect
@@ -45,8 +44,7 @@ def try_without(parent: Fit, name: str) -> Fit:
     reported."""
     model = parent.model - name
     found = minimise(model, parent.campaign, initial=_kept(parent, name), most=_ENOUGH)
-    values = evaluate(found.static, found.data, found.best.unknowns).values
-    return fit_at(model, parent.campaign, np.asarray(values))
+    return fit_at(model, parent.campaign, found.values)
 
 
 def _kept(parent: Fit, name: str) -> np.ndarray:

@@ -68,7 +68,7 @@ def weigh(
     """Refit a model from given starts, in at most so many steps, and weigh it against the bench's own."""
     if len(starts) > 1:
         race = minimise(model, bench.fit.campaign, initial=starts, most=_RACE)
-        starts = [np.asarray(evaluate(race.static, race.data, race.best.unknowns).values)]
+        starts = [race.values]
     found = minimise(model, bench.fit.campaign, initial=starts, most=most)
     at = evaluate(found.static, found.data, found.best.unknowns)
     records = bench.fit.campaign.fitted
@@ -99,9 +99,7 @@ def accept(confirmed: Confirmed, before: Fit) -> Fit:
     model, campaign, values = confirmed.model, before.campaign, confirmed.values
     if not is_long(campaign):
         return fit(model, campaign, initial=values)
-    found = minimise(model, campaign, initial=values, most=_RACE)
-    at = evaluate(found.static, found.data, found.best.unknowns).values
-    return fit_at(model, campaign, np.asarray(at))
+    return fit_at(model, campaign, minimise(model, campaign, initial=values, most=_RACE).values)
 
 
 def start_of(model: Model, candidate: Candidate | None, scales: DataScales) -> np.ndarray:

@@ -217,8 +217,7 @@ def _accepted(tried: list[Confirmed], bench: Bench, current: Fit) -> Iterator[tu
 
     Where the parameters bend far to mimic what is missing, excerpts do not tell how well a refit does on the rest.
     """
-    limit = bench.fit_chi2 + len(bench.scene.static.free) * np.log(bench.n)
-    better = [found for found in _in_order(tried, bench) if found.criterion <= limit]
+    better = [found for found in _in_order(tried, bench) if found.criterion <= bench.criterion]
     if bench.credible or not is_long(current.campaign):
         yield from ((found, accept(found, current)) for found in better)
     else:

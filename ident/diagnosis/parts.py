@@ -11,7 +11,7 @@ from ..effects.effect import AbstractEffect
 from ..fit import Fit
 from .change import try_without
 from .confirm import accept, confirm
-from .score import Bench, prepare, score, significant
+from .score import prepare, score, significant
 
 _STRONG = 6.0  # difference of criteria: R. E. Kass, A. E. Raftery, Bayes factors, 1995, J. Am. Stat. Assoc. 90, §3.2
 
@@ -38,19 +38,14 @@ def take_apart(
         if not simple:
             continue
         report(f"is {effect.name} the sum of simpler effects?")
-        whole, current = criterion(prepare(last)), try_without(last, effect.name)
+        whole, current = prepare(last).criterion, try_without(last, effect.name)
         bench, names = prepare(current), []
         while best := next(iter(significant(score(bench, simple))), None):
             trial = confirm(bench, simple[best.name], best)
-            if not trial.criterion < criterion(bench):
+            if not trial.criterion < bench.criterion:
                 break
             current = accept(trial, current)
             bench, names = prepare(current), [*names, best.name]
-        if criterion(bench) + 2 * np.log(len(library)) * (len(names) - 1) < whole - _STRONG:
+        if bench.criterion + 2 * np.log(len(library)) * (len(names) - 1) < whole - _STRONG:
             return Parts(effect.name, tuple(names), current)
     return None
-
-
-def criterion(bench: Bench) -> float:
-    """χ² of a fit plus ln n per fitted parameter."""
-    return bench.fit_chi2 + len(bench.fit.free) * float(np.log(bench.n))

@@ -11,7 +11,7 @@ from ..fit.rebuild import fit_at
 from .change import try_without
 from .confirm import accept, confirm
 from .enough import superfluous
-from .parts import criterion, take_apart
+from .parts import take_apart
 from .score import Bench, Candidate, prepare, score, significant
 from .shorten import working
 
@@ -67,7 +67,7 @@ def prune(
                 break
             tried = [confirm(bench, library[rival.name], rival) for rival in _rivals(name, bench, library)]
             better = min(tried, key=lambda found: found.criterion, default=None)
-            if better is not None and better.criterion < criterion(full) - _CLEARLY:
+            if better is not None and better.criterion < full.criterion - _CLEARLY:
                 after = accept(better, without)
                 if not hurts(last, after):
                     names, last, changed = [*names[:i], better.candidate.name, *names[i + 1 :]], after, True

@@ -57,6 +57,11 @@ class Bench:
     def chi2(self) -> float:
         return float(self.residual @ self.residual)
 
+    @property
+    def criterion(self) -> float:
+        """Information criterion of the fit: χ² plus ln n per fitted parameter."""
+        return self.fit_chi2 + len(self.fit.free) * float(np.log(self.n))
+
     def project(self, stacked: np.ndarray) -> np.ndarray:
         """Whitened rows (k, n) without what the model absorbs."""
         return stacked - (stacked @ self.absorbed) @ self.absorbed.T

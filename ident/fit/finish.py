@@ -15,7 +15,7 @@ from .coordinates import slopes
 from .guess import DataScales
 from .identifiability import identifiability
 from .judge import combine, score_record
-from .problem import Data, Static, Unknowns, evaluate, read_groups
+from .problem import Data, Static, Unknowns, evaluate, physical, read_groups
 from .reading import read
 from .result import Estimate, Fit, SigmaChoice, Start
 from .solve import Solution
@@ -31,6 +31,11 @@ class Minimum(NamedTuple):
     best: Solution
     starts: tuple[Start, ...]
     scales: DataScales
+
+    @property
+    def values(self) -> np.ndarray:
+        """(m,) SI, all parameters of the model."""
+        return np.asarray(physical(self.static, self.data, self.best.unknowns.x))
 
 
 def finish(model: Model, campaign: Campaign, minimum: Minimum, sigma: SigmaChoice) -> Fit:
