@@ -10,7 +10,6 @@ evaluation on the measured motion follows S. F. Masri, T. K. Caughey, 1979, J. A
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import equinox as eqx
@@ -29,21 +28,24 @@ _CHUNK = 32  # columns solved together: one compiled program serves any number o
 
 @eqx.filter_jit
 def contributions(
-    equation: Equation, substeps: int, values: Numbers, directions: Numbers, lanes: Lane, path: Path
+    equation: Equation, substeps: int, values: Numbers, directions: Numbers, lanes: Lane, path: Path, seen: Path
 ) -> tuple[Array, Array]:
     """What the terms of a model change in the force on the stage and in the sensor, along given motions.
 
     **Arguments:** `values` and `directions`, (d, m): at which parameter values, and along which direction, each row is
-    taken; `path`: (lanes, 2 n + 1).
+    taken; `path` of the stage and what the sensor has `seen`, each (lanes, 2 n + 1).
 
     **Returns:** forces (d, lanes, 2 n + 1), N, and readings (d, lanes, samples), m, per unit of the direction.
     """
 
-    def one(lane: Lane, path: Path) -> tuple[Array, Array]:
-        acting = partial(_force_and_sensor, equation, 2 * substeps, lane=lane, path=path)
+    def one(lane: Lane, path: Path, seen: Path) -> tuple[Array, Array]:
+        def acting(values: Array) -> tuple[Array, Array]:
+            system = assemble(equation, values, lane)
+            return _force(system, lane, path), _readings(system, lane, seen, 2 * substeps)
+
         return jax.vmap(lambda at, along: jax.jvp(acting, (at,), (along,))[1])(values, directions)
 
-    return jax.vmap(one, out_axes=1)(lanes, path)
+    return jax.vmap(one, out_axes=1)(lanes, path, seen)
 
 
 @eqx.filter_jit
@@ -80,12 +82,10 @@ def _hidden(system: System, lane: Lane, path: Path) -> tuple[tuple[Array, ...], 
     return tuple(rates_along(effect, system, lane, path.z, path.v) for effect in system.effects)
 
 
-def _force_and_sensor(equation: Equation, stride: int, values: Array, *, lane: Lane, path: Path) -> tuple[Array, Array]:
-    """Total force on the stage on the half-step grid, and the sensor's addition at the samples, on a given motion."""
-    system = assemble(equation, values, lane)
+def _force(system: System, lane: Lane, path: Path) -> Array:
+    """Total force on the stage on a given motion, on the half-step grid."""
     time = half_step_time(lane)
     force = system.gain * lane.voltage - system.damping * path.v - system.stiffness * path.z
-    seen = jnp.zeros_like(time[::stride])
     drive = lambda v, r: Drive(v, r, system.omega, system.gain)
     for effect, hidden in zip(system.effects, _hidden(system, lane, path), strict=True):
         if effect.overrides("force"):
@@ -94,12 +94,20 @@ def _force_and_sensor(equation: Equation, stride: int, values: Array, *, lane: L
         if effect.overrides("drive"):
             one = lambda h, u, r, t, e=effect: e.drive(h, drive(u, r), t)
             force = force + jax.vmap(one)(hidden, lane.voltage, lane.rate, time)
+    return force
+
+
+def _readings(system: System, lane: Lane, path: Path, stride: int) -> Array:
+    """What the effects add to the reading of a given motion, at the samples."""
+    time = half_step_time(lane)
+    added = jnp.zeros_like(time[::stride])
+    drive = lambda v, r: Drive(v, r, system.omega, system.gain)
+    for effect, hidden in zip(system.effects, _hidden(system, lane, path), strict=True):
         if effect.overrides("sensor"):
-            thin = lambda x: x[::stride]
             one = lambda z, v, h, u, r, t, e=effect: e.sensor(State(z, v, h), drive(u, r), t)
             arguments = (path.z, path.v, hidden, lane.voltage, lane.rate, time)
-            seen = seen + jax.vmap(one)(*jax.tree.map(thin, arguments))
-    return force, seen
+            added = added + jax.vmap(one)(*jax.tree.map(lambda x: x[::stride], arguments))
+    return added
 
 
 def _linearised(system: System, lane: Lane, path: Path) -> tuple[Array, Array]:

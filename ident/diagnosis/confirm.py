@@ -25,7 +25,7 @@ class Confirmed(NamedTuple):
 
     **Arguments:** `model` and `values` (SI) of the refit; `chi2`: whitened, comparable with the bench's; `gain`: share
     of the bench's excess over noise that it removed; `criterion`: χ² plus ln n per fitted parameter, infinite if the
-    effect ended with a sign that it cannot have.
+    effect ended with a sign that it cannot have or its motion has no bound.
     """
 
     candidate: Candidate
@@ -79,7 +79,8 @@ def weigh(
     chi2 = float(sum(np.sum(whiten(piece, row) ** 2) for piece, row in zip(bench.pieces, rows, strict=True)))
     gain = (bench.fit_chi2 - chi2) / max(bench.fit_chi2 - bench.n, 1e-9)
     values = np.asarray(at.values)
-    criterion = chi2 + len(found.static.free) * float(np.log(bench.n)) if _possible(model, values) else np.inf
+    possible = np.isfinite(chi2) and _possible(model, values)
+    criterion = chi2 + len(found.static.free) * float(np.log(bench.n)) if possible else np.inf
     return Confirmed(candidate, model, values, chi2, gain, criterion)
 
 

@@ -142,8 +142,9 @@ def stack(bench: Bench, model: Model, values: np.ndarray, directions: np.ndarray
     """
     scene, fitted = bench.scene, bench.fit
     found = []
-    for substeps, group, path in zip(scene.static.substeps, scene.data.groups, scene.paths, strict=True):
-        pushes, seen = contributions(Equation(model), substeps, values, directions, group.lanes, path)
+    layers = zip(scene.static.substeps, scene.data.groups, scene.paths, scene.own, strict=True)
+    for substeps, group, path, own in layers:
+        pushes, seen = contributions(Equation(model), substeps, values, directions, group.lanes, path, own)
         through = push_columns(Equation(fitted.model), substeps, fitted.values, np.asarray(pushes), group.lanes, path)
         found.append(through + np.asarray(seen))
     return by_record(bench, found)

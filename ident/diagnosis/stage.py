@@ -1,7 +1,7 @@
 """The coordinates along the fitted records, and what functions of them would add to the readings.
 
-Forces are evaluated where the stage was measured to be. Sensor terms are evaluated on the model's own motion: on the
-measured one their rows would contain the very noise that they are to explain.
+Forces are evaluated where the stage was measured to be, sensor terms on the model's own motion (see `trajectory`): on
+the measured one their rows would also contain the very noise that they are to explain.
 """
 
 from __future__ import annotations
@@ -10,14 +10,12 @@ from collections.abc import Callable
 from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
-from ..fit.problem import physical
 from ..response import Equation
 from .columns import push_columns
 from .score import Bench, by_record
 from .splines import Places, Size, places, sizes
-from .trajectory import Path, Scene, _states
+from .trajectory import Path
 
 Side = Literal["force", "drive", "sensor"]
 _NOISE = 1.5  # residual over noise, squared, up to which a residual may be noise whose floor is not well known
@@ -41,43 +39,29 @@ def set_stage(bench: Bench) -> Stage:
     scene, scales = bench.scene, bench.fit.scales
     largest = (scales.displacement, scales.voltage)
     groups = scene.data.groups
-    own_paths = _modelled(scene)
-    moved = [
-        places(g, p.z, p.v, 1, scales.period, largest) for g, p in zip(groups, _measured(bench, own_paths), strict=True)
-    ]
+    moved = [places(g, p.z, p.v, 1, scales.period, largest) for g, p in zip(groups, _measured(bench), strict=True)]
     own = [
-        places(g, p.z, p.v, 2 * substeps, scales.period, largest)
-        for g, p, substeps in zip(groups, own_paths, scene.static.substeps, strict=True)
+        places(g, p.z[:, :: 2 * substeps], p.v[:, :: 2 * substeps], 2 * substeps, scales.period, largest)
+        for g, p, substeps in zip(groups, scene.own, scene.static.substeps, strict=True)
     ]
     linear, omega = bench.fit.model.linear, 2 * np.pi * float(bench.fit.values[0])
     force_unit = linear.mass * omega**2 * scales.displacement
     return Stage(tuple(moved), tuple(own), sizes(moved), force_unit, scales.displacement)
 
 
-def _measured(bench: Bench, own: tuple[Path, ...]) -> tuple[Path, ...]:
+def _measured(bench: Bench) -> tuple[Path, ...]:
     """The measured motion on the half-step grid, as far from the model's as the residual stands above the noise.
 
     Of a model that already stands at the noise floor nothing but noise would be followed.
     """
     scene, records = bench.scene, bench.fit.campaign.fitted
     paths = [Path(p.z.copy(), p.v.copy()) for p in scene.paths]
-    for record, residual, (g, lane, n) in zip(records, scene.residuals, scene.layout.places, strict=True):
+    for record, residual, (g, lane, _) in zip(records, scene.residuals, scene.layout.places, strict=True):
         excess = float(np.mean(residual[record.skip :] ** 2)) / record.noise.sigma**2
         trusted = max(0.0, 1.0 - (_NOISE / excess) ** 2)
-        spline = CubicHermiteSpline(record.time, own[g].z[lane, :n], own[g].v[lane, :n])
-        grid = record.time[0] + 0.5 * np.asarray(scene.data.groups[g].lanes.step)[lane] * np.arange(paths[g].z.shape[1])
-        inside = np.minimum(grid, record.time[-1])
-        for kept, order in zip(paths[g], (0, 1), strict=True):
-            model = spline(inside, order)
-            kept[lane] = model + trusted * (kept[lane] - model)
+        for kept, model in zip(paths[g], scene.own[g], strict=True):
+            kept[lane] = model[lane] + trusted * (kept[lane] - model[lane])
     return tuple(paths)
-
-
-def _modelled(scene: Scene) -> tuple[Path, ...]:
-    """The model's own displacement and velocity at the samples, per group."""
-    values = np.asarray(physical(scene.static, scene.data, scene.unknowns.x))
-    found = _states(scene.static, scene.data, values, scene.unknowns.starts)
-    return tuple(Path(np.asarray(z), np.asarray(v)) for z, v in found)
 
 
 def rows_of(bench: Bench, stage: Stage, side: Side, functions: Callable[[Places], np.ndarray]) -> np.ndarray:

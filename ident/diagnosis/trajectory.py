@@ -1,9 +1,11 @@
 """The trajectory that the stage really took, as far as a record tells: the model's own, corrected by the smoothed
 residual.
 
-Terms of a missing effect are evaluated where the stage was, not where the wrong model puts it. The model's state
-carries the fast motion exactly; only the slowly varying misfit needs smoothing, so that velocities stay clean at 3 %
-noise.
+A missing force is evaluated where the stage was, not where the wrong model puts it. The model's state carries the fast
+motion exactly; only the slowly varying misfit needs smoothing, so that velocities stay clean at 3 % noise.
+
+What a sensor adds is evaluated on the model's own motion: if the sensor is what differs, the stage moved as the model
+says and the readings are not its path. (The cube of a reading that saturates has no third harmonic left.)
 """
 
 from __future__ import annotations
@@ -41,7 +43,8 @@ class Path(NamedTuple):
 class Scene(NamedTuple):
     """A fit laid out for diagnosis: the arrays of its fitted records, and the trajectories in them.
 
-    **Arguments:** `residuals`: per record (n,), measured − model, m; `paths`: per group, from the corrected trajectory.
+    **Arguments:** `residuals`: per record (n,), measured − model, m; `paths`: per group, the corrected trajectory;
+    `own`: the model's.
     """
 
     static: Static
@@ -49,6 +52,7 @@ class Scene(NamedTuple):
     layout: Layout
     unknowns: Unknowns
     paths: tuple[Path, ...]
+    own: tuple[Path, ...]
     residuals: tuple[np.ndarray, ...]
 
 
@@ -77,7 +81,7 @@ def lay_out(fit: Fit) -> Scene:
         unknowns = fit_starts(static, data, unknowns)
     found = evaluate(static, data, unknowns)
     states = _states(static, data, np.asarray(fit.values), unknowns.starts)
-    paths = [Path(np.zeros_like(g.lanes.voltage), np.zeros_like(g.lanes.voltage)) for g in groups]
+    paths, own = ([Path(*np.zeros((2, *g.lanes.voltage.shape))) for g in groups] for _ in range(2))
     residuals = []
     for record, (g, lane, n) in zip(records, layout.places, strict=True):
         residual = record.response - np.asarray(found.readings[g])[lane, :n]
@@ -85,12 +89,15 @@ def lay_out(fit: Fit) -> Scene:
             raise Diverged(record.name)
         z, v = (np.asarray(x[lane, :n]) for x in states[g])
         correction, rate = _smooth(residual, record.step, fit.scales.period)
-        spline = CubicHermiteSpline(record.time, z + correction, v + rate)
         grid = record.time[0] + 0.5 * np.asarray(groups[g].lanes.step)[lane] * np.arange(paths[g].z.shape[1])
         inside = np.minimum(grid, record.time[-1])
-        paths[g].z[lane], paths[g].v[lane] = spline(inside), spline(inside, 1)
+        for path, spline in (
+            (paths[g], CubicHermiteSpline(record.time, z + correction, v + rate)),
+            (own[g], CubicHermiteSpline(record.time, z, v)),
+        ):
+            path.z[lane], path.v[lane] = spline(inside), spline(inside, 1)
         residuals.append(residual)
-    return Scene(static, data, layout, unknowns, tuple(paths), tuple(residuals))
+    return Scene(static, data, layout, unknowns, tuple(paths), tuple(own), tuple(residuals))
 
 
 def _smooth(residual: np.ndarray, step: float, period: float) -> tuple[np.ndarray, np.ndarray]:
