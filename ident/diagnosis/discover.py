@@ -23,7 +23,7 @@ from .confirm import Confirmed, accept, confirm
 from .enough import ANOTHER_LAW, adequate, not_worth_adding, worth_a_name
 from .lacking import lacking
 from .prune import Pruned, hurts, prune
-from .refits import by_refits, ranked
+from .refits import at_once, by_refits
 from .score import Bench, Candidate, prepare, score, significant
 from .shorten import is_long, working
 from .ties import tie_set
@@ -100,7 +100,11 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
     bench = first = prepare(working(current))
     while True:
         report(f"scoring {len(library) - len(current.model.names)} effects")
-        candidates = ranked(bench, library, report)
+        candidates = score(bench, library)
+        if not bench.credible:
+            if not worth_a_name(bench.chi2 - bench.n, first):
+                break  # shapes are not worth a refit of every effect
+            candidates = by_refits(bench, candidates, library, report)
         ranking = ranking or tuple(candidates)
         real = significant(candidates)
         if not real or len(steps) >= most or not_worth_adding(bench, max(c.drop for c in real), first):
@@ -222,7 +226,8 @@ def _accepted(tried: list[Confirmed], bench: Bench, current: Fit) -> Iterator[tu
         yield from ((found, accept(found, current)) for found in better)
     else:
         best = sorted(better, key=lambda found: found.criterion)[:_SHORTLIST]
-        yield from sorted(((c, accept(c, current)) for c in best), key=lambda pair: pair[1].fitted.error_over_noise)
+        fits = at_once(lambda found: accept(found, current), best)
+        yield from sorted(zip(best, fits, strict=True), key=lambda pair: pair[1].fitted.error_over_noise)
 
 
 def _tried(bench: Bench, real: list[Candidate], library: Library, report: Report) -> list[Confirmed]:

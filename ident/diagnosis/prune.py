@@ -65,6 +65,8 @@ def prune(
             if superfluous(bench, full, first):
                 names, last, changed = [*names[:i], *names[i + 1 :]], without, True
                 break
+            if not full.credible:
+                continue  # every effect has been refitted where this one was chosen
             tried = [confirm(bench, library[rival.name], rival) for rival in _rivals(name, bench, library)]
             better = min(tried, key=lambda found: found.criterion, default=None)
             if better is not None and better.criterion < full.criterion - _CLEARLY:

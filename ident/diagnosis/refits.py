@@ -3,38 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
 
 import numpy as np
 
 from ..effects.effect import AbstractEffect
 from ..model import make_effect
 from .confirm import base_of, start_of, weigh
-from .score import Bench, Candidate, score
+from .score import Bench, Candidate
 
+A = TypeVar("A")
+B = TypeVar("B")
 Library = Mapping[str, type[AbstractEffect]]
 _FEW = 15  # steps of least squares: enough to tell who gains much
 _REFITTED = 12  # of the candidates, by their scores: those further down have never gained much
 
 
-def ranked(bench: Bench, library: Library, report: Callable[[str], None]) -> list[Candidate]:
-    """Every candidate, best first: by score statistics, or by a short refit of each where the bench is not credible.
+def by_refits(
+    bench: Bench, candidates: Sequence[Candidate], library: Library, report: Callable[[str], None]
+) -> list[Candidate]:
+    """The first candidates in the order of what a short refit of each gains, then the others as they were.
 
     A fit that lacks an effect bends its own parameters to mimic it. Where inertia hardly matters they bend far (a lag
     becomes a low quality factor), and what a candidate gains once they are free to bend back is not to be seen from
     the slope at the fit.
     """
-    candidates = score(bench, library)
-    return candidates if bench.credible else by_refits(bench, candidates, library, report)
-
-
-def by_refits(
-    bench: Bench, candidates: Sequence[Candidate], library: Library, report: Callable[[str], None]
-) -> list[Candidate]:
-    """The first candidates in the order of what a short refit of each gains, then the others as they were."""
     report(f"scores cannot be believed here: refitting {min(len(candidates), _REFITTED)} effects instead")
-    found = [_refitted(bench, candidate, library[candidate.name]) for candidate in candidates[:_REFITTED]]
+    found = at_once(lambda one: _refitted(bench, one, library[one.name]), candidates[:_REFITTED])
     order = sorted(found, key=lambda c: -(c.drop - c.dof * np.log(bench.n)))
     return [*order, *candidates[_REFITTED:]]
+
+
+def at_once(work: Callable[[A], B], items: Sequence[A]) -> list[B]:
+    """The work on each item, two at a time: most of a refit is compiling, which needs no more than one core."""
+    with ThreadPoolExecutor(2) as pool:
+        return list(pool.map(work, items))
 
 
 def _refitted(bench: Bench, candidate: Candidate, effect: type[AbstractEffect]) -> Candidate:
