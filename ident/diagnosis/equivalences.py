@@ -15,17 +15,19 @@ from ..effects.effect import AbstractEffect
 class Equivalence(NamedTuple):
     """Effects of which any two may be taken for each other.
 
-    **Arguments:** `linear_exact`: on a device whose motion is linear no record of drive and displacement differs.
+    **Arguments:** `linear_exact`: on a device whose motion is linear no record of drive and displacement differs;
+    `in_motion`: no record differs that was begun when the device had long been moving.
     """
 
     names: frozenset[str]
     why: str
     separate: str
     linear_exact: bool = False
+    in_motion: bool = False
 
 
-def _of(names: str, why: str, separate: str, linear_exact: bool = False) -> Equivalence:
-    return Equivalence(frozenset(names.split()), why, separate, linear_exact)
+def _of(names: str, why: str, separate: str, linear_exact: bool = False, in_motion: bool = False) -> Equivalence:
+    return Equivalence(frozenset(names.split()), why, separate, linear_exact, in_motion)
 
 
 # The closest relations first: the first entry that holds both names is the one that is told.
@@ -35,7 +37,7 @@ EQUIVALENCES: tuple[Equivalence, ...] = (
     _of("static-force sensor-offset", "on a linear device a constant force only shifts the reading by a constant",
         "a record of the sensor with the stage blocked, or a dc bias if the device is nonlinear", True),
     _of("static-force sensor-offset sensor-drift", "within one short record a slow drift is a constant",
-        "a longer record, or one that begins before the drive is switched on"),
+        "a longer record, or one that begins before the drive is switched on", in_motion=True),
     _of("sensor-crosstalk second-mode", "far below its own resonance a second mode follows the voltage at once",
         "drive near or above the second mode, or in bursts"),
     _of("cubic-damping squeeze-film-damping", "at one frequency z²ż and ż³ slow the motion alike",
@@ -80,7 +82,9 @@ def what_separates(one: type[AbstractEffect], other: type[AbstractEffect]) -> st
     return _SIDES if "sensor" in sides and len(sides) == 2 else _OTHERWISE
 
 
-def exact_partners(name: str, library: Iterable[str]) -> list[str]:
-    """Effects of the library that no record of a linear device tells from this one."""
-    found = (e.names - {name} for e in EQUIVALENCES if e.linear_exact and name in e.names)
-    return sorted(set().union(*found) & set(library))
+def exact_partners(name: str, library: Iterable[str], linear: bool, in_motion: bool) -> list[str]:
+    """Effects of the library that no record tells from this one, of a linear device or begun in motion."""
+    exact = (
+        e for e in EQUIVALENCES if name in e.names and ((e.linear_exact and linear) or (e.in_motion and in_motion))
+    )
+    return sorted(set().union(*(e.names - {name} for e in exact)) & set(library))

@@ -116,7 +116,9 @@ def prepare(fit: Fit) -> Bench:
     starts = tuple(int(x) for x in np.concatenate([[0], np.cumsum(lengths)[:-1]]))
     bench = Bench(fit, scene, tuple(pieces), starts, np.zeros((sum(lengths), 0)), np.zeros(sum(lengths)), 0.0)
     # A shape at its bound cannot move as its column says: to project that out would hide a misfit that remains.
-    free = [i for i in scene.static.free if "at-bound" not in fit.estimates[i].flags]
+    fitted = [i for i in scene.static.free if "at-bound" not in fit.estimates[i].flags]
+    # A quality factor that had to be held (steady sines of one frequency) may be wrong: its error is no missing effect.
+    free = sorted({*fitted, *(i for i in (1,) if "held" in fit.estimates[i].flags)})
     directions = np.eye(len(fit.values))[free] * np.where(fit.values[free] == 0, 1.0, fit.values[free])[:, None]
     residual = np.concatenate([whiten(piece, r[None])[0] for piece, r in zip(pieces, scene.residuals, strict=True)])
     bench = replace(bench, residual=residual, fit_chi2=float(residual @ residual))
@@ -124,7 +126,7 @@ def prepare(fit: Fit) -> Bench:
     measured = _without(bench, along_measured)
     if bench.fit_chi2 - measured.chi2 < _CREDIBLE * max(bench.fit_chi2 - bench.n, bench.n):
         return measured
-    chosen = [scene.static.free.index(i) for i in free]
+    chosen = [scene.static.free.index(i) for i in fitted]
     bench = replace(bench, credible=False)
     return _without(bench, by_record(bench, [np.asarray(rows)[chosen] for rows in found.by_x]))
 

@@ -17,6 +17,7 @@ from .score import Bench, Candidate
 TIED_CRITERION = 10.0  # difference of information criteria below which records do not choose between two effects
 TIED_SIGNATURE = 0.99  # share of a signature that another effect reproduces, above which a refit has to decide
 KNOWN_SIGNATURE = 0.95  # the same for effects that are known to pass for one another
+AS_MUCH = 0.9  # of what the best one explains: an effect that explains less is no rival, however few samples there are
 EXACT_SIGNATURE = 0.9  # the same for effects that no record of a linear device tells apart
 
 Library = Mapping[str, type[AbstractEffect]]
@@ -65,11 +66,12 @@ def tie_set(
 
         n ln(χ²_j/χ²_b) + d_j − d_b < 10,
 
-    so that a misfit of the laws themselves widens the set. A parameter counts what chance gives it, 1, and not the
-    ln n that selects a model: an effect that explains the data with one number more is still an explanation. n counts
-    the independent samples in what the best one leaves. Refits replace predictions where there are any; where there
-    are none, an effect whose signature is nearly the same, or is known to pass for the other, stays in. Where noise is
-    small against the misfit, laws of one kind differ by more than noise: a refit within that stays in.
+    as long as it explains nearly as much, so that a misfit of the laws themselves widens the set. A parameter counts
+    what chance gives it, 1, and not the ln n that selects a model: an effect that explains the data with one number
+    more is still an explanation. n counts the independent samples in what the best one leaves. Refits replace
+    predictions where there are any; where there are none, an effect whose signature is nearly the same, or is known to
+    pass for the other, stays in. Where noise is small against the misfit, laws of one kind differ by more than noise: a
+    refit within that stays in.
 
     **Arguments:** `candidates`: as scored on the same bench; `confirmed`: refits of some of them.
     """
@@ -81,18 +83,22 @@ def tie_set(
             continue
         both = best.name in refits and other.name in refits
         chosen = refits if both else {}
-        ratio = left_after(bench, other, chosen) / left_after(bench, best, chosen)
-        behind = n * float(np.log(ratio)) + other.dof - best.dof
+        least, left = left_after(bench, best, chosen), left_after(bench, other, chosen)
+        behind = n * float(np.log(left / least)) + other.dof - best.dof
+        as_much = left - least < max(TIED_CRITERION, (1.0 - AS_MUCH) * (bench.fit_chi2 - least))
         alike = reproduced(bench, best, other)
         enough = KNOWN_SIGNATURE if equivalence(best.name, other.name) else TIED_SIGNATURE
         shape = ANOTHER_LAW * max(bench.fit_chi2 - bench.n, 0.0)
-        near = both and refits[other.name].chi2 - refits[best.name].chi2 < shape
-        if behind < TIED_CRITERION or near or (not both and alike > enough and _may_catch_up(library[other.name])):
+        near = both and left - least < shape
+        unseen_yet = not both and alike > enough and _may_catch_up(library[other.name])
+        if (behind < TIED_CRITERION and as_much) or near or unseen_yet:
             found.append(_tie(best, other, behind, alike, library))
     named = {tie.name for tie in found}
-    exact = exact_partners(best.name, library) if _is_linear(bench) else []
+    in_motion = all(record.start != "rest" for record in bench.fit.campaign.fitted)
+    exact = exact_partners(best.name, library, _is_linear(bench), in_motion)
     for other in candidates:
-        if other.name in exact and other.name not in named and reproduced(bench, best, other) > EXACT_SIGNATURE:
+        similar = in_motion or reproduced(bench, best, other) > EXACT_SIGNATURE
+        if other.name in exact and other.name not in named and similar:
             found.append(_tie(best, other, float("nan"), 1.0, library))
     return TieSet(best.name, tuple(sorted(found, key=lambda t: (not np.isnan(t.behind), t.behind))))
 
