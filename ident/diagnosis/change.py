@@ -18,7 +18,7 @@ from .confirm import start_of
 from .score import prepare, score
 
 Report = Callable[[str], None]
-_ENOUGH = 25  # steps from the parent's values: one that is as good without the effect is near, and found by then
+ENOUGH = 25  # steps from the parent's values: a model that is as good without the effect, or with another, is near by
 
 
 def add(parent: Fit, effect: type[AbstractEffect], report: Report = lambda _: None) -> Fit:
@@ -43,7 +43,7 @@ def try_without(parent: Fit, name: str) -> Fit:
     """The same for a comparison only: a model that lacks what it needs would crawl for long, and no number of it is
     reported."""
     model = parent.model - name
-    found = minimise(model, parent.campaign, initial=_kept(parent, name), most=_ENOUGH)
+    found = minimise(model, parent.campaign, initial=_kept(parent, name), most=ENOUGH)
     return fit_at(model, parent.campaign, found.values)
 
 

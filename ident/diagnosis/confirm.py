@@ -42,13 +42,14 @@ _RACE = 12  # steps of every start; the best one goes on
 MOST_STEPS = 60  # a rival that needs more crawls along a valley and comes no nearer
 
 
-def confirm(bench: Bench, effect: type[AbstractEffect], candidate: Candidate) -> Confirmed:
-    """Refit with the candidate on; shapes of effects accepted before are tried on their grids again."""
+def confirm(bench: Bench, effect: type[AbstractEffect], candidate: Candidate, most: int = MOST_STEPS) -> Confirmed:
+    """Refit with the candidate on, in at most so many steps; shapes of effects accepted before are tried on their grids
+    again."""
     before = bench.fit
     model = before.model + make_effect(before.campaign, effect.name, {effect.name: effect})
     scored = [candidate, *(candidate._replace(values=values) for values in candidate.near)]
     starts = [np.concatenate([base_of(bench), start_of(model, one, before.scales)]) for one in scored]
-    return weigh(bench, model, candidate, [*starts, *_reprofiled(model, starts[0], before)][:_MOST_STARTS])
+    return weigh(bench, model, candidate, [*starts, *_reprofiled(model, starts[0], before)][:_MOST_STARTS], most)
 
 
 def base_of(bench: Bench) -> np.ndarray:

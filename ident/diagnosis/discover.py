@@ -280,7 +280,7 @@ def _verdict(steps: list[Step], bench: Bench, first: Bench, lacks: float) -> Ver
     fine = adequate(bench)
     if not steps:
         return "adequate" if fine else "not-in-library"
-    if not fine and (lacks or bench.chi2 - bench.n > ANOTHER_LAW * (first.chi2 - first.n)):
+    if not fine and max(lacks, (bench.chi2 - bench.n) / (first.chi2 - first.n)) > ANOTHER_LAW:
         return "not-in-library"
     tied = any(len(s.tie_set) > 1 for s in steps if s.role == "effect")
     return "ambiguous" if lacks or tied else "identified"

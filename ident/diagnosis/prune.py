@@ -8,7 +8,7 @@ from typing import NamedTuple
 from ..effects.effect import AbstractEffect
 from ..fit import Fit
 from ..fit.rebuild import fit_at
-from .change import try_without
+from .change import ENOUGH, try_without
 from .confirm import accept, confirm
 from .enough import superfluous
 from .parts import take_apart
@@ -67,7 +67,7 @@ def prune(
                 break
             if not full.credible:
                 continue  # every effect has been refitted where this one was chosen
-            tried = [confirm(bench, library[rival.name], rival) for rival in _rivals(name, bench, library)]
+            tried = [confirm(bench, library[rival.name], rival, ENOUGH) for rival in _rivals(name, bench, library)]
             better = min(tried, key=lambda found: found.criterion, default=None)
             if better is not None and better.criterion < full.criterion - _CLEARLY:
                 after = accept(better, without)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..campaign.device import Device
 from ..diagnosis.diagnose import Diagnosis
-from ..diagnosis.enough import adequate
+from ..diagnosis.enough import ANOTHER_LAW, adequate
 from ..diagnosis.score import Candidate
 from ..fit import Fit
 from .data_judgement import one_frequency
@@ -34,6 +34,12 @@ def verdict_words(found: Diagnosis) -> str:
         return f"Missing was {names}{refined}: with it the model is adequate, {error}."
     if loop.verdict == "identified":
         return f"Missing was {names}{refined}; the device's own law has a slightly other shape, {error}."
+    if loop.verdict == "ambiguous" and 0 < loop.lacking < ANOTHER_LAW:
+        return (
+            f"Missing was {names}{refined}, {error}, or a law much like it: {100 * loop.lacking:.1g} % of the misfit "
+            "is left with a structure. The missing term is also given below as a function of its coordinates: is its "
+            "curve the one that you expect?"
+        )
     if loop.verdict == "ambiguous" and loop.lacking:
         return (
             f"{names}{refined} comes near, {error}, but leaves {100 * loop.lacking:.2g} % of the first misfit with a "
@@ -43,11 +49,15 @@ def verdict_words(found: Diagnosis) -> str:
     if loop.verdict == "ambiguous":
         ties = [f"{s.added} cannot be told from {' or '.join(s.tie_set[1:])}" for s in named if len(s.tie_set) > 1]
         return f"Missing was {names}{refined}, {error}; but in these records {'; '.join(ties)}."
-    lower = "lowers" if len(named) == 1 else "lower"
-    left = ratio_text(final.fitted.error_over_noise)
-    helped = f"{names} {lower} it to {left}, which is no proof" if named else "none helps"
-    start = ratio_text(loop.start.fitted.error_over_noise)
-    return f"No effect of the library explains these records (error over noise {start}; {helped})."
+    start, left = loop.start.fitted.error_over_noise, final.fitted.error_over_noise
+    if not named:
+        return f"No effect of the library explains these records (error over noise {ratio_text(start)}; none helps)."
+    share = 1 - (left**2 - 1) / max(start**2 - 1, 1e-9)
+    return (
+        f"No effects of the library explain these records to the noise: {names} lower{'s' * (len(named) == 1)} error "
+        f"over noise from {ratio_text(start)} to {ratio_text(left)}, {100 * share:.3g} % of the misfit, and what is "
+        "left is none of them. That is no proof of a name."
+    )
 
 
 def ranking_sheet(found: Diagnosis) -> Sheet:
