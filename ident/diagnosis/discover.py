@@ -208,8 +208,7 @@ def _best_step(
         if (role == "shape-refinement" or adequate(left)) and hurts(current, after):
             continue
         name, predicted = found.candidate.name, found.candidate.predicted_gain
-        impossible = {c.candidate.name for c in tried if not np.isfinite(c.criterion)}
-        rivals = [c for c in real if c.name not in impossible]
+        rivals = _possible(real, tried)
         ties = tie_set(bench, found.candidate, rivals, library, tried)
         tied = tuple(c for c in rivals if c.name in ties.names)
         return Step(name, predicted, found.gain, ties.names, role, after, ties.reasons, tied, bench), left
@@ -235,7 +234,7 @@ def _tried(bench: Bench, real: list[Candidate], library: Library, report: Report
     word."""
     tried: list[Confirmed] = []
     rest, believed = list(real), bench.credible
-    while rest and len(tried) < _SHORTLIST * 2 and _may_be_best(rest[0], real, tried, bench):
+    while rest and len(tried) < _SHORTLIST * 2 and _may_be_best(rest[0], _possible(real, tried), tried, bench):
         candidate = rest.pop(0)
         report(f"confirming {candidate.name}")
         tried.append(confirm(bench, library[candidate.name], candidate))
@@ -243,6 +242,12 @@ def _tried(bench: Bench, real: list[Candidate], library: Library, report: Report
         if believed and len(tried) <= _SHORTLIST and _best_drop(tried, bench) < least * real[0].drop:
             believed, rest = False, by_refits(bench, rest, library, report)
     return tried
+
+
+def _possible(candidates: list[Candidate], tried: list[Confirmed]) -> list[Candidate]:
+    """The candidates without those whose refit ended in something that cannot be."""
+    impossible = {found.candidate.name for found in tried if not np.isfinite(found.criterion)}
+    return [c for c in candidates if c.name not in impossible]
 
 
 def _best_drop(tried: list[Confirmed], bench: Bench) -> float:

@@ -33,7 +33,8 @@ class Score(NamedTuple):
 def score_record(record: Trace, reading: np.ndarray) -> RecordScore:
     """Judge a model's `reading` (n,) of a record over its counted samples."""
     difference = (record.response - reading)[record.skip :]
-    rmse = float(np.sqrt(np.mean(difference**2)))
+    with np.errstate(over="ignore", invalid="ignore"):  # a motion without bound is no number, and said to be none
+        rmse = float(np.sqrt(np.mean(difference**2)))
     sigma = record.noise.sigma
     return RecordScore(record.name, record.holdout, len(difference), rmse, sigma, rmse / sigma)
 
