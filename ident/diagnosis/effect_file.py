@@ -42,6 +42,7 @@ def write_effect(unknown: Unknown, path: Path, name: str = "unknown-effect") -> 
     path = Path(path)
     if path.exists():
         raise UserError("this file exists already", where=str(path), do="choose another name, or move it away")
+    path.parent.mkdir(parents=True, exist_ok=True)  # beside a run folder that is not there yet
     path.write_text(effect_source(unknown.written, name, unknown.sentences[0]), encoding="utf-8")
 
 

@@ -16,6 +16,9 @@ from .score import Bench, Candidate, prepare, score, significant
 from .shorten import working
 
 _CLEARLY = 10.0  # of the information criterion: by so much a rival must be better to be swapped in
+_PROMISING = (
+    0.5  # share of the excess that a rival's score must promise to be asked in: the one in place explains it all
+)
 _HURT = 1.02  # held-out error may grow by this factor before a term is refused
 
 
@@ -35,7 +38,7 @@ def hurts(before: Fit, after: Fit) -> bool:
 
 def _rivals(name: str, bench: Bench, library: Mapping[str, type[AbstractEffect]]) -> list[Candidate]:
     """Who may stand in an effect's place: whoever scores better, and the best of those that it is mistaken for."""
-    candidates = significant(score(bench, library))
+    candidates = [c for c in significant(score(bench, library)) if c.predicted_gain > _PROMISING]
     better = [c for c in candidates[:1] if c.name != name]
     alike = [c for c in candidates if c.name in library[name].mistaken_for and c.name not in {b.name for b in better}]
     return [*better, *alike[:1]]

@@ -81,7 +81,7 @@ def test_the_curve_is_the_law_within_its_error_and_the_formula_has_its_coefficie
 @pytest.mark.parametrize("effect", ["sine-force", "creep"])
 def test_what_was_found_is_written_loaded_and_fitted(effect, tmp_path: Path):
     _, fitted, found = hidden(42, effect)
-    file = tmp_path / "missing.py"
+    file = tmp_path / "runs" / "missing.py"  # in a folder that is not there yet
     write_effect(found, file)
     written = registry([file])["unknown-effect"]
     again = fit(fitted.model + written(), fitted.campaign)
