@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Lineage = Sequence[Mapping[str, Any]]
+_COLOURS = {"fitted": MODEL, "holdout": HELDOUT}
 
 
 def change_sheet(lineage: Lineage) -> Sheet:
@@ -60,18 +61,18 @@ def staircase_figure(lineage: Lineage) -> Figure:
     errors = [first["before"], *(entry["after"] for entry in lineage)]
     figure = new_figure(10.6, 3.4)
     axes = new_axes(figure, 0.07, 0.2, 0.91, 0.66)
-    for part, colour, words in (("fitted", MODEL, "fitted"), ("holdout", HELDOUT, "held out")):
-        heights = [float(e[part]["error_over_noise"]) for e in errors if e[part] is not None]
-        if len(heights) < len(errors):
-            continue
-        axes.step(range(len(heights)), heights, where="mid", color=colour, lw=1.4)
-        axes.plot(range(len(heights)), heights, "o", color=colour, ms=5)
-        up = part == "fitted"
+    parts = {part: [float(e[part]["error_over_noise"]) for e in errors if e[part] is not None] for part in _COLOURS}
+    whole = {part: heights for part, heights in parts.items() if len(heights) == len(errors)}
+    for k, (part, heights) in enumerate(whole.items()):
+        axes.step(range(len(heights)), heights, where="mid", color=_COLOURS[part], lw=1.4)
+        axes.plot(range(len(heights)), heights, "o", color=_COLOURS[part], ms=5)
         for i, height in enumerate(heights):
-            offset = (0, 7 if up else -13)
-            axes.annotate(ratio_text(height), (i, height), offset, textcoords="offset points", fontsize=9, color=colour,
-                          ha="center")  # fmt: skip
-        figure.text(0.72 if up else 0.78, 0.93, words, fontsize=9.5, color=colour, weight="bold", va="center")
+            highest = next(name for name in whole if whole[name][i] == max(at[i] for at in whole.values()))
+            offset = (0, 7 if part == highest else -13)  # the higher of the two has its number above it
+            axes.annotate(ratio_text(height), (i, height), offset, textcoords="offset points", fontsize=9,
+                          color=_COLOURS[part], ha="center")  # fmt: skip
+        words = {"fitted": "fitted", "holdout": "held out"}[part]
+        figure.text(0.72 + 0.06 * k, 0.93, words, fontsize=9.5, color=_COLOURS[part], weight="bold", va="center")
     axes.axhline(1, color=INK, lw=1.2)
     axes.set_yscale("log")
     low, high = axes.get_ylim()
