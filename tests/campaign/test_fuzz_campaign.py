@@ -1,10 +1,11 @@
-"""Random bytes and random values never raise anything but a `UserError`."""
+"""Random bytes and random values are read as finite records, or answered with advice in one line."""
 
 from __future__ import annotations
 
 import tempfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -60,9 +61,14 @@ _values = st.recursive(
 
 def _reads_or_advises(path: Path | list[Path]) -> None:
     try:
-        read_campaign(path)
+        campaign = read_campaign(path)
     except UserError as error:
         assert "\n" not in str(error)
+        return
+    for record in campaign.traces:  # what is read can be fitted
+        assert np.all(np.diff(record.time) > 0)
+        assert np.all(np.isfinite([record.time, record.drive, record.response]))
+        assert record.noise.sigma > 0
 
 
 def _in_folder(content: bytes, name: str = "a.csv", campaign: str | None = None) -> None:
