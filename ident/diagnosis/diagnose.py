@@ -21,6 +21,7 @@ from .where_words import summary
 
 Report = Callable[[str], None]
 _EXPERIMENTS = 3
+_NEARLY = 0.05  # of the first misfit: if named effects leave less, they are kept and the rest is looked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,13 +66,20 @@ def diagnose(
         return answer(unknown, next_experiments=_experiments(found, library, report))
     if effect_file is None:
         return answer(_instead(bench, report))
-    beyond = go_beyond(fitted, bench, effect_file, report)
+    base, kept = (found.final, found.steps) if _nearly_explained(found) else (fitted, ())
+    beyond = go_beyond(base, found.bench if kept else bench, effect_file, report)
     if beyond.fit.fitted.error_over_noise < found.final.fitted.error_over_noise:
         name = beyond.fit.model.names[-1]
-        gain = 1 - (beyond.fit.fitted.error_over_noise**2 - 1) / max(fitted.fitted.error_over_noise**2 - 1, 1e-9)
+        gain = 1 - (beyond.fit.fitted.error_over_noise**2 - 1) / max(base.fitted.error_over_noise**2 - 1, 1e-9)
         step = Step(name, beyond.unknown.share, gain, (name,), "effect", beyond.fit)
-        found = replace(found, steps=(step,))
+        found = replace(found, steps=(*kept, step))
     return replace(answer(beyond.unknown, beyond.path), discovery=found)
+
+
+def _nearly_explained(found: Discovery) -> bool:
+    """Whether what is missing is looked for in what the named effects leave, and not in place of them."""
+    before, after = (fit.fitted.error_over_noise**2 - 1 for fit in (found.start, found.final))
+    return after < _NEARLY * before
 
 
 def _instead(bench: Bench, report: Report) -> Unknown:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from ..campaign.device import Device
+from ..diagnosis.beyond import NAME
 from ..diagnosis.diagnose import Diagnosis
+from ..diagnosis.discover import Discovery, Step
 from ..diagnosis.enough import ANOTHER_LAW, adequate
 from ..diagnosis.score import Candidate
 from ..fit import Fit
@@ -49,15 +51,26 @@ def verdict_words(found: Diagnosis) -> str:
     if loop.verdict == "ambiguous":
         ties = [f"{s.added} cannot be told from {' or '.join(s.tie_set[1:])}" for s in named if len(s.tie_set) > 1]
         return f"Missing was {names}{refined}, {error}; but in these records {'; '.join(ties)}."
-    start, left = loop.start.fitted.error_over_noise, final.fitted.error_over_noise
-    if not named:
-        return f"No effect of the library explains these records (error over noise {ratio_text(start)}; none helps)."
-    share = 1 - (left**2 - 1) / max(start**2 - 1, 1e-9)
-    return (
-        f"No effects of the library explain these records to the noise: {names} lower{'s' * (len(named) == 1)} error "
-        f"over noise from {ratio_text(start)} to {ratio_text(left)}, {100 * share:.3g} % of the misfit, and what is "
-        "left is none of them. That is no proof of a name."
-    )
+    return _not_in_library(loop, [s for s in named if not s.added.startswith(NAME)], named)
+
+
+def _not_in_library(loop: Discovery, known: list[Step], named: list[Step]) -> str:
+    """What the effects of the library do together, and what a written one adds."""
+    start, after = loop.start.fitted.error_over_noise, [s.fit.fitted.error_over_noise for s in known]
+    if known:
+        share = 1 - (after[-1] ** 2 - 1) / max(start**2 - 1, 1e-9)
+        lower = "lowers" if len(known) == 1 else "lower"
+        said = (
+            f"No effects of the library explain these records to the noise: {' and '.join(s.added for s in known)} "
+            f"{lower} error over noise from {ratio_text(start)} to {ratio_text(after[-1])}, {100 * share:.3g} % of the "
+            "misfit, which is no proof."
+        )
+    else:
+        said = f"No effect of the library explains these records (error over noise {ratio_text(start)}; none helps)."
+    if len(named) == len(known):
+        return said
+    left = ratio_text(named[-1].fit.fitted.error_over_noise)
+    return f"{said} {named[-1].added}, written from what is missing, lowers it to {left}."
 
 
 def ranking_sheet(found: Diagnosis) -> Sheet:
