@@ -68,10 +68,10 @@ def tie_set(
 
     as long as it explains nearly as much, so that a misfit of the laws themselves widens the set. A parameter counts
     what chance gives it, 1, and not the ln n that selects a model: an effect that explains the data with one number
-    more is still an explanation. n counts the independent samples in what the best one leaves. Refits replace
-    predictions where there are any; where there are none, an effect whose signature is nearly the same, or is known to
-    pass for the other, stays in. Where noise is small against the misfit, laws of one kind differ by more than noise: a
-    refit within that stays in.
+    more is still an explanation. Only a law that contains the best one as a part pays the full price for its other
+    parts. n counts the independent samples in what the best one leaves. Refits replace predictions where there are any;
+    where there are none, an effect whose signature is nearly the same, or is known to pass for the other, stays in.
+    Where noise is small against the misfit, laws of one kind differ by more than noise: a refit within that stays in.
 
     **Arguments:** `candidates`: as scored on the same bench; `confirmed`: refits of some of them.
     """
@@ -84,13 +84,15 @@ def tie_set(
         both = best.name in refits and other.name in refits
         chosen = refits if both else {}
         least, left = left_after(bench, best, chosen), left_after(bench, other, chosen)
-        behind = n * float(np.log(left / least)) + other.dof - best.dof
+        wider = best.name in library[other.name].contains
+        price = float(np.log(bench.n)) if wider else 1.0
+        behind = n * float(np.log(left / least)) + price * (other.dof - best.dof)
         as_much = left - least < max(TIED_CRITERION, (1.0 - AS_MUCH) * (bench.fit_chi2 - least))
         alike = reproduced(bench, best, other)
         enough = KNOWN_SIGNATURE if equivalence(best.name, other.name) else TIED_SIGNATURE
         shape = ANOTHER_LAW * max(bench.fit_chi2 - bench.n, 0.0)
-        near = both and left - least < shape
-        unseen_yet = not both and alike > enough and _may_catch_up(library[other.name])
+        near = both and not wider and left - least < shape
+        unseen_yet = not both and not wider and alike > enough and _may_catch_up(library[other.name])
         if (behind < TIED_CRITERION and as_much) or near or unseen_yet:
             found.append(_tie(best, other, behind, alike, library))
     named = {tie.name for tie in found}
