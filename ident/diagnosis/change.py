@@ -36,18 +36,18 @@ def add(parent: Fit, effect: type[AbstractEffect], report: Report = lambda _: No
 
 def remove(parent: Fit, name: str, report: Report = lambda _: None) -> Fit:
     """The parent's model without one effect, fitted from the parent's values."""
-    return fit(parent.model - name, parent.campaign, initial=_kept(parent, name), report=report)
+    return fit(parent.model - name, parent.campaign, initial=values_without(parent, name), report=report)
 
 
 def try_without(parent: Fit, name: str) -> Fit:
     """The same for a comparison only: a model that lacks what it needs would crawl for long, and no number of it is
     reported."""
     model = parent.model - name
-    found = minimise(model, parent.campaign, initial=_kept(parent, name), most=ENOUGH)
+    found = minimise(model, parent.campaign, initial=values_without(parent, name), most=ENOUGH)
     return fit_at(model, parent.campaign, found.values)
 
 
-def _kept(parent: Fit, name: str) -> np.ndarray:
+def values_without(parent: Fit, name: str) -> np.ndarray:
     """Values of all parameters but those of one effect."""
     return np.array([v for p, v in zip(parent.model.parameters, parent.values, strict=True) if p.effect != name])
 

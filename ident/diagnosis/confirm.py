@@ -42,13 +42,25 @@ _RACE = 12  # steps of every start; the best one goes on
 MOST_STEPS = 60  # a rival that needs more crawls along a valley and comes no nearer
 
 
-def confirm(bench: Bench, effect: type[AbstractEffect], candidate: Candidate, most: int = MOST_STEPS) -> Confirmed:
-    """Refit with the candidate on, in at most so many steps; shapes of effects accepted before are tried on their grids
-    again."""
+def confirm(
+    bench: Bench,
+    effect: type[AbstractEffect],
+    candidate: Candidate,
+    most: int = MOST_STEPS,
+    base: np.ndarray | None = None,
+) -> Confirmed:
+    """Refit with the candidate on, in at most so many steps.
+
+    Its own shapes race from the best points of their grids, then those of effects accepted before from theirs, as a
+    new term may free them.
+    """
     before = bench.fit
     model = before.model + make_effect(before.campaign, effect.name, {effect.name: effect})
     scored = [candidate, *(candidate._replace(values=values) for values in candidate.near)]
-    starts = [np.concatenate([base_of(bench), start_of(model, one, before.scales)]) for one in scored]
+    base = base_of(bench) if base is None else base
+    starts = [np.concatenate([base, start_of(model, one, before.scales)]) for one in scored]
+    if len(starts) > 1:
+        starts = [minimise(model, before.campaign, initial=starts[:_MOST_STARTS], most=_RACE).values]
     return weigh(bench, model, candidate, [*starts, *_reprofiled(model, starts[0], before)][:_MOST_STARTS], most)
 
 
@@ -121,7 +133,7 @@ def start_of(model: Model, candidate: Candidate | None, scales: DataScales) -> n
 
 
 def _reprofiled(model: Model, first: np.ndarray, before: Fit) -> list[np.ndarray]:
-    """Starts with the shapes of earlier effects at each point of their grids: a new term may free them."""
+    """Starts with the shapes of earlier effects at each point of their grids."""
     starts = []
     for i, p in enumerate(model.parameters[: len(before.values)]):
         if p.kind == "shape" and p.fitted and len(p.grid) > 1:

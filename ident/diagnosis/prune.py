@@ -5,16 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
+import numpy as np
+
 from ..effects.effect import AbstractEffect
 from ..fit import Fit
 from ..fit.rebuild import fit_at
-from .change import ENOUGH, try_without
+from .change import ENOUGH, try_without, values_without
 from .confirm import accept, confirm
-from .enough import superfluous
+from .enough import ANOTHER_LAW, superfluous
 from .parts import take_apart
 from .score import Bench, Candidate, prepare, score, significant
 from .shorten import working
 
+Library = Mapping[str, type[AbstractEffect]]
+_MOST_CHANGES = 10  # each has to be for the better, but by two measures: criterion and held-out error
 _CLEARLY = 10.0  # of the information criterion: by so much a rival must be better to be swapped in
 _PROMISING = (
     0.5  # share of the excess that a rival's score must promise to be asked in: the one in place explains it all
@@ -36,7 +40,7 @@ def hurts(before: Fit, after: Fit) -> bool:
     return after.holdout.error_over_noise > _HURT * before.holdout.error_over_noise
 
 
-def _rivals(name: str, bench: Bench, library: Mapping[str, type[AbstractEffect]]) -> list[Candidate]:
+def _rivals(name: str, bench: Bench, library: Library) -> list[Candidate]:
     """Who may stand in an effect's place: whoever scores better, and the best of those that it is mistaken for."""
     candidates = [c for c in significant(score(bench, library)) if c.predicted_gain > _PROMISING]
     better = [c for c in candidates[:1] if c.name != name]
@@ -44,47 +48,61 @@ def _rivals(name: str, bench: Bench, library: Mapping[str, type[AbstractEffect]]
     return [*better, *alike[:1]]
 
 
-def prune(
-    last: Fit,
-    added: list[str],
-    library: Mapping[str, type[AbstractEffect]],
-    first: Bench,
-    report: Callable[[str], None],
-) -> Pruned | None:
-    """What is left of the added effects once each has been questioned; None if all are needed.
+def _replaced(name: str, last: Fit, full: Bench, bench: Bench, library: Library) -> tuple[str, Fit] | None:
+    """A rival in an effect's place, with the fit, if the criterion clearly prefers it; between laws that the fitted
+    records do not tell apart the held-out ones decide.
 
-    The last one was weighed against its rivals when it was added, and is asked again only if something changed.
+    `bench`: without the effect. Refits start from what its presence has made of the other parameters.
+    """
+    rivals, rest = _rivals(name, bench, library), values_without(last, name)
+    tried = [confirm(bench, library[rival.name], rival, ENOUGH, rest) for rival in rivals]
+    best = min(tried, key=lambda found: found.criterion, default=None)
+    if best is None or not np.isfinite(best.criterion):
+        return None
+    clearly = best.criterion < full.criterion - _CLEARLY
+    alike = best.chi2 - full.fit_chi2 < ANOTHER_LAW * (bench.fit_chi2 - bench.n)
+    if not (clearly or (alike and last.holdout is not None)):
+        return None
+    after = accept(best, bench.fit)
+    wins = not hurts(last, after) if clearly else hurts(after, last)
+    return (best.candidate.name, after) if wins else None
+
+
+def prune(last: Fit, added: list[str], library: Library, first: Bench, report: Callable[[str], None]) -> Pruned | None:
+    """What is left of the added effects once each has been questioned; None if all are needed.
 
     `first`: the bench before any was added.
     """
-    names, changed_once, changed = list(added), False, True
-    given, last = last, working(last)
-    while changed and len(names) > 1:
-        changed, full = False, prepare(last)
-        for i, name in enumerate(names if changed_once else names[:-1]):
-            report(f"does the model still need {name}?")
-            without = try_without(last, name)
-            bench = prepare(without)
-            if superfluous(bench, full, first):
-                names, last, changed = [*names[:i], *names[i + 1 :]], without, True
-                break
-            if not full.credible:
-                continue  # every effect has been refitted where this one was chosen
-            tried = [confirm(bench, library[rival.name], rival, ENOUGH) for rival in _rivals(name, bench, library)]
-            better = min(tried, key=lambda found: found.criterion, default=None)
-            if better is not None and better.criterion < full.criterion - _CLEARLY:
-                after = accept(better, without)
-                if not hurts(last, after):
-                    names, last, changed = [*names[:i], better.candidate.name, *names[i + 1 :]], after, True
-                    break
-        changed_once = changed_once or changed
+    names, given, last = list(added), last, working(last)
+    for _ in range(_MOST_CHANGES):
+        change = _changed(names, last, library, first, report) if len(names) > 1 else None
+        if change is None:
+            break
+        names, last = change
     if parts := take_apart(last, names, library, report):
         at = names.index(parts.whole)
-        names, last, changed_once = [*names[:at], *parts.names, *names[at + 1 :]], parts.fit, True
-    if not changed_once:
+        names, last = [*names[:at], *parts.names, *names[at + 1 :]], parts.fit
+    if names == added:
         return None
     if last.campaign is given.campaign:
         return Pruned(tuple(names), last)
     # Swaps were judged on excerpts, which hold nothing out.
     on_all = fit_at(last.model, given.campaign, last.values)
     return None if hurts(given, on_all) else Pruned(tuple(names), on_all)
+
+
+def _changed(
+    names: list[str], last: Fit, library: Library, first: Bench, report: Callable[[str], None]
+) -> tuple[list[str], Fit] | None:
+    """The effects and the fit after the first change that is for the better; None if there is none."""
+    full = prepare(last)
+    for i, name in enumerate(names):
+        report(f"does the model still need {name}?")
+        without = try_without(last, name)
+        bench = prepare(without)
+        if superfluous(bench, full, first):
+            return [*names[:i], *names[i + 1 :]], without
+        # Where scores cannot be believed, every effect has been refitted already.
+        if full.credible and (found := _replaced(name, last, full, bench, library)) is not None:
+            return [*names[:i], found[0], *names[i + 1 :]], found[1]
+    return None
