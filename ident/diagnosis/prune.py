@@ -42,7 +42,9 @@ def hurts(before: Fit, after: Fit) -> bool:
 
 def _rivals(name: str, bench: Bench, library: Library) -> list[Candidate]:
     """Who may stand in an effect's place: whoever scores better, and the best of those that it is mistaken for."""
-    candidates = [c for c in significant(score(bench, library)) if c.predicted_gain > _PROMISING]
+    scored = significant(score(bench, library))
+    enough = _PROMISING * next((c.drop for c in scored if c.name == name), 0.0)
+    candidates = [c for c in scored if c.drop > enough]
     better = [c for c in candidates[:1] if c.name != name]
     alike = [c for c in candidates if c.name in library[name].mistaken_for and c.name not in {b.name for b in better}]
     return [*better, *alike[:1]]
