@@ -2,7 +2,7 @@
 
 The data are not shipped. `IDENT_BENCHMARKS` names the folder that holds `piezo_stage/*.csv`; without them the script
 says so and ends. It prints what the loop names and the error of every step in percent of the held-out record's
-standard deviation, and asserts what is named and `HELD_OUT`.
+standard deviation, and asserts what is named, `HELD_OUT` and the table of the page.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ JUDGE = FILES[2]
 HYSTERESES = {"prandtl-ishlinskii", "bouc-wen-drive"}
 RELAXATIONS = {"creep", "viscoelastic-support"}
 HELD_OUT = 1.5  # percent
+TOLD = 0.02  # by how much, relative, a number of the page may differ
 WARNING = "is not identified"
 
 
@@ -47,7 +48,16 @@ def walk(work: Path) -> list[tuple[str, float, float]]:
     assert names[1] in HYSTERESES, names
     assert RELAXATIONS & set(names[2:]), names
     assert found[-1][2] <= HELD_OUT, found
+    told = shown()
+    assert [name for name, _, _ in told] == names, told
+    assert np.allclose([row[1:] for row in told], [row[1:] for row in found], rtol=TOLD), told
     return found
+
+
+def shown() -> list[tuple[str, float, float]]:
+    """The table of the page."""
+    rows = re.findall(r"^\| ([a-z -]+) \| ([\d.]+) \| ([\d.]+) \|$", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
+    return [(name, float(fitted), float(heldout)) for name, fitted, heldout in rows]
 
 
 def warn(work: Path) -> str:
