@@ -52,7 +52,7 @@ def confirm(
     """Refit with the candidate on, in at most so many steps.
 
     Its own shapes race from the best points of their grids, then those of effects accepted before from theirs, as a
-    new term may free them.
+    new term may free them. `base`: values of the other parameters to start from, if not those of the bench's fit.
     """
     before = bench.fit
     model = before.model + make_effect(before.campaign, effect.name, {effect.name: effect})

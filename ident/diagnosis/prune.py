@@ -20,9 +20,7 @@ from .shorten import working
 Library = Mapping[str, type[AbstractEffect]]
 _MOST_CHANGES = 10  # each has to be for the better, but by two measures: criterion and held-out error
 _CLEARLY = 10.0  # of the information criterion: by so much a rival must be better to be swapped in
-_PROMISING = (
-    0.5  # share of the excess that a rival's score must promise to be asked in: the one in place explains it all
-)
+_PROMISING = 0.5  # of what the score of the one in place promises: a rival that promises less is not tried
 _HURT = 1.02  # held-out error may grow by this factor before a term is refused
 
 
