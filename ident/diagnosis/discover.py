@@ -2,9 +2,9 @@
 
 Greedy addition with swaps. A term is added only if chance would not produce its gain; held-out records judge it once
 the fitted ones have nothing more to say, because until then what is still missing spoils both. They also decide between
-laws that the fitted ones do not tell apart: the error held out is then the best of a few, not of one. The model is adequate
-when the error stands at the noise floor. Not the falling error but what is left decides whether a name is sure: with
-the true effect absent from the library an impostor still lowers the error.
+laws that the fitted ones do not tell apart: the error held out is then the best of a few, not of one. The model is
+adequate when the error stands at the noise floor. Not the falling error but what is left decides whether a name is
+sure: with the true effect absent from the library an impostor still lowers the error.
 """
 
 from __future__ import annotations
