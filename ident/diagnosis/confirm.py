@@ -89,7 +89,8 @@ def weigh(
         (record.response - np.asarray(at.readings[g])[lane, :n])[None]
         for record, (g, lane, n) in zip(records, found.layout.places, strict=True)
     ]
-    chi2 = float(sum(np.sum(whiten(piece, row) ** 2) for piece, row in zip(bench.pieces, rows, strict=True)))
+    with np.errstate(over="ignore", invalid="ignore"):  # a motion without bound
+        chi2 = float(sum(np.sum(whiten(piece, row) ** 2) for piece, row in zip(bench.pieces, rows, strict=True)))
     gain = (bench.fit_chi2 - chi2) / max(bench.fit_chi2 - bench.n, 1e-9)
     values = np.asarray(at.values)
     possible = np.isfinite(chi2) and _possible(model, values)

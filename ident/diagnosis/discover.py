@@ -119,7 +119,8 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
         report(f"added {step.added}: error over noise {current.fitted.error_over_noise:.3g}")
     while steps and hurts(steps[-2].fit if len(steps) > 1 else start, steps[-1].fit):
         steps.pop()
-    needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report) if steps else None
+    doubtful = len(steps) > 1 or any(len(step.tie_set) > 1 for step in steps)
+    needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report) if doubtful else None
     if needed is not None:
         steps = _replayed(start, needed, library)
     if steps and is_long(start.campaign):

@@ -41,6 +41,7 @@ def unpack(vector: np.ndarray, like: Unknowns) -> Unknowns:
     return Unknowns(vector[:p], tuple(starts))
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a trial whose motion has no bound is refused for its cost
 def normal_equations(static: Static, data: Data, vector: np.ndarray, found: Evaluation, robust: bool) -> Normal:
     """Normal equations of data, priors and ridge at one point, the unknowns in one `vector`."""
     p = len(static.free)

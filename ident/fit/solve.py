@@ -81,7 +81,10 @@ def _advance(point: Normal, trial: Normal, moved: Any, last: _Turn, first: Any) 
 
 
 def _decrement(normal: Normal, units: np.ndarray) -> float:
-    """Fall of the cost that the undamped step promises, along the directions that the data determine."""
+    """Fall of the cost that the undamped step promises, along the directions that the data determine; infinite where
+    the model's motion is so large that it cannot be said."""
+    if not (np.all(np.isfinite(normal.matrix)) and np.all(np.isfinite(normal.gradient))):
+        return np.inf
     curvature, directions = np.linalg.eigh(normal.matrix / np.outer(units, units))
     slope = directions.T @ (normal.gradient / units)
     seen = curvature > _FLAT * curvature.max(initial=0.0)
