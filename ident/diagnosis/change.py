@@ -18,6 +18,7 @@ from .confirm import start_of
 from .score import prepare, score
 
 Report = Callable[[str], None]
+_FEW = 4  # steps after which the better of two starts is known
 ENOUGH = 25  # steps from the parent's values: a model that is as good without the effect, or with another, is near by
 
 
@@ -39,11 +40,18 @@ def remove(parent: Fit, name: str, report: Report = lambda _: None) -> Fit:
     return fit(parent.model - name, parent.campaign, initial=values_without(parent, name), report=report)
 
 
-def try_without(parent: Fit, name: str) -> Fit:
+def try_without(parent: Fit, name: str, start: Fit) -> Fit:
     """The same for a comparison only: a model that lacks what it needs would crawl for long, and no number of it is
-    reported."""
-    model = parent.model - name
-    found = minimise(model, parent.campaign, initial=values_without(parent, name), most=ENOUGH)
+    reported.
+
+    `start`: the fit before any effect was added. An effect may have taken over the stiffness or the damping; from its
+    linear parameters the model finds back.
+    """
+    model, rest = parent.model - name, values_without(parent, name)
+    linear = sum(p.kind == "linear" for p in model.parameters)
+    starts = [rest, np.concatenate([start.values[:linear], rest[linear:]])]
+    race = minimise(model, parent.campaign, initial=starts, most=_FEW)
+    found = minimise(model, parent.campaign, initial=race.values, most=ENOUGH)
     return fit_at(model, parent.campaign, found.values)
 
 

@@ -129,7 +129,7 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
     if (steps[-1].fit if steps else start) is not current:
         bench = prepare(working(steps[-1].fit if steps else start))
         candidates = score(bench, library)
-    steps = [_tied_at_the_end(step, steps[-1].fit, library, report) for step in steps[:-1]] + steps[-1:]
+    steps = [_tied_at_the_end(step, steps[-1].fit, start, library, report) for step in steps[:-1]] + steps[-1:]
     remaining = tuple(significant(candidates))
     lacks = lacking(_after_effects(steps, bench), first, report) if steps else 0.0
     verdict = _verdict(steps, bench, first, lacks)
@@ -161,12 +161,12 @@ def _replayed(start: Fit, needed: Pruned, library: Library) -> list[Step]:
     return steps
 
 
-def _tied_at_the_end(step: Step, last: Fit, library: Library, report: Report) -> Step:
+def _tied_at_the_end(step: Step, last: Fit, start: Fit, library: Library, report: Report) -> Step:
     """A step with the ties that are left once the later terms are in: what they explain had blurred the comparison."""
     if len(step.tie_set) < 2 or step.role != "effect":
         return step
     report(f"what {step.added} could be mistaken for")
-    bench = prepare(try_without(working(last), step.added))
+    bench = prepare(try_without(working(last), step.added, start))
     candidates = significant(score(bench, library))
     chosen = next((c for c in candidates if c.name == step.added), None)
     if chosen is None:

@@ -25,7 +25,11 @@ class Parts(NamedTuple):
 
 
 def take_apart(
-    last: Fit, added: Sequence[str], library: Mapping[str, type[AbstractEffect]], report: Callable[[str], None]
+    last: Fit,
+    added: Sequence[str],
+    library: Mapping[str, type[AbstractEffect]],
+    start: Fit,
+    report: Callable[[str], None],
 ) -> Parts | None:
     """The first of the added effects that simpler ones out of what it `contains` explain better.
 
@@ -38,7 +42,7 @@ def take_apart(
         if not simple:
             continue
         report(f"is {effect.name} the sum of simpler effects?")
-        whole, current = prepare(last).criterion, try_without(last, effect.name)
+        whole, current = prepare(last).criterion, try_without(last, effect.name, start)
         bench, names = prepare(current), []
         while best := next(iter(significant(score(bench, simple))), None):
             trial = confirm(bench, simple[best.name], best)

@@ -79,7 +79,7 @@ def prune(last: Fit, added: list[str], library: Library, first: Bench, report: C
         if change is None:
             break
         names, last = change
-    if parts := take_apart(last, names, library, report):
+    if parts := take_apart(last, names, library, first.fit, report):
         at = names.index(parts.whole)
         names, last = [*names[:at], *parts.names, *names[at + 1 :]], parts.fit
     if names == added:
@@ -98,7 +98,7 @@ def _changed(
     full = prepare(last)
     for i, name in enumerate(names):
         report(f"does the model still need {name}?")
-        without = try_without(last, name)
+        without = try_without(last, name, first.fit)
         bench = prepare(without)
         if superfluous(bench, full, first):
             return [*names[:i], *names[i + 1 :]], without
