@@ -1,0 +1,38 @@
+"""One record of a steady motion: what it cannot say must not be said."""
+
+from __future__ import annotations
+
+from experiments.hidden_effects.campaigns import campaign_of, poor_case
+from ident.diagnosis.discover import Discovery, discover
+from ident.diagnosis.score import prepare, score
+from ident.effects.registry import built_in
+from ident.fit import fit
+from ident.model import Model
+
+
+def found(seed: int, *effects: str) -> Discovery:
+    """What the loop says of the end of one sine's record, from a device with these effects of 8 % under 0.3 % noise."""
+    campaign = campaign_of(poor_case(seed, effects, 0.08, 0.003))
+    return discover(Model(campaign.device), campaign, built_in())
+
+
+def test_a_held_quality_factor_that_is_wrong_is_no_effect():
+    said = found(610)
+    assert "held" in said.final.estimates[1].flags
+    assert said.verdict == "adequate"
+    assert not said.steps
+
+
+def test_a_drift_that_has_settled_ties_with_a_constant():
+    said = found(610, "sensor-drift")
+    assert said.verdict == "ambiguous"
+    assert {"sensor-drift", "sensor-offset", "static-force"} == set(said.steps[0].tie_set)
+
+
+def test_a_sensor_that_saturates_is_judged_on_the_motion_and_not_on_its_readings():
+    campaign = campaign_of(poor_case(610, ("sensor-nonlinearity",), 0.08, 0.003))
+    start = fit(Model(campaign.device), campaign)
+    assert start.fitted.error_over_noise > 10
+    best = score(prepare(start), built_in())[0]
+    assert best.name == "sensor-nonlinearity"
+    assert best.predicted_gain > 0.95
