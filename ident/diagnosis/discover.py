@@ -119,7 +119,7 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
         report(f"added {step.added}: error over noise {current.fitted.error_over_noise:.3g}")
     while steps and hurts(steps[-2].fit if len(steps) > 1 else start, steps[-1].fit):
         steps.pop()
-    needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report) if len(steps) > 1 else None
+    needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report) if steps else None
     if needed is not None:
         steps = _replayed(start, needed, library)
     if steps and is_long(start.campaign):

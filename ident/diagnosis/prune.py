@@ -75,7 +75,8 @@ def prune(last: Fit, added: list[str], library: Library, first: Bench, report: C
     """
     names, given, last = list(added), last, working(last)
     for _ in range(_MOST_CHANGES):
-        change = _changed(names, last, library, first, report)
+        # The rivals of a single effect were weighed when it was added.
+        change = _changed(names, last, library, first, report) if len(names) > 1 else None
         if change is None:
             break
         names, last = change
