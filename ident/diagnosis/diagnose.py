@@ -9,12 +9,13 @@ from pathlib import Path
 
 from ..effects.effect import AbstractEffect
 from ..fit import Fit
-from .beyond import go_beyond
+from .beyond import free_name, go_beyond
 from .discover import Discovery, Step, continue_from
+from .effect_file import write_effect
 from .experiments import NextExperiment, next_experiments
 from .locate import Where, locate
 from .score import Bench, prepare
-from .shorten import working
+from .shorten import is_long, working
 from .ties import Unseen, unseen
 from .unknown import Unknown, find_unknown
 from .where_words import summary
@@ -67,6 +68,10 @@ def diagnose(
     if effect_file is None:
         return answer(_instead(bench, report))
     base, kept = (found.final, found.steps) if _nearly_explained(found) else (fitted, ())
+    if kept and is_long(fitted.campaign):  # a refit of many terms to long records takes longer than the walk
+        unknown = _instead(found.bench, report)
+        write_effect(unknown, effect_file, free_name(base))
+        return answer(unknown, effect_file)
     beyond = go_beyond(base, found.bench if kept else bench, effect_file, report)
     if beyond.fit.fitted.error_over_noise < found.final.fitted.error_over_noise:
         name = beyond.fit.model.names[-1]
