@@ -19,7 +19,7 @@ def walk(start: Fit, folder: Path, *, force: bool, as_json: bool) -> None:
     from ident.report.diagnosis_view import advice, sections
     from ident.report.run_folder import write_run
 
-    found = examine(start, _free_file(folder))
+    found = examine(start, _free_file(folder), keeps_walk=True)
     lineage = lineage_of(found.discovery, "the first fit")
     document = diagnosis_dict(found) | {"advice": advice(found)}
     write_run(
@@ -41,12 +41,12 @@ def _free_file(folder: Path) -> Path:
     return next(path for path in names if not path.exists())
 
 
-def examine(start: Fit, effect_file: Path | None = None) -> Diagnosis:
-    """The diagnosis of a fit with all effects that its campaign knows; `effect_file`: for what none of them is."""
+def examine(start: Fit, effect_file: Path | None = None, *, keeps_walk: bool = False) -> Diagnosis:
+    """The diagnosis of a fit with all effects that its campaign knows; other arguments as in `diagnose`."""
     from ident.diagnosis.diagnose import diagnose
     from ident.effects.registry import registry
 
-    return diagnose(start, registry(start.campaign.effect_files), progress, effect_file)
+    return diagnose(start, registry(start.campaign.effect_files), progress, effect_file, keeps_walk)
 
 
 def tell(found: Diagnosis) -> None:

@@ -39,14 +39,14 @@ class Confirmed(NamedTuple):
 _MOST_STARTS = 6
 _OFF_BOUND = 3.0
 _RACE = 12  # steps of every start; the best one goes on
-MOST_STEPS = 60  # a rival that needs more crawls along a valley and comes no nearer
+_MOST_STEPS = 60  # a rival that needs more crawls along a valley and comes no nearer
 
 
 def confirm(
     bench: Bench,
     effect: type[AbstractEffect],
     candidate: Candidate,
-    most: int = MOST_STEPS,
+    most: int = _MOST_STEPS,
     base: np.ndarray | None = None,
 ) -> Confirmed:
     """Refit with the candidate on, in at most so many steps.
@@ -59,9 +59,15 @@ def confirm(
     scored = [candidate, *(candidate._replace(values=values) for values in candidate.near)]
     base = base_of(bench) if base is None else base
     starts = [np.concatenate([base, start_of(model, one, before.scales)]) for one in scored]
-    if len(starts) > 1:
-        starts = [minimise(model, before.campaign, initial=starts[:_MOST_STARTS], most=_RACE).values]
-    return weigh(bench, model, candidate, [*starts, *_reprofiled(model, starts[0], before)][:_MOST_STARTS], most)
+    own = _winner(model, before, starts)
+    return weigh(bench, model, candidate, _winner(model, before, [own, *_reprofiled(model, own, before)]), most)
+
+
+def _winner(model: Model, before: Fit, starts: list[np.ndarray]) -> np.ndarray:
+    """Where the best of several starts is after a few steps; a single one as it is."""
+    if len(starts) == 1:
+        return starts[0]
+    return minimise(model, before.campaign, initial=starts[:_MOST_STARTS], most=_RACE).values
 
 
 def base_of(bench: Bench) -> np.ndarray:
@@ -75,14 +81,9 @@ def base_of(bench: Bench) -> np.ndarray:
     return values
 
 
-def weigh(
-    bench: Bench, model: Model, candidate: Candidate, starts: list[np.ndarray], most: int = MOST_STEPS
-) -> Confirmed:
-    """Refit a model from given starts, in at most so many steps, and weigh it against the bench's own."""
-    if len(starts) > 1:
-        race = minimise(model, bench.fit.campaign, initial=starts, most=_RACE)
-        starts = [race.values]
-    found = minimise(model, bench.fit.campaign, initial=starts, most=most)
+def weigh(bench: Bench, model: Model, candidate: Candidate, start: np.ndarray, most: int) -> Confirmed:
+    """Refit a model from a start, in at most so many steps, and weigh it against the bench's own."""
+    found = minimise(model, bench.fit.campaign, initial=start, most=most)
     at = evaluate(found.static, found.data, found.best.unknowns)
     records = bench.fit.campaign.fitted
     rows = [

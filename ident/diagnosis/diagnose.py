@@ -52,10 +52,13 @@ def diagnose(
     library: Mapping[str, type[AbstractEffect]],
     report: Report = lambda _: None,
     effect_file: Path | None = None,
+    keeps_walk: bool = False,
 ) -> Diagnosis:
     """Locate the misfit, walk the loop, and look beyond the library where it does not reach.
 
     **Arguments:** `effect_file`: where to write what the library lacks; the model with it then ends the walk.
+    `keeps_walk`: whether the caller goes on with the last model of the walk; what it lacks is then written, if named
+    effects nearly explain the records, and else what the fit lacks.
     """
     report("locating the misfit")
     bench = prepare(working(fitted))
@@ -67,7 +70,7 @@ def diagnose(
         return answer(unknown, next_experiments=_experiments(found, library, report))
     if effect_file is None:
         return answer(_instead(bench, report))
-    base, kept = (found.final, found.steps) if _nearly_explained(found) else (fitted, ())
+    base, kept = (found.final, found.steps) if keeps_walk and _nearly_explained(found) else (fitted, ())
     if kept and is_long(fitted.campaign):  # a refit of many terms to long records takes longer than the walk
         unknown = _instead(found.bench, report)
         write_effect(unknown, effect_file, free_name(base))
@@ -82,7 +85,7 @@ def diagnose(
 
 
 def _nearly_explained(found: Discovery) -> bool:
-    """Whether what is missing is looked for in what the named effects leave, and not in place of them."""
+    """Whether named effects leave so little that the rest is looked for beside them, and not in their place."""
     before, after = (fit.fitted.error_over_noise**2 - 1 for fit in (found.start, found.final))
     return after < _NEARLY * before
 

@@ -46,7 +46,7 @@ def _refitted(bench: Bench, candidate: Candidate, effect: type[AbstractEffect]) 
     before = bench.fit
     model = before.model + make_effect(before.campaign, effect.name, {effect.name: effect})
     start = np.concatenate([base_of(bench), start_of(model, candidate, before.scales)])
-    found = weigh(bench, model, candidate, [start], _FEW)
+    found = weigh(bench, model, candidate, start, _FEW)
     if not np.isfinite(found.chi2):
         return candidate._replace(drop=0.0, predicted_gain=0.0)
     return candidate._replace(

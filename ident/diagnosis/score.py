@@ -118,7 +118,7 @@ def prepare(fit: Fit) -> Bench:
     # A shape at its bound cannot move as its column says: to project that out would hide a misfit that remains.
     fitted = [i for i in scene.static.free if "at-bound" not in fit.estimates[i].flags]
     # A quality factor that had to be held (steady sines of one frequency) may be wrong: its error is no missing effect.
-    free = sorted({*fitted, *(i for i in (1,) if "held" in fit.estimates[i].flags)})
+    free = sorted({*fitted, 1}) if "held" in fit.estimates[1].flags else fitted
     directions = np.eye(len(fit.values))[free] * np.where(fit.values[free] == 0, 1.0, fit.values[free])[:, None]
     residual = np.concatenate([whiten(piece, r[None])[0] for piece, r in zip(pieces, scene.residuals, strict=True)])
     bench = replace(bench, residual=residual, fit_chi2=float(residual @ residual))
