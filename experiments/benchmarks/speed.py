@@ -31,7 +31,7 @@ from ident.fit import fit, solve
 from ident.fit.assemble import assemble, begin
 from ident.fit.problem import evaluate, read_groups
 from ident.response import Equation, make_groups, simulate
-from ident.response.transient import Lane
+from ident.response.lane import Lane
 
 ROOT = Path(__file__).resolve().parents[2]
 SIGMA = 50e-9

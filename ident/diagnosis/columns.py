@@ -20,7 +20,9 @@ from jax import Array, lax
 
 from ..effects.effect import Drive, State
 from ..response import Equation
-from ..response.transient import Lane, Numbers, System, assemble, half_step_time, rates_along
+from ..response.lane import Lane, Numbers, half_step_time
+from ..response.memory import memory_along
+from ..response.transient import System, assemble
 from .trajectory import Path
 
 _CHUNK = 32  # columns solved together: one compiled program serves any number of them
@@ -79,7 +81,7 @@ def push_columns(
 
 def _hidden(system: System, lane: Lane, path: Path) -> tuple[tuple[Array, ...], ...]:
     """Each effect's hidden states along a given motion, on the half-step grid."""
-    return tuple(rates_along(effect, system, lane, path.z, path.v) for effect in system.effects)
+    return tuple(memory_along(effect, system.gain, system.omega, lane, path.z, path.v) for effect in system.effects)
 
 
 def _force(system: System, lane: Lane, path: Path) -> Array:

@@ -25,8 +25,9 @@ from ..fit.problem import Data, Static, Unknowns, evaluate
 from ..fit.reading import fit_starts
 from ..response import make_groups
 from ..response.groups import Layout
-from ..response.transient import Lane, half_step_time, integrate
+from ..response.lane import Lane, half_step_time
 from ..response.transient import assemble as bind
+from ..response.transient import integrate
 
 
 class Diverged(ArithmeticError):

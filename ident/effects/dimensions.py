@@ -89,15 +89,29 @@ def _evaluate(
         found["sensor"] = (float(instance.sensor(state, drive, t)), "m")
     if effect.overrides("rate"):
         rates = instance.rate(state, drive, t)
-        if not len(rates) == len(instance.state0()) == len(effect.hidden_units):
-            raise UserError(
-                f"{effect.name} has {len(instance.state0())} hidden states, {len(rates)} rates and "
-                f"{len(effect.hidden_units)} hidden_units",
-                do="give every hidden state one of each",
-            )
+        _one_for_each(instance, len(rates), "rates")
         for i, (value, unit) in enumerate(zip(rates, effect.hidden_units, strict=True)):
             found[f"rate[{i}]"] = (float(value), f"{unit}/s" if unit != "1" else "1/s")
+    if effect.overrides("follow"):
+        if effect.overrides("force") or effect.overrides("sensor"):
+            raise UserError(
+                f"{effect.name} follows the drive and acts on more than the drive",
+                do="write `rate` instead of `follow`, or `drive` instead of `force` and `sensor`",
+            )
+        followed = instance.follow(hidden, drive)
+        _one_for_each(instance, len(followed), "values of `follow`")
+        for i, (value, unit) in enumerate(zip(followed, effect.hidden_units, strict=True)):
+            found[f"follow[{i}]"] = (float(value), unit)
     return found
+
+
+def _one_for_each(effect: AbstractEffect, count: int, what: str) -> None:
+    states = len(effect.state0())
+    if not count == states == len(effect.hidden_units):
+        raise UserError(
+            f"{effect.name} has {states} hidden states, {count} {what} and {len(effect.hidden_units)} hidden_units",
+            do="give every hidden state one of each",
+        )
 
 
 def _instance(effect: type[AbstractEffect], settings: dict[str, str], device: Device, to: Any) -> AbstractEffect:

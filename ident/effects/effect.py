@@ -144,6 +144,8 @@ class AbstractEffect:
     - `drive(hidden, drive, t)`: force through the actuator, N; sees the drive and its own memory only;
     - `sensor(state, drive, t)`: what the sensor adds to the true displacement, m;
     - `state0()` and `rate(state, drive, t)`: hidden states of its own and their time derivatives, in `hidden_units`;
+    - `follow(hidden, drive)`, instead of a rate: the hidden states once the drive has come to `drive`, for a memory of
+      the values that it took, whatever the time (play operators);
     - `begun(drive)`: the hidden states of a record that begins under voltage, if they are not `state0()`;
     - `prepare()`: whatever is constant along a trajectory, computed once and found in `self.prepared`.
 
@@ -269,3 +271,6 @@ class AbstractEffect:
 
     def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
         return ()
+
+    def follow(self, hidden: tuple[Scalar, ...], drive: Drive) -> tuple[Scalar, ...]:
+        return hidden

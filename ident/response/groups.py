@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign.drive import drive_frequency, half_step_drive
 from ..campaign.record import Trace
-from .transient import Lane
+from .lane import Lane
 
 
 class Group(NamedTuple):

@@ -1,7 +1,8 @@
 """Transient response: fixed-step Runge–Kutta of order 4 in one scan, driven by the measured voltage.
 
-One lane is one record. The carry is a tuple of scalars, so that XLA keeps the whole loop in registers. Forces that
-depend on the drive alone are computed in the loop too: read from memory, with their tangents, they would cost more.
+One lane is one record. The carry is a tuple of scalars, so that XLA keeps the whole loop in registers. Forces of the
+momentary drive are computed in the loop too: read from memory, with their tangents, they would cost more. Those that
+remember the drive are integrated before it (`memory`).
 
 Source: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 1993, §II.1.
 """
@@ -14,13 +15,13 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax import Array, lax
 
 from ..effects.effect import AbstractEffect, Drive, State
 from ..model import Model
-
-Numbers = Array | np.ndarray
+from .lane import Lane, Numbers, half_step_time
+from .memory import follows_drive_alone, remembered_force
+from .runge_kutta import runge_kutta, stages, steps_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,25 +37,12 @@ class Equation:
         return isinstance(other, Equation) and self.model.key == other.model.key
 
 
-class Lane(NamedTuple):
-    """One record as the solver sees it.
-
-    **Arguments:** `step`, s, of the Runge–Kutta method; `voltage` and `rate`, (2 n + 1,) V and V/s on the half-step
-    grid; `omega`, rad/s; `load`, kg.
-    """
-
-    step: Numbers
-    voltage: Numbers
-    rate: Numbers
-    omega: Numbers
-    load: Numbers
-
-
 class System(NamedTuple):
-    """Everything that is constant along one trajectory."""
+    """Everything that is constant along one trajectory; `slices`: each effect's part of the hidden states, None if it
+    follows the drive alone and is integrated before the motion."""
 
     effects: tuple[AbstractEffect, ...]
-    slices: tuple[slice, ...]
+    slices: tuple[slice | None, ...]
     mass: Any
     damping: Any
     stiffness: Any
@@ -77,30 +65,28 @@ def simulate(equation: Equation, substeps: int, values: Array, start: Numbers, l
     return _reading(system, path, lane, half_time, 2 * substeps)
 
 
-def half_step_time(lane: Lane) -> Array:
-    """Time since the first sample on the half-step grid, s."""
-    return jnp.asarray(0.5 * lane.step * jnp.arange(lane.voltage.shape[0]))
-
-
 def integrate(
     system: System, substeps: int, start: Numbers, lane: Lane, half_time: Array, whole_state: bool = True
 ) -> tuple[Array, ...]:
     """State (z, v, hidden …) at the samples, or z alone; each (n / substeps + 1,)."""
-    grids = (lane.voltage, lane.rate, half_time)
-    inputs = tuple((grid[:-1:2], grid[1::2], grid[2::2]) for grid in grids)
+    grids: tuple[Numbers, ...] = (lane.voltage, lane.rate, half_time)
+    before = [effect for effect, own in zip(system.effects, system.slices, strict=True) if own is None]
+    if before:
+        forces = [remembered_force(effect, system.gain, system.omega, lane) for effect in before]
+        grids += (jnp.sum(jnp.stack(forces), axis=0),)
     # Adding a zero that depends on the parameters gives the carry the type it will have under differentiation.
     nothing = 0.0 * system.stiffness
-    memory = (h for effect in system.effects for h in effect.begun(_first_drive(system, lane)))
+    drive = _first_drive(system, lane)
+    memory = (h for effect in system.effects if effect not in before for h in effect.begun(drive))
     carry = tuple(x + nothing for x in (start[0], start[1], *memory))
 
     slope = jax.jit(partial(derivative, system))  # traced once instead of four times
 
     def advance(y: tuple[Array, ...], x: Any) -> tuple[tuple[Array, ...], Any]:
-        at = [tuple(grid[i] for grid in x) for i in range(3)]
-        y = _runge_kutta(slope, y, at, lane.step)
+        y = runge_kutta(slope, y, stages(x), lane.step)
         return y, (y if whole_state else y[:1])
 
-    _, path = lax.scan(advance, carry, inputs)
+    _, path = lax.scan(advance, carry, steps_of(grids))
     return tuple(jnp.concatenate([a[None], b[substeps - 1 :: substeps]]) for a, b in zip(carry, path, strict=False))
 
 
@@ -113,11 +99,14 @@ def assemble(equation: Equation, values: Numbers, lane: Lane) -> System:
     (frequency, quality, gain), effects = equation.model.bind(values)
     linear = equation.model.linear
     omega0 = 2 * jnp.pi * frequency
-    slices, first = [], 0
+    slices: list[slice | None] = []
+    first = 0
     for effect in effects:
-        size = len(effect.state0())
-        slices.append(slice(first, first + size))
-        first += size
+        if follows_drive_alone(effect):
+            slices.append(None)
+            continue
+        slices.append(slice(first, first + len(effect.state0())))
+        first += len(effect.state0())
     return System(
         effects,
         tuple(slices),
@@ -130,12 +119,14 @@ def assemble(equation: Equation, values: Numbers, lane: Lane) -> System:
 
 
 def derivative(system: System, y: tuple[Array, ...], at: tuple[Array, ...]) -> tuple[Array, ...]:
-    """(ż, v̇, hidden rates) of the state `y` at `at` = (V, V̇, t)."""
-    voltage, rate, t = at
+    """(ż, v̇, hidden rates) of the state `y` at `at` = (V, V̇, t), and the remembered force if there is one."""
+    voltage, rate, t, *remembered = at
     z, v, *hidden = y
     drive = Drive(voltage, rate, system.omega, system.gain)
-    force, rates = system.gain * voltage - system.damping * v - system.stiffness * z, []
+    force, rates = sum(remembered, system.gain * voltage - system.damping * v - system.stiffness * z), []
     for effect, own in zip(system.effects, system.slices, strict=True):
+        if own is None:
+            continue
         memory = tuple(hidden[own])
         state = State(z, v, memory)
         if effect.overrides("force"):
@@ -147,46 +138,11 @@ def derivative(system: System, y: tuple[Array, ...], at: tuple[Array, ...]) -> t
     return (v, force / system.mass, *rates)
 
 
-def _runge_kutta(f: Any, y: tuple[Array, ...], at: list[tuple[Array, ...]], h: Numbers) -> tuple[Array, ...]:
-    move = lambda k, step: tuple(a + step * b for a, b in zip(y, k, strict=True))
-    k1 = f(y, at[0])
-    k2 = f(move(k1, h / 2), at[1])
-    k3 = f(move(k2, h / 2), at[1])
-    k4 = f(move(k3, h), at[2])
-    return tuple(a + h / 6 * (p + 2 * q + 2 * r + s) for a, p, q, r, s in zip(y, k1, k2, k3, k4, strict=True))
-
-
-def rates_along(effect: AbstractEffect, system: System, lane: Lane, z: Numbers, v: Numbers) -> tuple[Array, ...]:
-    """Hidden states of one effect along a given motion (2 n + 1,), on the half-step grid; midpoints are
-    interpolated."""
-    initial = tuple(jnp.asarray(h) + 0.0 * system.stiffness for h in effect.begun(_first_drive(system, lane)))
-    if not initial:
-        return ()
-    grids = (z, v, lane.voltage, lane.rate, half_step_time(lane))
-    inputs = tuple((grid[:-1:2], grid[1::2], grid[2::2]) for grid in grids)
-
-    def rate(hidden: tuple[Array, ...], at: tuple[Array, ...]) -> tuple[Array, ...]:
-        z, v, voltage, slope, t = at
-        return effect.rate(State(z, v, hidden), Drive(voltage, slope, system.omega, system.gain), t)
-
-    def advance(hidden: tuple[Array, ...], x: Any) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
-        hidden = _runge_kutta(rate, hidden, [tuple(grid[i] for grid in x) for i in range(3)], lane.step)
-        return hidden, hidden
-
-    _, path = lax.scan(advance, initial, inputs)
-    whole = tuple(jnp.concatenate([a[None], b]) for a, b in zip(initial, path, strict=True))
-    return tuple(_with_midpoints(h) for h in whole)
-
-
-def _with_midpoints(x: Array) -> Array:
-    return jnp.concatenate([jnp.stack([x[:-1], (x[:-1] + x[1:]) / 2], axis=1).ravel(), x[-1:]])
-
-
 def _reading(system: System, path: tuple[Array, ...], lane: Lane, half_time: Array, stride: int) -> Array:
     reading = path[0]
     voltage, rate, time = (grid[::stride] for grid in (lane.voltage, lane.rate, half_time))
     for effect, own in zip(system.effects, system.slices, strict=True):
-        if effect.overrides("sensor"):
+        if own is not None and effect.overrides("sensor"):
             hidden = tuple(path[2:][own])
             one = lambda z, v, h, u, r, t, effect=effect: effect.sensor(
                 State(z, v, h), Drive(u, r, system.omega, system.gain), t

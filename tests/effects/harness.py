@@ -17,7 +17,8 @@ from ident.campaign.device import Oscillator
 from ident.effects.effect import AbstractEffect
 from ident.effects.registry import built_in
 from ident.model import Model
-from ident.response.transient import Equation, Lane, simulate
+from ident.response.lane import Lane
+from ident.response.transient import Equation, simulate
 
 FREQUENCY, QUALITY, GAIN = 500.0, 20.0, 2.0
 OMEGA0 = 2 * np.pi * FREQUENCY

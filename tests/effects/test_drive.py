@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from ident.effects.effect import Drive, State
+from ident.effects.effect import Drive
+from ident.response.lane import Lane
+from ident.response.memory import follows_drive_alone, memory_along, remembered_force
 from tests.effects.harness import (
     DURATION,
     GAIN,
@@ -122,8 +125,35 @@ def test_the_loop_of_plays_does_not_depend_on_the_frequency():
     # Rate independence: the same voltages in the same order give the same followers, at any speed.
     effect = make("prandtl-ishlinskii", weight=0.3, reach=6.0)
     swing = 7 * np.sin(2 * np.pi * np.linspace(0, 2, 2001))
-    loops = [_followers(effect, swing, duration) for duration in (1.0, 2.0**-10)]
+    loops = [_remembered(effect, swing, duration) for duration in (1.0, 2.0**-10)]
     np.testing.assert_allclose(loops[0], loops[1], rtol=0, atol=1e-9)
+    exact = [plays(swing, 6.0 * (j + 0.5) / 6) for j in range(6)]
+    np.testing.assert_allclose(loops[0], exact, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["prandtl-ishlinskii", "bouc-wen-drive", "creep", "drive-lag"])
+def test_memories_of_the_drive_alone_are_told_and_have_the_tangents_of_a_difference(name):
+    drive = Lane(*map(jnp.asarray, (TIME[1], voltage(TIME), voltage_rate(TIME), 1.0, 0.0)))
+    effect = make(name)
+    assert follows_drive_alone(effect)
+    at = {p.name: 1e-3 if p.unit == "s" else 0.7 for p in effect.parameters}
+
+    def force(values, gain):
+        bound = effect.with_values(**dict(zip(at, values, strict=True)))
+        return remembered_force(bound, gain, drive.omega, drive)
+
+    values = jnp.array(list(at.values()))
+    for i, value in enumerate(at.values()):
+        step = jnp.zeros(len(at)).at[i].set(1e-5 * value)
+        difference = (force(values + step, 2.0) - force(values - step, 2.0)) / 2
+        tangent = jax.jvp(lambda x: force(x, 2.0), (values,), (step,))[1]
+        np.testing.assert_allclose(tangent, difference, rtol=0, atol=1e-3 * np.max(np.abs(difference)))
+    np.testing.assert_allclose(jax.jvp(lambda g: force(values, g), (2.0,), (2.0,))[1], force(values, 2.0), rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["bouc-wen", "viscoelastic-support", "second-mode", "sensor-lag", "electrostriction"])
+def test_memories_of_the_motion_and_effects_without_memory_stay_in_the_loop(name):
+    assert not follows_drive_alone(make(name))
 
 
 @pytest.mark.parametrize("level", [-90.0, -3.0, 0.0, 20.0])
@@ -136,18 +166,12 @@ def test_plays_of_a_record_under_voltage_are_where_the_voltage_has_taken_them(le
 
 @pytest.mark.parametrize("reach", [1.5, 3.0, 9.0])
 def test_tangents_of_narrow_plays_stay_finite_and_point_the_right_way(reach):
-    swing = 9 * np.sin(2 * np.pi * np.linspace(0, 3, 2881))  # Euler steps, as fine as Runge-Kutta with 120 a period
-    rate = np.gradient(swing)
+    swing = 9 * np.sin(2 * np.pi * np.linspace(0, 3, 361))
+    drive = Lane(*map(jnp.asarray, (1.0, swing, np.gradient(swing), 1.0, 0.0)))
 
     def held(width):
         effect = make("prandtl-ishlinskii", weight=1.0).with_values(weight=1.0, tilt=0.0, reach=width)
-
-        def step(hidden, at):
-            change = effect.rate(State(0.0, 0.0, hidden), Drive(*at, 1.0, 1.0), 0.0)
-            hidden = tuple(p + c for p, c in zip(hidden, change, strict=True))
-            return hidden, effect.drive(hidden, Drive(*at, 1.0, 1.0), 0.0)
-
-        return jax.lax.scan(step, tuple(0.0 * width for _ in range(6)), (swing, rate))[1]
+        return remembered_force(effect, 1.0, 1.0, drive)
 
     _, tangent = jax.jvp(held, (reach,), (1.0,))
     difference = (held(reach * 1.02) - held(reach * 0.98)) / (0.04 * reach)
@@ -162,16 +186,10 @@ def test_a_yielding_element_under_voltage_is_loaded_by_it(level):
     assert float(effect.begun(Drive(level, 0.0, 1.0, 1.0))[0]) == pytest.approx(np.sign(level) * loaded, rel=1e-6)
 
 
-def _followers(effect, volts: np.ndarray, duration: float) -> np.ndarray:
-    step = duration / (len(volts) - 1)
-    rate = np.gradient(volts, step)
-    hidden = np.zeros(len(effect.state0()))
-    path = []
-    for volt, slope in zip(volts[::20], rate[::20], strict=True):  # a coarse Euler march: the same steps for both
-        change = effect.rate(State(0.0, 0.0, tuple(hidden)), Drive(volt, slope, 1.0, 1.0), 0.0)
-        hidden = hidden + 20 * step * np.array([float(c) for c in change])
-        path.append(hidden)
-    return np.array(path)
+def _remembered(effect, volts: np.ndarray, duration: float) -> np.ndarray:
+    step = 2 * duration / (len(volts) - 1)
+    lane = Lane(*map(jnp.asarray, (step, volts, np.gradient(volts, step / 2), 1.0, 0.0)))
+    return np.array(memory_along(effect, 1.0, 1.0, lane, 0 * lane.voltage, 0 * lane.voltage))
 
 
 def test_the_reading_without_effects_is_the_reference():

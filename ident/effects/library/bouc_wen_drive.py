@@ -21,7 +21,7 @@ class BoucWenDrive(AbstractEffect):
         "J. Microelectromech. Syst. 4, 230"
     )
     mistaken_for = ("prandtl-ishlinskii", "pzt-hysteresis", "bouc-wen", "drive-lag")
-    steps_per_period = 120
+    steps_per_period = 80
     hidden_units = ("1",)
 
     loop = amplitude("V", "half height of the loop, V_h")
