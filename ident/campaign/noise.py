@@ -20,7 +20,8 @@ def noise_floor(time: np.ndarray, drive: np.ndarray, response: np.ndarray, perio
     """Standard deviation and colour of the measurement noise of a record.
 
     A periodic drive: the noise is what is left of the response beside a Fourier series, a transient and their products.
-    A long period: the differences between its repeats. Any other drive: the frequencies that the signal leaves free.
+    A long period with many harmonics: the differences between its repeats. Any other drive: the frequencies that the
+    signal leaves free.
 
     **Arguments:** `time` (n,) s, `drive` (n,) V, `response` (n,) m, `period`: samples per period of the drive or None.
     """
@@ -36,7 +37,7 @@ def noise_floor(time: np.ndarray, drive: np.ndarray, response: np.ndarray, perio
         found = _short_period(response[:LONGEST], None, mains)
     elif period is None:
         found = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
-    elif period <= 8 * HARMONICS or n / period >= 8:
+    elif period <= 8 * HARMONICS or (n / period >= 8 and _highest_harmonic(drive, period) <= HARMONICS // 3):
         found = _short_period(response[-LONGEST:], period, mains)
     else:
         found = _repeats(response, period)
@@ -46,6 +47,14 @@ def noise_floor(time: np.ndarray, drive: np.ndarray, response: np.ndarray, perio
     if sigma > fit.sigma:
         return NoiseFloor(sigma * size, method="the resolution of the response column", relative_error=0.5)
     return NoiseFloor(float(sigma * size), fit.ar, method, float(fit.relative_error))
+
+
+def _highest_harmonic(drive: np.ndarray, period: float) -> int:
+    """Order of the highest harmonic of a periodic drive, but for a thousandth of its power."""
+    whole = int(len(drive) // period)
+    lines = np.abs(np.fft.rfft(drive[: int(round(whole * period))]))[::whole] ** 2
+    power = np.cumsum(lines[1:])
+    return 1 + int(np.searchsorted(power, 0.999 * power[-1]))
 
 
 def _resolution(response: np.ndarray) -> float:

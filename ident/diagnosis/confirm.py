@@ -51,14 +51,17 @@ def confirm(
 ) -> Confirmed:
     """Refit with the candidate on, in at most so many steps.
 
-    Its own shapes race from the best points of their grids, then those of effects accepted before from theirs, as a
-    new term may free them. `base`: values of the other parameters to start from, if not those of the bench's fit.
+    Its own shapes race from the best points of their grids, the best also with what it moves the other parameters to;
+    then those of effects accepted before from theirs, as a new term may free them. `base`: values of the other
+    parameters to start from, if not those of the bench's fit.
     """
     before = bench.fit
     model = before.model + make_effect(before.campaign, effect.name, {effect.name: effect})
     scored = [candidate, *(candidate._replace(values=values) for values in candidate.near)]
     base = base_of(bench) if base is None else base
     starts = [np.concatenate([base, start_of(model, one, before.scales)]) for one in scored]
+    if candidate.beside is not None:
+        starts.insert(1, np.concatenate([candidate.beside, start_of(model, candidate, before.scales)]))
     own = _winner(model, before, starts)
     return weigh(bench, model, candidate, _winner(model, before, [own, *_reprofiled(model, own, before)]), most)
 
@@ -92,7 +95,7 @@ def weigh(bench: Bench, model: Model, candidate: Candidate, start: np.ndarray, m
     ]
     with np.errstate(over="ignore", invalid="ignore"):  # a motion without bound
         chi2 = float(sum(np.sum(whiten(piece, row) ** 2) for piece, row in zip(bench.pieces, rows, strict=True)))
-    gain = (bench.fit_chi2 - chi2) / max(bench.fit_chi2 - bench.n, 1e-9)
+    gain = 1.0 - (chi2 - bench.n) / bench.excess
     values = np.asarray(at.values)
     possible = np.isfinite(chi2) and _possible(model, values)
     criterion = chi2 + len(found.static.free) * float(np.log(bench.n)) if possible else np.inf

@@ -23,10 +23,13 @@ from .change import try_without
 from .confirm import Confirmed, accept, confirm
 from .enough import ANOTHER_LAW, adequate, not_worth_adding, worth_a_name
 from .lacking import lacking
+from .lone_record import prepare_at_best
+from .parts import Parts
 from .prune import Pruned, hurts, prune
-from .refits import at_once, by_refits
+from .refits import by_refits
 from .score import Bench, Candidate, prepare, score, significant
 from .shorten import is_long, working
+from .side_by_side import at_once
 from .ties import tie_set
 from .trajectory import Diverged
 
@@ -98,7 +101,8 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
     current, steps = start, []
     ranking: tuple[Candidate, ...] = ()
     gains: dict[str, float] = {}
-    bench = first = prepare(working(current))
+    bench = prepare_at_best(current)
+    first = bench.instead_of or bench
     while True:
         report(f"scoring {len(library) - len(current.model.names)} effects")
         candidates = score(bench, library)
@@ -119,9 +123,12 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
         report(f"added {step.added}: error over noise {current.fitted.error_over_noise:.3g}")
     while steps and hurts(steps[-2].fit if len(steps) > 1 else start, steps[-1].fit):
         steps.pop()
-    needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report) if steps else None
-    if needed is not None:
-        steps = _replayed(start, needed, library)
+    alike: tuple[Parts, ...] = ()
+    if steps:
+        needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report)
+        alike = needed.alike
+        if needed.names != tuple(s.added for s in steps):
+            steps = _replayed(start, needed, library)
     if steps and is_long(start.campaign):
         report("fitting all samples")
         last = steps[-1].fit
@@ -130,6 +137,7 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
         bench = prepare(working(steps[-1].fit if steps else start))
         candidates = score(bench, library)
     steps = [_tied_at_the_end(step, steps[-1].fit, start, library, report) for step in steps[:-1]] + steps[-1:]
+    steps = [_beside_parts(step, alike) for step in steps]
     remaining = tuple(significant(candidates))
     lacks = lacking(_after_effects(steps, bench), first, report) if steps else 0.0
     verdict = _verdict(steps, bench, first, lacks)
@@ -147,7 +155,7 @@ def _replayed(start: Fit, needed: Pruned, library: Library) -> list[Step]:
     steps: list[Step] = []
     current = start
     for name in needed.names:
-        bench = prepare(working(current))
+        bench = prepare(working(current)) if steps else prepare_at_best(current)
         candidates = score(bench, library)
         chosen = next(c for c in candidates if c.name == name)
         found = confirm(bench, library[name], chosen)
@@ -174,6 +182,16 @@ def _tied_at_the_end(step: Step, last: Fit, start: Fit, library: Library, report
     ties = tie_set(bench, chosen, candidates, library)
     tied = tuple(c for c in candidates if c.name in ties.names)
     return step._replace(tie_set=ties.names, reasons=ties.reasons, tied=tied, bench=bench)
+
+
+def _beside_parts(step: Step, alike: tuple[Parts, ...]) -> Step:
+    """A step with the simpler effects that together do as well as its own."""
+    for parts in alike:
+        if parts.whole == step.added:
+            reason = f"{step.added}, or {' and '.join(parts.names)} together: they explain the misfit as well"
+            names = tuple(dict.fromkeys([*step.tie_set, *parts.names]))
+            return step._replace(tie_set=names, reasons=(*step.reasons, reason))
+    return step
 
 
 def _role(bench: Bench, found: Confirmed, first: Bench) -> Literal["effect", "shape-refinement"]:
@@ -274,7 +292,7 @@ def _in_order(tried: list[Confirmed], bench: Bench) -> list[Confirmed]:
     explained by further effects, a rival bends to mimic some of them, and more is allowed for.
     """
     best = min(tried, key=lambda c: c.criterion)
-    excess, lacks = bench.chi2 - bench.n, best.chi2 - bench.n
+    excess, lacks = min(bench.chi2 - bench.n, bench.excess), best.chi2 - bench.n
     same = max(min(_SAME_SHAPE * excess, lacks), min(_SAME_WHILE_LACKING * excess, 0.1 * lacks))
     limit = best.criterion + max(_TIED_CRITERION, same)
     near = sorted((c for c in tried if c.criterion <= limit), key=lambda c: (len(c.values), c.criterion))

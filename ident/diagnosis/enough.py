@@ -44,5 +44,5 @@ def not_worth_adding(bench: Bench, best: float, first: Bench) -> bool:
 
 def superfluous(without: Bench, with_it: Bench, first: Bench) -> bool:
     """Whether a model does as well without a term: by the information criterion, or at the noise floor and nearly."""
-    loss, terms = without.chi2 - with_it.chi2, len(with_it.fit.free) - len(without.fit.free)
+    loss, terms = without.chi2 - with_it.chi2, with_it.fit.freedom - without.fit.freedom
     return loss < terms * float(np.log(with_it.n)) or (adequate(without) and not worth_a_name(loss, first))

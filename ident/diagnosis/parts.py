@@ -17,11 +17,12 @@ _STRONG = 6.0  # difference of criteria: R. E. Kass, A. E. Raftery, Bayes factor
 
 
 class Parts(NamedTuple):
-    """`names`, the simpler effects that do better than the one called `whole`, and the fit with them in its place."""
+    """`names`, the simpler effects that do as well as the one called `whole`, or `better`; the fit with them."""
 
     whole: str
     names: tuple[str, ...]
     fit: Fit
+    better: bool
 
 
 def take_apart(
@@ -30,13 +31,15 @@ def take_apart(
     library: Mapping[str, type[AbstractEffect]],
     start: Fit,
     report: Callable[[str], None],
-) -> Parts | None:
-    """The first of the added effects that simpler ones out of what it `contains` explain better.
+) -> list[Parts]:
+    """The added effects that simpler ones out of what they `contain` explain as well, up to the first that they
+    explain better.
 
     A law with several parameters mimics any two of the simple ones that it implies, and a walk that adds one effect at
     a time meets it first. But one name is a simpler answer than two: each further one costs 2 ln(size of the library),
     and the evidence must be strong beyond that.
     """
+    alike: list[Parts] = []
     for effect in (library[name] for name in added):
         simple = {n: library[n] for n in effect.contains if n in library and n not in last.model.names}
         if not simple:
@@ -51,5 +54,7 @@ def take_apart(
             current = accept(trial, current)
             bench, names = prepare(current), [*names, best.name]
         if bench.criterion + 2 * np.log(len(library)) * (len(names) - 1) < whole - _STRONG:
-            return Parts(effect.name, tuple(names), current)
-    return None
+            return [*alike, Parts(effect.name, tuple(names), current, better=True)]
+        if names and bench.criterion < whole + _STRONG:
+            alike.append(Parts(effect.name, tuple(names), current, better=False))
+    return alike

@@ -13,7 +13,7 @@ from ..fit.rebuild import fit_at
 from .change import ENOUGH, try_without, values_without
 from .confirm import accept, confirm
 from .enough import ANOTHER_LAW, superfluous
-from .parts import take_apart
+from .parts import Parts, take_apart
 from .score import Bench, Candidate, prepare, score, significant
 from .shorten import working
 
@@ -25,10 +25,12 @@ _HURT = 1.02  # held-out error may grow by this factor before a term is refused
 
 
 class Pruned(NamedTuple):
-    """The effects that are needed, in order, and the fit with them."""
+    """The effects that are needed, in order, and the fit with them; `alike`: those in whose place a few simpler ones
+    would do as well."""
 
     names: tuple[str, ...]
     fit: Fit
+    alike: tuple[Parts, ...]
 
 
 def hurts(before: Fit, after: Fit) -> bool:
@@ -60,7 +62,7 @@ def _replaced(name: str, last: Fit, full: Bench, bench: Bench, library: Library)
     if best is None or not np.isfinite(best.criterion):
         return None
     clearly = best.criterion < full.criterion - _CLEARLY
-    alike = best.chi2 - full.fit_chi2 < ANOTHER_LAW * (bench.fit_chi2 - bench.n)
+    alike = best.chi2 - full.fit_chi2 < ANOTHER_LAW * bench.excess
     if not (clearly or (alike and last.holdout is not None)):
         return None
     after = accept(best, bench.fit)
@@ -68,28 +70,32 @@ def _replaced(name: str, last: Fit, full: Bench, bench: Bench, library: Library)
     return (best.candidate.name, after) if wins else None
 
 
-def prune(last: Fit, added: list[str], library: Library, first: Bench, report: Callable[[str], None]) -> Pruned | None:
-    """What is left of the added effects once each has been questioned; None if all are needed.
+def prune(last: Fit, added: list[str], library: Library, first: Bench, report: Callable[[str], None]) -> Pruned:
+    """What is left of the added effects once each has been questioned.
 
     `first`: the bench before any was added.
     """
     names, given, last = list(added), last, working(last)
+    as_given = Pruned(tuple(added), given, ())
     for _ in range(_MOST_CHANGES):
         # The rivals of a single effect were weighed when it was added.
         change = _changed(names, last, library, first, report) if len(names) > 1 else None
         if change is None:
             break
         names, last = change
-    if parts := take_apart(last, names, library, first.fit, report):
-        at = names.index(parts.whole)
-        names, last = [*names[:at], *parts.names, *names[at + 1 :]], parts.fit
+    compared = take_apart(last, names, library, first.fit, report)
+    alike = tuple(parts for parts in compared if not parts.better)
+    for parts in compared:
+        if parts.better:
+            at = names.index(parts.whole)
+            names, last = [*names[:at], *parts.names, *names[at + 1 :]], parts.fit
     if names == added:
-        return None
+        return as_given._replace(alike=alike)
     if last.campaign is given.campaign:
-        return Pruned(tuple(names), last)
+        return Pruned(tuple(names), last, alike)
     # Swaps were judged on excerpts, which hold nothing out.
     on_all = fit_at(last.model, given.campaign, last.values)
-    return None if hurts(given, on_all) else Pruned(tuple(names), on_all)
+    return as_given if hurts(given, on_all) else Pruned(tuple(names), on_all, alike)
 
 
 def _changed(

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from typing import TypeVar
 
 import numpy as np
 
@@ -12,9 +10,8 @@ from ..effects.effect import AbstractEffect
 from ..model import make_effect
 from .confirm import base_of, start_of, weigh
 from .score import Bench, Candidate
+from .side_by_side import at_once
 
-A = TypeVar("A")
-B = TypeVar("B")
 Library = Mapping[str, type[AbstractEffect]]
 _FEW = 15  # steps of least squares: enough to tell who gains much
 _REFITTED = 12  # of the candidates, by their scores: those further down have never gained much
@@ -33,12 +30,6 @@ def by_refits(
     found = at_once(lambda one: _refitted(bench, one, library[one.name]), candidates[:_REFITTED])
     order = sorted(found, key=lambda c: -(c.drop - c.dof * np.log(bench.n)))
     return [*order, *candidates[_REFITTED:]]
-
-
-def at_once(work: Callable[[A], B], items: Sequence[A]) -> list[B]:
-    """The work on each item, two at a time: most of a refit is compiling, which needs no more than one core."""
-    with ThreadPoolExecutor(2) as pool:
-        return list(pool.map(work, items))
 
 
 def _refitted(bench: Bench, candidate: Candidate, effect: type[AbstractEffect]) -> Candidate:

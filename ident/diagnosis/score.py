@@ -26,6 +26,7 @@ from ..fit.problem import evaluate
 from ..model import Model, make_effect
 from ..response import Equation
 from .columns import contributions, push_columns
+from .side_by_side import at_once
 from .trajectory import Scene, lay_out
 from .whiten import Piece, make_piece, prediction_filter, whiten
 
@@ -35,9 +36,11 @@ class Bench:
     """A fit prepared for regressions: whitened residual (n,) without what the model absorbs, and how to project a
     column.
 
-    **Arguments:** `starts`: first sample of each record within n; `absorbed`: (n, q) orthonormal; `fit_chi2`: χ² of
-    the whitened residual as the fit left it, with which refits are compared; `credible`: whether the model's own
-    parameters could be followed along the measured motion, on which the score statistics rest (see `prepare`).
+    **Arguments:** `starts`: first sample of each record within n; `absorbed`: (n, q) orthonormal, the span of `known`
+    (k, n), which moving the parameters along `directions` (k, m) does; `left` (n,) and `fit_chi2`: the whitened
+    residual as the fit left it and its χ², with which refits are compared; `credible`: whether the model's own
+    parameters could be followed along the measured motion, on which the score statistics rest (see `prepare`);
+    `instead_of`: the bench of the best fit, if this one is of other values (see `lone_record`).
     """
 
     fit: Fit
@@ -46,8 +49,11 @@ class Bench:
     starts: tuple[int, ...]
     absorbed: np.ndarray
     residual: np.ndarray
-    fit_chi2: float
+    left: np.ndarray
+    known: np.ndarray
+    directions: np.ndarray
     credible: bool = True
+    instead_of: Bench | None = None
 
     @property
     def n(self) -> int:
@@ -58,9 +64,27 @@ class Bench:
         return float(self.residual @ self.residual)
 
     @property
+    def fit_chi2(self) -> float:
+        return float(self.left @ self.left)
+
+    @property
+    def excess(self) -> float:
+        """χ² of the best fit above that of noise."""
+        best = self.instead_of or self
+        return max(best.fit_chi2 - best.n, 1e-9)
+
+    @property
     def criterion(self) -> float:
-        """Information criterion of the fit: χ² plus ln n per fitted parameter."""
-        return self.fit_chi2 + len(self.fit.free) * float(np.log(self.n))
+        """Information criterion of the fit: χ² plus ln n per number that the records determine."""
+        return self.fit_chi2 + self.fit.freedom * float(np.log(self.n))
+
+    def moved(self, added: np.ndarray) -> np.ndarray | None:
+        """Where the model's own parameters (m,) go when something is added that does (n,) to the readings; None if
+        they could not be followed along the measured motion."""
+        if not self.credible:
+            return None
+        step, _, _, _ = np.linalg.lstsq(self.known.T, self.left - added, rcond=1e-10)
+        return self.fit.values + np.clip(step, -_FARTHEST, _FARTHEST) @ self.directions
 
     def project(self, stacked: np.ndarray) -> np.ndarray:
         """Whitened rows (k, n) without what the model absorbs."""
@@ -77,7 +101,7 @@ class Candidate(NamedTuple):
     - `values`: estimated parameters by short name (SI), the shapes at their best grid point; `errors`: of the
       amplitudes.
     - `signature`: (dof, n) orthonormal projected columns, by which candidates are compared; `near`: `values` at the
-      next best points of the grid.
+      next best points of the grid; `beside`: the model's own parameters with the candidate at `values`.
     """
 
     name: str
@@ -90,15 +114,17 @@ class Candidate(NamedTuple):
     units: Mapping[str, str]
     signature: np.ndarray
     near: tuple[Mapping[str, float], ...] = ()
+    beside: np.ndarray | None = None
 
 
 _NEAR_POINTS = 5  # of a grid, kept as starts: the best of them may lead into a local minimum
+_FARTHEST = 0.7  # of its value: so far a parameter may be moved in one step, which keeps its sign
 _ABSORBED = 1e-3  # share of a column that must survive the projection for it to say anything new
 _CREDIBLE = 0.25  # of the excess that a fit left: the most that its own parameters can be believed to absorb still
 
 
-def prepare(fit: Fit) -> Bench:
-    """Lay out a fit for regressions.
+def prepare(fit: Fit, believed: bool = False) -> Bench:
+    """Lay out a fit for regressions; `believed`, that its parameters are the device's own.
 
     What the model's own parameters absorb is taken along the measured motion, so that a large misfit does not bend
     it. Where inertia hardly matters that is too much: displacement is then the drive force over the stiffness, and a
@@ -114,27 +140,28 @@ def prepare(fit: Fit) -> Bench:
         pieces.append(make_piece(record, rows))
     lengths = [len(r.time) - r.skip for r in records]
     starts = tuple(int(x) for x in np.concatenate([[0], np.cumsum(lengths)[:-1]]))
-    bench = Bench(fit, scene, tuple(pieces), starts, np.zeros((sum(lengths), 0)), np.zeros(sum(lengths)), 0.0)
+    residual = np.concatenate([whiten(piece, r[None])[0] for piece, r in zip(pieces, scene.residuals, strict=True)])
+    empty = np.zeros((0, len(residual)))
+    bench = Bench(fit, scene, tuple(pieces), starts, empty.T, residual, residual, empty, np.zeros((0, len(fit.values))))
     # A shape at its bound cannot move as its column says: to project that out would hide a misfit that remains.
     fitted = [i for i in scene.static.free if "at-bound" not in fit.estimates[i].flags]
     # A quality factor that had to be held (steady sines of one frequency) may be wrong: its error is no missing effect.
     free = sorted({*fitted, 1}) if "held" in fit.estimates[1].flags else fitted
     directions = np.eye(len(fit.values))[free] * np.where(fit.values[free] == 0, 1.0, fit.values[free])[:, None]
-    residual = np.concatenate([whiten(piece, r[None])[0] for piece, r in zip(pieces, scene.residuals, strict=True)])
-    bench = replace(bench, residual=residual, fit_chi2=float(residual @ residual))
     along_measured = stack(bench, fit.model, np.tile(fit.values, (len(free), 1)), directions)
-    measured = _without(bench, along_measured)
-    if bench.fit_chi2 - measured.chi2 < _CREDIBLE * max(bench.fit_chi2 - bench.n, bench.n):
+    measured = _without(bench, along_measured, directions)
+    if believed or bench.fit_chi2 - measured.chi2 < _CREDIBLE * max(bench.fit_chi2 - bench.n, bench.n):
         return measured
     chosen = [scene.static.free.index(i) for i in fitted]
     bench = replace(bench, credible=False)
-    return _without(bench, by_record(bench, [np.asarray(rows)[chosen] for rows in found.by_x]))
+    return _without(bench, by_record(bench, [np.asarray(rows)[chosen] for rows in found.by_x]), np.zeros((0, 0)))
 
 
-def _without(bench: Bench, known: np.ndarray) -> Bench:
+def _without(bench: Bench, known: np.ndarray, directions: np.ndarray) -> Bench:
     """The bench with what rows (k, n) can absorb taken out of its residual."""
     absorbed = _orthonormal(known)
-    return replace(bench, absorbed=absorbed, residual=bench.residual - absorbed @ (absorbed.T @ bench.residual))
+    residual = bench.left - absorbed @ (absorbed.T @ bench.left)
+    return replace(bench, absorbed=absorbed, residual=residual, known=known, directions=directions)
 
 
 def stack(bench: Bench, model: Model, values: np.ndarray, directions: np.ndarray) -> np.ndarray:
@@ -170,7 +197,8 @@ def _orthonormal(rows: np.ndarray, like: np.ndarray | None = None) -> np.ndarray
 
 def score(bench: Bench, library: Mapping[str, type[AbstractEffect]]) -> list[Candidate]:
     """Every candidate of the library that the model does not have, best first."""
-    found = [_score_one(bench, effect) for effect in library.values() if effect.name not in bench.fit.model.names]
+    missing = [effect for effect in library.values() if effect.name not in bench.fit.model.names]
+    found = at_once(lambda effect: _score_one(bench, effect), missing)
     return sorted((c for c in found if c is not None), key=lambda c: -(c.drop - c.dof * np.log(bench.n)))
 
 
@@ -198,13 +226,17 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
         rows = slice(k * len(amplitudes), (k + 1) * len(amplitudes))
         basis = _orthonormal(projected[rows], raw[rows])
         if basis.shape[1]:
-            tried_points.append((float(np.sum((basis.T @ bench.residual) ** 2)), point, basis, projected[rows]))
+            tried_points.append((float(np.sum((basis.T @ bench.residual) ** 2)), point, basis, rows))
     if not tried_points:
         return None
     tried_points.sort(key=lambda tried: -tried[0])
     drop, _, basis, rows = tried_points[0]
     names = [p.name for p in instance.declared()]
-    near = [_estimate(bench, names, amplitudes, point, rows) for _, point, _, rows in tried_points[:_NEAR_POINTS]]
+    near = [
+        _estimate(bench, names, amplitudes, point, projected[at]) for _, point, _, at in tried_points[:_NEAR_POINTS]
+    ]
+    beside = bench.moved(np.array([near[0][names[a]] for a in amplitudes]) @ raw[rows])
+    rows = projected[rows]
     spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv(rows @ rows.T, rcond=1e-12)), 0.0))
     errors = {names[a]: float(x) for a, x in zip(amplitudes, spread, strict=True)}
     units = {p.name: p.unit for p in instance.declared()}
@@ -212,7 +244,7 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     excess = max(bench.chi2 - bench.n, 1e-9)
     p = chance(bench, basis, tried)
     return Candidate(
-        effect.name, drop, min(drop / excess, 1.0), tried, p, near[0], errors, units, basis.T, tuple(near[1:])
+        effect.name, drop, min(drop / excess, 1.0), tried, p, near[0], errors, units, basis.T, tuple(near[1:]), beside
     )
 
 

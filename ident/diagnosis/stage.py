@@ -15,10 +15,8 @@ from ..response import Equation
 from .columns import push_columns
 from .score import Bench, by_record
 from .splines import Places, Size, places, sizes
-from .trajectory import Path
 
 Side = Literal["force", "drive", "sensor"]
-_NOISE = 1.5  # residual over noise, squared, up to which a residual may be noise whose floor is not well known
 
 
 class Stage(NamedTuple):
@@ -39,7 +37,7 @@ def set_stage(bench: Bench) -> Stage:
     scene, scales = bench.scene, bench.fit.scales
     largest = (scales.displacement, scales.voltage)
     groups = scene.data.groups
-    moved = [places(g, p.z, p.v, 1, scales.period, largest) for g, p in zip(groups, _measured(bench), strict=True)]
+    moved = [places(g, p.z, p.v, 1, scales.period, largest) for g, p in zip(groups, scene.paths, strict=True)]
     own = [
         places(g, p.z[:, :: 2 * substeps], p.v[:, :: 2 * substeps], 2 * substeps, scales.period, largest)
         for g, p, substeps in zip(groups, scene.own, scene.static.substeps, strict=True)
@@ -47,21 +45,6 @@ def set_stage(bench: Bench) -> Stage:
     linear, omega = bench.fit.model.linear, 2 * np.pi * float(bench.fit.values[0])
     force_unit = linear.mass * omega**2 * scales.displacement
     return Stage(tuple(moved), tuple(own), sizes(moved), force_unit, scales.displacement)
-
-
-def _measured(bench: Bench) -> tuple[Path, ...]:
-    """The measured motion on the half-step grid, as far from the model's as the residual stands above the noise.
-
-    Of a model that already stands at the noise floor nothing but noise would be followed.
-    """
-    scene, records = bench.scene, bench.fit.campaign.fitted
-    paths = [Path(p.z.copy(), p.v.copy()) for p in scene.paths]
-    for record, residual, (g, lane, _) in zip(records, scene.residuals, scene.layout.places, strict=True):
-        excess = float(np.mean(residual[record.skip :] ** 2)) / record.noise.sigma**2
-        trusted = max(0.0, 1.0 - (_NOISE / excess) ** 2)
-        for kept, model in zip(paths[g], scene.own[g], strict=True):
-            kept[lane] = model[lane] + trusted * (kept[lane] - model[lane])
-    return tuple(paths)
 
 
 def rows_of(bench: Bench, stage: Stage, side: Side, functions: Callable[[Places], np.ndarray]) -> np.ndarray:

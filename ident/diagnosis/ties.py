@@ -87,12 +87,12 @@ def tie_set(
         wider = best.name in library[other.name].contains
         price = float(np.log(bench.n)) if wider else 1.0
         behind = n * float(np.log(left / least)) + price * (other.dof - best.dof)
-        as_much = left - least < max(TIED_CRITERION, (1.0 - AS_MUCH) * (bench.fit_chi2 - least))
+        as_much = left - least < max(TIED_CRITERION, (1.0 - AS_MUCH) * (bench.excess + bench.n - least))
         alike = reproduced(bench, best, other)
         enough = KNOWN_SIGNATURE if equivalence(best.name, other.name) else TIED_SIGNATURE
-        shape = ANOTHER_LAW * max(bench.fit_chi2 - bench.n, 0.0)
+        shape = ANOTHER_LAW * bench.excess
         near = both and not wider and left - least < shape
-        unseen_yet = not both and not wider and alike > enough and _may_catch_up(library[other.name])
+        unseen_yet = not both and bench.credible and not wider and alike > enough and _may_catch_up(library[other.name])
         if (behind < TIED_CRITERION and as_much) or near or unseen_yet:
             found.append(_tie(best, other, behind, alike, library))
     named = {tie.name for tie in found}
@@ -106,8 +106,10 @@ def tie_set(
 
 
 def left_after(bench: Bench, candidate: Candidate, refits: Mapping[str, Confirmed]) -> float:
-    """χ² left with the candidate: of its refit if there is one, else as predicted."""
-    chi2 = refits[candidate.name].chi2 if candidate.name in refits else bench.chi2 - candidate.drop
+    """χ² left with the candidate: of its refit if there is one, else as predicted; where scores cannot be believed, by
+    a short refit, which is compared with the fit as it was."""
+    before = bench.chi2 if bench.credible else bench.fit_chi2
+    chi2 = refits[candidate.name].chi2 if candidate.name in refits else before - candidate.drop
     return max(chi2, 1e-6 * bench.n)
 
 

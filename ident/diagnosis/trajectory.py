@@ -2,7 +2,9 @@
 residual.
 
 A missing force is evaluated where the stage was, not where the wrong model puts it. The model's state carries the fast
-motion exactly; only the slowly varying misfit needs smoothing, so that velocities stay clean at 3 % noise.
+motion exactly; only the slowly varying misfit needs smoothing, so that velocities stay clean at 3 % noise. Of a model
+that stands at the noise floor nothing but noise would be followed: the less a residual stands above it, the less of it
+is.
 
 What a sensor adds is evaluated on the model's own motion: if the sensor is what differs, the stage moved as the model
 says and the readings are not its path. (The cube of a reading that saturates has no third harmonic left.)
@@ -19,6 +21,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 from scipy.signal import savgol_filter
 
+from ..campaign.record import Trace
 from ..fit import Fit
 from ..fit.assemble import assemble, begin
 from ..fit.problem import Data, Static, Unknowns, evaluate
@@ -28,6 +31,8 @@ from ..response.groups import Layout
 from ..response.lane import Lane, half_step_time
 from ..response.transient import assemble as bind
 from ..response.transient import integrate
+
+_NOISE = 1.5  # residual over noise, squared, up to which a residual may be noise whose floor is not well known
 
 
 class Diverged(ArithmeticError):
@@ -89,7 +94,7 @@ def lay_out(fit: Fit) -> Scene:
         if not np.all(np.isfinite(residual)):
             raise Diverged(record.name)
         z, v = (np.asarray(x[lane, :n]) for x in states[g])
-        correction, rate = _smooth(residual, record.step, fit.scales.period)
+        correction, rate = _trusted(residual, record) * _smooth(residual, record.step, fit.scales.period)
         grid = record.time[0] + 0.5 * np.asarray(groups[g].lanes.step)[lane] * np.arange(paths[g].z.shape[1])
         inside = np.minimum(grid, record.time[-1])
         for path, spline in (
@@ -101,10 +106,16 @@ def lay_out(fit: Fit) -> Scene:
     return Scene(static, data, layout, unknowns, tuple(paths), tuple(own), tuple(residuals))
 
 
-def _smooth(residual: np.ndarray, step: float, period: float) -> tuple[np.ndarray, np.ndarray]:
-    """Residual and its rate, smoothed over about a sixth of the resonance's period by local cubics."""
+def _trusted(residual: np.ndarray, record: Trace) -> float:
+    """Share of a residual that is followed."""
+    excess = float(np.mean(residual[record.skip :] ** 2)) / record.noise.sigma**2
+    noise = _NOISE * (1.0 + 2.0 * record.noise.relative_error) ** 2
+    return max(0.0, 1.0 - (noise / excess) ** 2)
+
+
+def _smooth(residual: np.ndarray, step: float, period: float) -> np.ndarray:
+    """Residual and its rate, (2, n), smoothed over about a sixth of the resonance's period by local cubics."""
     window = max(int(period / step / 6) // 2 * 2 + 1, 5)
     if len(residual) <= window:
-        return np.zeros_like(residual), np.zeros_like(residual)
-    rate = np.asarray(savgol_filter(residual, window, 3, deriv=1, delta=step))
-    return np.asarray(savgol_filter(residual, window, 3)), rate
+        return np.zeros((2, len(residual)))
+    return np.array([savgol_filter(residual, window, 3, deriv=order, delta=step) for order in (0, 1)])

@@ -83,6 +83,24 @@ class Fit:
         return combine([s for s in self.scores if s.holdout])
 
     @property
+    def freedom(self) -> int:
+        """How many numbers the records need: determined parameters, and combinations of those that are not.
+
+        Of an effect's several amplitudes those that are zero within two errors could as well be left out.
+        """
+        needed = len(self.combinations)
+        small: dict[str, list[bool]] = {}
+        for i in self.free:
+            parameter, estimate = self.model.parameters[i], self.estimates[i]
+            if "undetermined" in estimate.flags:
+                continue
+            if parameter.kind == "amplitude" and estimate.standard_error:
+                small.setdefault(parameter.effect, []).append(abs(estimate.value) < 2 * estimate.standard_error)
+            else:
+                needed += 1
+        return needed + sum(max(1, flags.count(False)) for flags in small.values())
+
+    @property
     def trusted(self) -> bool:
         """Whether the model describes the records well enough for its error bars to mean anything."""
         return self.converged and self.fitted.error_over_noise <= _TRUSTED

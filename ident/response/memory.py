@@ -81,7 +81,7 @@ def _can_remember(effect: AbstractEffect, state: State) -> bool:
         effect.begun(drive)
         effect.follow(state.hidden, drive)
         effect.rate(state, drive, 0.0)
-    except TypeError:
+    except (TypeError, ValueError, AttributeError):
         return False
     return True
 

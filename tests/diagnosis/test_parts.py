@@ -17,7 +17,6 @@ STIFFNESSES = ("residual-stress", "cubic-stiffness", "quadratic-stiffness", "vol
 @pytest.mark.parametrize(
     ("seed", "hidden"),
     [
-        (5013, ("cubic-stiffness", "voltage-stiffness")),
         (612, ("quadratic-stiffness", "voltage-stiffness")),  # the composite comes first, and alone
         (302, ("residual-stress",)),
     ],
@@ -26,6 +25,15 @@ def test_what_is_named_is_what_is_there(seed: int, hidden: tuple[str, ...]) -> N
     campaign = campaign_of(draw(seed, hidden, size=0.02, noise=0.003))
     found = discover(Model(campaign.device), campaign, {name: built_in()[name] for name in STIFFNESSES})
     assert {step.added for step in found.steps if step.role == "effect"} == set(hidden)
+
+
+def test_where_one_name_does_as_well_as_two_both_answers_are_given() -> None:
+    hidden = {"cubic-stiffness", "voltage-stiffness"}
+    campaign = campaign_of(draw(5013, tuple(hidden), size=0.02, noise=0.003))
+    found = discover(Model(campaign.device), campaign, {name: built_in()[name] for name in STIFFNESSES})
+    (step,) = found.steps
+    assert found.verdict == "ambiguous" and hidden < set(step.tie_set)
+    assert "together" in step.reasons[-1] and all(name in step.reasons[-1] for name in hidden)
 
 
 def test_a_friction_that_drives_is_no_friction() -> None:

@@ -5,15 +5,16 @@ from ..memory import slip, within
 
 
 class BoucWen(AbstractEffect):
-    """Friction with an elastic start: F = −F_y h, h' = (ż/z_y)(1 − |h|ⁿ if ż h > 0, else 1), |h| ≤ 1.
+    """Friction with an elastic start: F = −F_y h, h' = (ż/z_y)(1 − |h|ⁿ if ż h > 0, else 1 − c |h|ⁿ).
 
     Below the yield displacement z_y it is a spring F_y/z_y, far beyond it Coulomb friction of size F_y; n says how
-    sharply it yields (1 is soft, 2 and more sharp). Loops in joints, clamps and electrode layers; typical F_y 0.1-5 %
-    of the peak restoring force.
+    sharply it yields (1 is soft, 2 and more sharp), c how it unloads (0 as a spring; −1 twice as stiffly at first). In
+    the usual form of the law, β + γ = 1 and c = γ − β. Loops in joints, clamps and electrode layers; typical F_y
+    0.1-5 % of the peak restoring force.
     """
 
     name = "bouc-wen"
-    equation = "F = −F_y h, h' = (ż/z_y)(1 − |h|ⁿ [ż h > 0])"
+    equation = "F = −F_y h, h' = (ż/z_y)(1 − |h|ⁿ [ż h > 0] − c |h|ⁿ [ż h < 0])"
     source = (
         "Ismail, Ikhouane, Rodellar, The hysteresis Bouc-Wen model, a survey, 2009, "
         "Arch. Comput. Methods Eng. 16, 161, §2"
@@ -25,6 +26,7 @@ class BoucWen(AbstractEffect):
     friction = amplitude("N", "force when fully slipping, F_y", one_sided=True)
     travel = shape("m", "yield displacement, z_y", grid=(0.05, 0.15, 0.4, 1.0), scale="displacement")
     sharpness = shape("1", "sharpness of the yield, n", grid=(1.0, 2.0))
+    softness = shape("1", "softness of unloading, c = γ − β", positive=False, grid=(0.0,))
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         return -self.friction * within(state.hidden[0])
@@ -33,4 +35,4 @@ class BoucWen(AbstractEffect):
         return (0.0,)
 
     def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
-        return (state.v / self.travel * (1.0 - slip(state.hidden[0], state.v, self.sharpness)),)
+        return (state.v / self.travel * (1.0 - slip(state.hidden[0], state.v, self.sharpness, self.softness)),)

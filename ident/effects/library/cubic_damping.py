@@ -6,9 +6,9 @@ from ..effect import AbstractEffect, Drive, Scalar, State, amplitude
 class CubicDamping(AbstractEffect):
     """Damping of third order: F = −(c3 ż² + c_z z²) ż.
 
-    c3 is drag of third order in the velocity; c_z (held at zero unless a campaign frees it) the amplitude-dependent
-    loss of micromechanical resonators. At one frequency the two look alike: only sines far from resonance, or a dc
-    bias, tell them apart. Typical: the quality factor falls by 1-50 % from small to full amplitude.
+    c3 is drag of third order in the velocity; c_z the amplitude-dependent loss of micromechanical resonators. At one
+    frequency the two look alike: only sines far from resonance, or a dc bias, tell them apart.
+    Typical: the quality factor falls by 1-50 % from small to full amplitude.
     """
 
     name = "cubic-damping"
@@ -22,7 +22,7 @@ class CubicDamping(AbstractEffect):
     mistaken_for = ("quadratic-damping", "squeeze-film-damping")
 
     c3 = amplitude("N*s^3/m^3", "damping by the cube of the velocity")
-    c_z = amplitude("N*s/m^3", "damping by the square of the displacement", fitted=False)
+    c_z = amplitude("N*s/m^3", "damping by the square of the displacement")
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         return -(self.c3 * state.v**2 + self.c_z * state.z**2) * state.v

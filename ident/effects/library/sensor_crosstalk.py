@@ -6,9 +6,8 @@ from ..effect import AbstractEffect, Drive, Scalar, State, amplitude
 class SensorCrosstalk(AbstractEffect):
     """Part of the drive appears in the reading: reading = z + a V + b V̇.
 
-    a by a shared ground or resistance; b (held at zero unless a campaign frees it) by a stray capacitance into a low
-    impedance. Typical: 0.1-5 % of the signal; plain above resonance, where the stage hardly moves and the voltage
-    still shows.
+    a by a shared ground or resistance; b by a stray capacitance into a low impedance. Typical: 0.1-5 % of the signal;
+    plain above resonance, where the stage hardly moves and the voltage still shows.
     """
 
     name = "sensor-crosstalk"
@@ -20,7 +19,7 @@ class SensorCrosstalk(AbstractEffect):
     mistaken_for = ("second-mode", "sensor-lag", "drive-lag")
 
     leak = amplitude("m/V", "reading per volt, a")
-    capacitive = amplitude("m*s/V", "reading per rate of the voltage, b", fitted=False)
+    capacitive = amplitude("m*s/V", "reading per rate of the voltage, b")
 
     def sensor(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         return self.leak * drive.V + self.capacitive * drive.rate

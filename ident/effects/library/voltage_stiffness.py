@@ -6,9 +6,9 @@ from ..effect import AbstractEffect, Drive, Scalar, State, amplitude
 class VoltageStiffness(AbstractEffect):
     """The drive changes the stiffness: F = −(k_V V + k_VV V²) z, a parametric excitation.
 
-    k_V from the axial force of a piezoelectric layer, whose sign follows the voltage; k_VV (held at zero unless a
-    campaign frees it) from electrostatic attraction, which softens (k_VV < 0). Typical: the stiffness moves by 0.01-1
-    % per volt. A drive at ω moves force to 0 and 2ω; at twice the resonance it pumps.
+    k_V from the axial force of a piezoelectric layer, whose sign follows the voltage; k_VV from electrostatic
+    attraction, which softens (k_VV < 0). Typical: the stiffness moves by 0.01-1 % per volt. A
+    drive at ω moves force to 0 and 2ω; at twice the resonance it pumps.
     """
 
     name = "voltage-stiffness"
@@ -20,7 +20,7 @@ class VoltageStiffness(AbstractEffect):
     mistaken_for = ("quadratic-stiffness", "residual-stress", "electrostriction")
 
     per_volt = amplitude("N/m/V", "stiffness per volt, k_V")
-    per_volt2 = amplitude("N/m/V^2", "stiffness per squared volt, k_VV", fitted=False)
+    per_volt2 = amplitude("N/m/V^2", "stiffness per squared volt, k_VV")
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         return -(self.per_volt + self.per_volt2 * drive.V) * drive.V * state.z
