@@ -64,7 +64,7 @@ LAWS: tuple[Law, ...] = (
     Law("end-stop", "force", ("z",), _flag(0.45, 0.75)),
     Law("static-force", "force", ("1",), alike=("sensor-offset",)),
     Law("second-mode", "force", ("history",), lambda rng, own: (rng.uniform(1.8, 3.2), rng.uniform(15, 60), 0.0)),
-    Law("viscoelastic-support", "force", ("z", "history"), _flag(1.5, 8.0)),
+    Law("viscoelastic-support", "force", ("z", "history"), _flag(1.5, 8.0), alike=("creep",)),
     Law("coulomb-friction", "force", ("v",), lambda rng, own: (0.004 if own else 0.02, 0.0, 0.0)),
     Law("quadratic-damping", "force", ("v",), _one(0.03, 0.1, 0.0)),
     Law("cubic-damping", "force", ("v",), _one(0.05, 0.15, 0.0)),
@@ -78,7 +78,7 @@ LAWS: tuple[Law, ...] = (
     Law("bouc-wen-drive", "drive", ("e", "history"),
         lambda rng, own: (rng.uniform(0.15, 0.5), 2.0 if own else 1.0, 0.0)),
     Law("electrostriction", "drive", ("e",), _one(0.05, 0.15, 0.0)),
-    Law("creep", "drive", ("e", "history"), _flag(6.0, 30.0)),
+    Law("creep", "drive", ("e", "history"), _flag(6.0, 30.0), alike=("viscoelastic-support",)),
     Law("drive-lag", "drive", ("e", "history"), alike=("sensor-lag",)),
     Law("sensor-nonlinearity", "sensor", ("z",), _one(0.6, 1.0, 0.0)),
     Law("sensor-lag", "sensor", ("z", "history"), alike=("drive-lag",)),
@@ -86,7 +86,7 @@ LAWS: tuple[Law, ...] = (
     Law("sensor-drift", "sensor", ("t",), _flag(0.5, 1.5)),
     Law("sensor-offset", "sensor", ("1",), alike=("static-force",)),
     Law("sine-force", "force", ("z",), lambda rng, own: (rng.uniform(3.0, 6.0), 0.0, 0.0), in_library=False),
-    Law("square-voltage-stiffness", "force", ("z", "e"), in_library=False),
+    Law("voltage-quadratic-stiffness", "force", ("z", "e"), in_library=False),
     Law("root-stiffness", "force", ("z",), in_library=False),
     Law("voltage-damping", "force", ("v", "e"), in_library=False),
     Law("stribeck-friction", "force", ("v",), lambda rng, own: (0.005, rng.uniform(0.5, 1.5), rng.uniform(0.1, 0.3)),
@@ -97,7 +97,7 @@ NAMES = tuple(law.name for law in LAWS)
 INDEX = {name: i for i, name in enumerate(NAMES)}
 
 (STRESS, ARCH, CUBIC, QUADRATIC, VOLT, K_DRIFT, STOP, STATIC, MODE, VISCO, COULOMB, V2, V3, SQUEEZE, C_DRIFT, BOUC,
- PZT, PLAYS, BOUC_E, E2, CREEP, LAG_E, BEND, LAG_S, CROSS, S_DRIFT, OFFSET, SINE, ZE2, ROOT, VE, STRIBECK) = range(
+ PZT, PLAYS, BOUC_E, E2, CREEP, LAG_E, BEND, LAG_S, CROSS, S_DRIFT, OFFSET, SINE, Z2E, ROOT, VE, STRIBECK) = range(
     len(LAWS)
 )  # fmt: skip
 
@@ -169,7 +169,7 @@ def force(z, v, e, t, h, q1, q2, c, s, g):
     f -= c[BOUC] * h
     if c[SINE] != 0:
         f -= c[SINE] * math.sin(s[SINE, 0] * z)
-    f -= c[ZE2] * z * e * e + c[VE] * e * v
+    f -= c[Z2E] * z * z * e + c[VE] * e * v
     if c[ROOT] != 0:
         f -= c[ROOT] * z * math.sqrt(abs(z))
     if c[STRIBECK] != 0:

@@ -34,6 +34,9 @@ def _of(names: str, why: str, separate: str, linear_exact: bool = False, in_moti
 EQUIVALENCES: tuple[Equivalence, ...] = (
     _of("sensor-lag drive-lag", "a delay before and after a linear device reads the same",
         "no record of drive and displacement can; time the sensor alone, or add a second sensor", True),
+    _of("creep viscoelastic-support",
+        "what comes late in the drive and in the support makes transfer functions with as many poles and zeros",
+        "a record in which something else than the drive moves the stage (a load that is taken away, a tap)"),
     _of("static-force sensor-offset", "on a linear device a constant force only shifts the reading by a constant",
         "a record of the sensor with the stage blocked, or a dc bias if the device is nonlinear", True),
     _of("static-force sensor-offset sensor-drift", "within one short record a slow drift is a constant",

@@ -61,12 +61,15 @@ def _replaced(name: str, last: Fit, full: Bench, bench: Bench, library: Library)
     best = min(tried, key=lambda found: found.criterion, default=None)
     if best is None or not np.isfinite(best.criterion):
         return None
-    clearly = best.criterion < full.criterion - _CLEARLY
+    # A refit counts all of its parameters: with only those that it needs it may yet be better.
+    perhaps = best.criterion - len(library[best.candidate.name].parameters) * np.log(full.n) < full.criterion
     alike = best.chi2 - full.fit_chi2 < ANOTHER_LAW * bench.excess
-    if not (clearly or (alike and last.holdout is not None)):
+    if not (perhaps or (alike and last.holdout is not None)):
         return None
     after = accept(best, bench.fit)
-    wins = not hurts(last, after) if clearly else hurts(after, last)
+    margin = 0.0 if best.candidate.name in library[name].contains else _CLEARLY  # a part of it is the simpler answer
+    clearly = perhaps and prepare(working(after)).criterion < full.criterion - margin
+    wins = not hurts(last, after) if clearly else alike and hurts(after, last)
     return (best.candidate.name, after) if wins else None
 
 

@@ -237,7 +237,9 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     ]
     beside = bench.moved(np.array([near[0][names[a]] for a in amplitudes]) @ raw[rows])
     rows = projected[rows]
-    spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv(rows @ rows.T, rcond=1e-12)), 0.0))
+    lengths = np.maximum(np.linalg.norm(rows, axis=1), 1e-300)  # amplitudes differ in unit, and so by powers of ten
+    unit = rows / lengths[:, None]
+    spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv(unit @ unit.T, rcond=1e-10)), 0.0)) / lengths
     errors = {names[a]: float(x) for a, x in zip(amplitudes, spread, strict=True)}
     units = {p.name: p.unit for p in instance.declared()}
     tried = basis.shape[1] + len(instance.declared()) - len(amplitudes)
@@ -252,7 +254,9 @@ def _estimate(
     bench: Bench, names: list[str], amplitudes: list[int], point: np.ndarray, rows: np.ndarray
 ) -> dict[str, float]:
     """Parameters of an effect at one point of its grid: the amplitudes by regression."""
-    size, _, _, _ = np.linalg.lstsq(rows.T, bench.residual, rcond=1e-10)
+    lengths = np.maximum(np.linalg.norm(rows, axis=1), 1e-300)
+    size, _, _, _ = np.linalg.lstsq((rows / lengths[:, None]).T, bench.residual, rcond=1e-10)
+    size = size / lengths
     found = dict(zip(names, (float(x) for x in point), strict=True))
     return found | {names[a]: float(x) for a, x in zip(amplitudes, size, strict=True)}
 

@@ -16,6 +16,9 @@ _NAMES = {"z": "the displacement z", "v": "the velocity v", "V": "the drive volt
 _SIDES = {"force": "a force on the stage", "drive": "a force through the drive", "sensor": "an error of the sensor"}
 
 
+_FOLLOWED = 0.97  # error over noise below which functions of the measured motion must have followed its noise
+
+
 def what(side: Side, coordinates: tuple[str, ...]) -> str:
     """ "a force on the stage that depends on the displacement z"."""
     if coordinates == ("1",):
@@ -31,9 +34,10 @@ def describe(found: Unknown) -> tuple[str, ...]:
     """What was found, how sure it is, and what it could be instead."""
     before, after = np.sqrt(found.chi2_before), np.sqrt(found.chi2_after)
     text = f"What the model lacks acts like {what(found.side, found.coordinates)}: that explains"
+    left = f"{after:.2f}" if after > _FOLLOWED else f"the noise floor (to {after:.2f}: some noise is followed too)"
     sentences = [
         f"{text} {percent(found.share)} of the error above the noise, and error/noise falls from {before:.2f} to "
-        f"{after:.2f}."
+        f"{left}."
     ]
     if found.p_value > 1e-3:
         sentences.append(

@@ -98,7 +98,7 @@ def _evaluate(
                 f"{effect.name} follows the drive and acts on more than the drive",
                 do="write `rate` instead of `follow`, or `drive` instead of `force` and `sensor`",
             )
-        followed = instance.follow(hidden, drive)
+        followed = instance.follow(hidden, drive, drive, t)
         _one_for_each(instance, len(followed), "values of `follow`")
         for i, (value, unit) in enumerate(zip(followed, effect.hidden_units, strict=True)):
             found[f"follow[{i}]"] = (float(value), unit)

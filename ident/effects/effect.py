@@ -144,8 +144,8 @@ class AbstractEffect:
     - `drive(hidden, drive, t)`: force through the actuator, N; sees the drive and its own memory only;
     - `sensor(state, drive, t)`: what the sensor adds to the true displacement, m;
     - `state0()` and `rate(state, drive, t)`: hidden states of its own and their time derivatives, in `hidden_units`;
-    - `follow(hidden, drive)`, instead of a rate: the hidden states once the drive has come to `drive`, for a memory of
-      the values that it took, whatever the time (play operators);
+    - `follow(hidden, before, drive, step)`, instead of a rate, for a memory of the drive alone that is known in closed
+      form: the hidden states when the drive has gone from `before` to `drive` in a time `step`;
     - `begun(drive)`: the hidden states of a record that begins under voltage, if they are not `state0()`;
     - `prepare()`: whatever is constant along a trajectory, computed once and found in `self.prepared`.
 
@@ -272,5 +272,5 @@ class AbstractEffect:
     def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
         return ()
 
-    def follow(self, hidden: tuple[Scalar, ...], drive: Drive) -> tuple[Scalar, ...]:
+    def follow(self, hidden: tuple[Scalar, ...], before: Drive, drive: Drive, step: Scalar) -> tuple[Scalar, ...]:
         return hidden

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ..campaign.device import Device
 from ..diagnosis.beyond import NAME
 from ..diagnosis.diagnose import Diagnosis
 from ..diagnosis.discover import Discovery, Step
 from ..diagnosis.enough import ANOTHER_LAW, adequate
+from ..diagnosis.equivalences import equivalence
 from ..diagnosis.score import Candidate
 from ..fit import Fit
 from .data_judgement import one_frequency
@@ -83,7 +86,7 @@ def ranking_sheet(found: Diagnosis) -> Sheet:
             (
                 candidate.name,
                 f"{100 * candidate.predicted_gain:.1f} %",
-                "–" if confirmed is None else f"{100 * confirmed:.1f} %",
+                _confirmed(confirmed),
                 _size(candidate, loop.start),
                 "< 1e-15" if candidate.p_value < 1e-15 else f"{candidate.p_value:.1g}",
             )
@@ -96,6 +99,12 @@ def ranking_sheet(found: Diagnosis) -> Sheet:
     )  # fmt: skip
     note = "share of the error beyond noise that the effect removes: as scored, and in a refit of the full simulation"
     return Sheet("Which effect is missing?", columns, tuple(rows), tuple(marks), note)
+
+
+def _confirmed(gain: float | None) -> str:
+    if gain is None:
+        return "–"
+    return f"{100 * min(gain, 1.0):.1f} %" if gain > 0 else "none"
 
 
 def _size(candidate: Candidate, fitted: Fit) -> str:
@@ -111,7 +120,7 @@ def advice(found: Diagnosis) -> list[str]:
     """What ties, what is unknown, and what to measure next, one sentence each."""
     sentences = [reason for step in found.discovery.steps if step.role == "effect" for reason in step.reasons]
     for experiment in found.next_experiments[:1]:
-        pair = " from ".join(experiment.separates)
+        pair = " from ".join(_told_apart(experiment.separates))
         gain = experiment.expected_delta_chi2
         sentences.append(f"To tell {pair}, measure: {experiment.record} (expected Δχ² {gain:.3g}).")
     sentences += _not_identified(found.discovery.final)
@@ -123,6 +132,19 @@ def advice(found: Diagnosis) -> list[str]:
     if found.effect_file is not None:
         sentences.append(f"It is written as an effect of your own to refine: {found.effect_file}")
     return sentences
+
+
+def _told_apart(names: Sequence[str]) -> list[str]:
+    """The names, those that no record can tell apart joined: "drive-lag or sensor-lag"."""
+    groups: list[list[str]] = []
+    for name in names:
+        same = (g for g in groups if (known := equivalence(name, g[0])) is not None and known.linear_exact)
+        group = next(same, None)
+        if group is None:
+            groups.append([name])
+        else:
+            group.append(name)
+    return [" or ".join(group) for group in groups]
 
 
 def _not_identified(final: Fit) -> list[str]:

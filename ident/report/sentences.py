@@ -10,6 +10,7 @@ import numpy as np
 
 from ..campaign.device import Platform
 from ..campaign.drive import drive_frequency
+from ..fit.carry_over import expected_error
 from ..fit.one_tone import hold_quality
 from ..fit.result import Fit
 from .quantity import show, significant
@@ -60,9 +61,14 @@ def _heldout(fit: Fit) -> str:
         as_well = "to the noise floor too" if ratio <= GOOD else "no worse"
         return f" Held-out records, which it has never seen, are predicted {as_well} ({number})."
     worst = max((s for s in fit.scores if s.holdout), key=lambda s: s.error_over_noise)
+    expected = expected_error(fit) if fit.fitted.error_over_noise <= GOOD else math.inf
+    why = "so the model does not carry over to them."
+    # The square of one uncertain direction scatters: it is twice its standard error in one case of twenty.
+    if math.isfinite(expected) and ratio**2 - 1 < 4 * (expected**2 - 1) + GOOD**2 - 1:
+        why = f"but by no more than the errors of the parameters can make ({ratio_text(expected)} expected)."
     return (
         f" Held-out records are predicted worse ({number} times the noise floor; worst: {worst.name}, "
-        f"{ratio_text(worst.error_over_noise)}), so the model does not carry over to them."
+        f"{ratio_text(worst.error_over_noise)}), {why}"
     )
 
 

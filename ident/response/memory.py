@@ -54,11 +54,12 @@ def memory_along(
 def _followed(
     effect: AbstractEffect, begin: tuple[Array, ...], drive: Callable[[Array, Array], Drive], lane: Lane
 ) -> tuple[Array, ...]:
-    def advance(hidden: tuple[Array, ...], at: tuple[Array, Array]) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
-        hidden = effect.follow(hidden, drive(*at))
+    def advance(hidden: tuple[Array, ...], at: tuple[Array, ...]) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
+        hidden = effect.follow(hidden, drive(*at[:2]), drive(*at[2:]), 0.5 * lane.step)
         return hidden, hidden
 
-    _, path = lax.scan(advance, begin, (jnp.asarray(lane.voltage)[1:], jnp.asarray(lane.rate)[1:]))
+    voltage, rate = jnp.asarray(lane.voltage), jnp.asarray(lane.rate)
+    _, path = lax.scan(advance, begin, (voltage[:-1], rate[:-1], voltage[1:], rate[1:]))
     return tuple(jnp.concatenate([a[None], b]) for a, b in zip(begin, path, strict=True))
 
 
@@ -79,7 +80,7 @@ def _can_remember(effect: AbstractEffect, state: State) -> bool:
     drive = Drive(1.0, 1.0, 1.0, 1.0)
     try:
         effect.begun(drive)
-        effect.follow(state.hidden, drive)
+        effect.follow(state.hidden, drive, drive, 1.0)
         effect.rate(state, drive, 0.0)
     except (TypeError, ValueError, AttributeError):
         return False

@@ -58,7 +58,7 @@ def formulas(effect: AbstractEffect, state: State, drive: Drive, t: float) -> li
         effect.drive(state.hidden, drive, t),
         effect.sensor(state, drive, t),
         *effect.rate(state, drive, t),
-        *effect.follow(state.hidden, drive),
+        *effect.follow(state.hidden, drive, drive, 1e-4),
     ]
 
 
@@ -86,7 +86,9 @@ def test_hidden_states_have_a_unit_a_start_and_a_rate(name):
     effect = beside_partner(built_in()[name](Platform()))
     state = State(1e-6, 1e-2, effect.state0())
     drive = Drive(1.0, 1.0, 1.0, 1.0)
-    count = len(effect.follow(state.hidden, drive) if effect.overrides("follow") else effect.rate(state, drive, 0.0))
+    count = len(
+        effect.follow(state.hidden, drive, drive, 1.0) if effect.overrides("follow") else effect.rate(state, drive, 0.0)
+    )
     assert count == len(effect.state0()) == len(effect.hidden_units)
     assert all(value == 0.0 for value in effect.state0()), "a record that starts at rest has no memory"
 

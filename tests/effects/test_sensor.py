@@ -50,6 +50,7 @@ def test_sensor_lag_is_an_exact_low_pass_within_its_stated_accuracy(time, accura
 def test_on_a_linear_device_a_lag_of_the_sensor_is_a_lag_of_the_drive():
     # Linear blocks commute: no record of such a device can tell the two apart.
     sensor = measured(make("sensor-lag", time=4e-5, shortest=6e-5), substeps=4)
-    drive = measured(make("drive-lag", time=4e-5, shortest=6e-5), substeps=4)
-    assert np.max(np.abs(sensor - drive)) < 1e-5 * np.max(np.abs(sensor))
+    drive = measured(make("drive-lag", time=4e-5), substeps=4)
+    late = np.max(np.abs(drive - measured(substeps=4)))
+    assert np.max(np.abs(sensor - drive)) < 0.01 * late  # what `lag_change` is off by, in the sensor
     assert len(sensor) == len(TIME)

@@ -1,7 +1,10 @@
 """The force follows the voltage late."""
 
-from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
-from ..memory import lag_change, lag_time
+import jax.numpy as jnp
+
+from ..effect import AbstractEffect, Drive, Scalar, amplitude
+
+_FORGOTTEN = 50.0  # time constants after which nothing is left of a memory
 
 
 class DriveLag(AbstractEffect):
@@ -9,8 +12,8 @@ class DriveLag(AbstractEffect):
 
     The resistance of leads with the capacitance of the PZT, or an amplifier behind the point of measurement. Typical:
     1-100 µs. Being linear, it cannot be told from a lag of the sensor; the clocks of two channels that are apart look
-    the same. Written so that τ may pass through zero: exact for τ ≫ 0.03 periods, second order in ωτ below
-    (`memory.lag_change`).
+    the same. Exact for a drive whose rate goes straight between the points of the solver's grid; τ may pass through
+    zero: a lead is simulated to second order in τ.
     """
 
     name = "drive-lag"
@@ -20,16 +23,22 @@ class DriveLag(AbstractEffect):
         "sensor-lag", "second-mode", "creep", "viscoelastic-support", "sensor-crosstalk", "pzt-hysteresis",
         "prandtl-ishlinskii", "bouc-wen-drive",
     )  # fmt: skip
-    hidden_units = ("V",)
+    hidden_units = ("V/s",)  # (V_τ − V)/τ
 
     time = amplitude("s", "time constant, τ")
-    shortest = shape("s", "shortest memory that is simulated", grid=(0.03,), scale="period", fitted=False)
 
     def drive(self, hidden: tuple[Scalar, ...], drive: Drive, t: Scalar) -> Scalar:
-        return drive.gain * lag_change(drive.V, drive.rate, hidden[0], self.time, self.shortest)
+        return drive.gain * self.time * hidden[0]
 
     def state0(self) -> tuple[Scalar, ...]:
         return (0.0,)
 
-    def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
-        return ((drive.V - state.hidden[0]) / lag_time(self.time, self.shortest),)
+    def begun(self, drive: Drive) -> tuple[Scalar, ...]:
+        late = self.time > 0  # the voltage is switched on with the record
+        return (jnp.where(late, -drive.V / jnp.where(late, self.time, 1.0), 0.0),)
+
+    def follow(self, hidden: tuple[Scalar, ...], before: Drive, drive: Drive, step: Scalar) -> tuple[Scalar, ...]:
+        late = jnp.maximum(self.time, step / _FORGOTTEN)
+        kept = jnp.where(self.time > 0, jnp.exp(-step / late), 0.0)
+        bend = (drive.rate - before.rate) / step
+        return (kept * (hidden[0] + before.rate) - drive.rate + self.time * bend * (1.0 - kept),)

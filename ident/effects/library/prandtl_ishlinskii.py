@@ -41,9 +41,9 @@ class PrandtlIshlinskii(AbstractEffect):
         return (0.0,) * _PLAYS
 
     def begun(self, drive: Drive) -> tuple[Scalar, ...]:
-        return self.follow(self.state0(), drive)
+        return self.follow(self.state0(), drive, drive, 0.0)
 
-    def follow(self, hidden: tuple[Scalar, ...], drive: Drive) -> tuple[Scalar, ...]:
+    def follow(self, hidden: tuple[Scalar, ...], before: Drive, drive: Drive, step: Scalar) -> tuple[Scalar, ...]:
         return tuple(jnp.clip(p, drive.V - r, drive.V + r) for p, r in zip(hidden, self._widths(), strict=True))
 
     def _widths(self) -> list[Scalar]:

@@ -1,0 +1,66 @@
+"""Records that no linear model describes together: what is missing is seen from the one that it describes alone."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from ident.campaign.campaign import Campaign
+from ident.campaign.device import Oscillator
+from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.diagnosis.confirm import confirm
+from ident.diagnosis.discover import discover
+from ident.diagnosis.lone_record import prepare_at_best
+from ident.diagnosis.score import prepare, score
+from ident.effects.registry import built_in
+from ident.fit import fit
+from ident.model import Model
+
+FREQUENCY, QUALITY, GAP, HARDNESS, SIGMA = 1000.0, 25.0, 0.9, 1.5, 0.005
+OMEGA0 = 2 * np.pi * FREQUENCY
+GAIN = OMEGA0**2 / QUALITY  # a volt at resonance moves the stage by one
+LIBRARY = {name: built_in()[name] for name in ("end-stop", "damping-drift", "cubic-stiffness", "creep", "bouc-wen")}
+
+
+def record(volts: float, hertz: float, seed: int) -> Trace:
+    """A sine from rest, answered by an oscillator with a linear stop on one side (SciPy, tight tolerances)."""
+    time = np.arange(1500) / 40e3
+    omega = 2 * np.pi * hertz
+
+    def rate(t, y):
+        z, v = y
+        stop = HARDNESS * OMEGA0**2 * max(z - GAP, 0.0)
+        return [v, GAIN * volts * np.sin(omega * t) - OMEGA0 / QUALITY * v - OMEGA0**2 * z - stop]
+
+    found = solve_ivp(rate, (0.0, time[-1]), [0.0, 0.0], "DOP853", time, rtol=1e-9, atol=1e-12, max_step=1e-5)
+    response = found.y[0] + SIGMA * np.random.default_rng(seed).normal(size=len(time))
+    one = Channel("V", 1.0)
+    noise = NoiseFloor(SIGMA, (), "given", 0.0)
+    return Trace(f"{volts:g}.csv", time, volts * np.sin(omega * time), response, one, one, noise)
+
+
+def campaign() -> Campaign:
+    sines = ((0.6, 1000.0), (3.0, 1000.0), (6.0, 1060.0))
+    return Campaign("stop", tuple(record(*sine, seed) for seed, sine in enumerate(sines)), Oscillator())
+
+
+def test_a_hard_stop_is_seen_from_the_record_that_does_not_touch_it():
+    records = campaign()
+    start = fit(Model(records.device), records)
+    assert start.fitted.error_over_noise > 10
+    assert not prepare(start).credible
+    bench = prepare_at_best(start)
+    assert bench.credible and bench.instead_of is not None
+    assert bench.fit.scores[0].error_over_noise < 1.1  # its own record; the others are far off
+    assert bench.fit.fitted.error_over_noise > start.fitted.error_over_noise
+    best = score(bench, LIBRARY)[0]
+    assert best.name == "end-stop"
+    assert confirm(bench, LIBRARY["end-stop"], best).gain > 0.999
+
+
+def test_the_stop_is_named_and_its_gap_found():
+    found = discover(Model(Oscillator()), campaign(), LIBRARY)
+    assert found.verdict == "identified"
+    assert [step.added for step in found.steps] == ["end-stop"]
+    assert found.final.fitted.error_over_noise < 1.05
+    assert abs(found.final.value("end-stop.gap") - GAP) < 0.01

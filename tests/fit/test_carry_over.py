@@ -1,0 +1,53 @@
+"""Held-out error that the errors of the parameters explain is no failure of the model."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import signal
+
+from ident.campaign.campaign import Campaign
+from ident.campaign.device import Oscillator
+from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.fit import Fit, fit
+from ident.fit.carry_over import expected_error
+from ident.model import Model
+from ident.report.sentences import verdict
+
+OMEGA0, QUALITY, GAIN, STEP, SIGMA = 2 * np.pi * 500.0, 60.0, 3e5, 5e-5, 0.1
+
+
+def trace(hertz: float, samples: int, rng: np.random.Generator, **fields: bool) -> Trace:
+    """A sine of one volt from rest, answered by a linear oscillator (SciPy's exact filter of the sampled drive)."""
+    fine = np.arange(16 * samples) * STEP / 16
+    drive = np.sin(2 * np.pi * hertz * fine)
+    _, response, _ = signal.lsim(([GAIN], [1.0, OMEGA0 / QUALITY, OMEGA0**2]), drive, fine)
+    noisy = response[::16] + SIGMA * rng.normal(size=samples)
+    one, noise = Channel("V", 1.0), NoiseFloor(SIGMA, (), "given", 0.0)
+    return Trace(f"{hertz:g}.csv", fine[::16], drive[::16], noisy, one, one, noise, **fields)  # type: ignore[arg-type]
+
+
+def fitted(seed: int) -> Fit:
+    rng = np.random.default_rng(seed)
+    records = (trace(450.0, 200, rng), trace(500.0, 800, rng, holdout=True))
+    return fit(Model(Oscillator()), Campaign("short", records, Oscillator()))
+
+
+def test_it_is_what_repeated_experiments_show():
+    runs = [fitted(seed) for seed in range(24)]
+    expected = np.mean([expected_error(run) ** 2 for run in runs])
+    seen = np.mean([run.holdout.error_over_noise**2 for run in runs if run.holdout])
+    assert expected > 1.3  # a fifth of a record off resonance predicts the resonance badly
+    assert seen - 1 == pytest.approx(expected - 1, rel=0.5)
+
+
+def test_the_verdict_tells_unsure_parameters_from_a_wrong_model():
+    runs = [fitted(seed) for seed in range(6)]
+    unsure = max(runs, key=lambda run: run.holdout.error_over_noise if run.holdout else 0.0)
+    assert "errors of the parameters" in verdict(unsure)
+    held = unsure.campaign.heldout[0]
+    other = replace(held, response=2 * held.response)  # of a device that moves twice as much
+    wrong = fit(unsure.model, replace(unsure.campaign, records=(*unsure.campaign.fitted, other)))
+    assert "does not carry over" in verdict(wrong)
