@@ -174,7 +174,10 @@ def _tied_at_the_end(step: Step, last: Fit, start: Fit, library: Library, report
     if len(step.tie_set) < 2 or step.role != "effect":
         return step
     report(f"what {step.added} could be mistaken for")
-    bench = prepare(try_without(working(last), step.added, start))
+    try:
+        bench = prepare(try_without(working(last), step.added, start))
+    except Diverged:  # without it the motion has no bound
+        return step
     candidates = significant(score(bench, library))
     chosen = next((c for c in candidates if c.name == step.added), None)
     if chosen is None:

@@ -13,6 +13,7 @@ from ..fit.rebuild import fit_at
 from .score import Bench, prepare
 from .shorten import working
 from .side_by_side import at_once
+from .trajectory import Diverged
 
 _CLEARLY = 0.5  # of the joint error: so much better a record must be described by itself
 
@@ -33,5 +34,8 @@ def prepare_at_best(joint: Fit) -> Bench:
     best = min(known, key=lambda one: one.fitted.error_over_noise, default=None)
     if best is None or not best.fitted.error_over_noise < _CLEARLY * short.fitted.error_over_noise:
         return bench
-    there = prepare(fit_at(short.model, short.campaign, best.values), believed=best.trusted)
+    try:
+        there = prepare(fit_at(short.model, short.campaign, best.values), believed=best.trusted)
+    except Diverged:  # on the strong records the motion has no bound
+        return bench
     return replace(there, instead_of=bench)

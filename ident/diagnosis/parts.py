@@ -12,6 +12,7 @@ from ..fit import Fit
 from .change import try_without
 from .confirm import accept, confirm
 from .score import prepare, score, significant
+from .trajectory import Diverged
 
 _STRONG = 6.0  # difference of criteria: R. E. Kass, A. E. Raftery, Bayes factors, 1995, J. Am. Stat. Assoc. 90, §3.2
 
@@ -45,14 +46,17 @@ def take_apart(
         if not simple:
             continue
         report(f"is {effect.name} the sum of simpler effects?")
-        whole, current = prepare(last).criterion, try_without(last, effect.name, start)
-        bench, names = prepare(current), []
-        while best := next(iter(significant(score(bench, simple))), None):
-            trial = confirm(bench, simple[best.name], best)
-            if not trial.criterion < bench.criterion:
-                break
-            current = accept(trial, current)
-            bench, names = prepare(current), [*names, best.name]
+        whole, current, names = prepare(last).criterion, try_without(last, effect.name, start), []
+        try:
+            bench = prepare(current)
+            while best := next(iter(significant(score(bench, simple))), None):
+                trial = confirm(bench, simple[best.name], best)
+                if not trial.criterion < bench.criterion:
+                    break
+                current = accept(trial, current)
+                bench, names = prepare(current), [*names, best.name]
+        except Diverged:  # a motion without bound explains nothing
+            continue
         if bench.criterion + 2 * np.log(len(library)) * (len(names) - 1) < whole - _STRONG:
             return [*alike, Parts(effect.name, tuple(names), current, better=True)]
         if names and bench.criterion < whole + _STRONG:

@@ -16,6 +16,7 @@ from .enough import ANOTHER_LAW, superfluous
 from .parts import Parts, take_apart
 from .score import Bench, Candidate, prepare, score, significant
 from .shorten import working
+from .trajectory import Diverged
 
 Library = Mapping[str, type[AbstractEffect]]
 _MOST_CHANGES = 10  # each has to be for the better, but by two measures: criterion and held-out error
@@ -109,7 +110,10 @@ def _changed(
     for i, name in enumerate(names):
         report(f"does the model still need {name}?")
         without = try_without(last, name, first.fit)
-        bench = prepare(without)
+        try:
+            bench = prepare(without)
+        except Diverged:  # without it the motion has no bound
+            continue
         if superfluous(bench, full, first):
             return [*names[:i], *names[i + 1 :]], without
         # Where scores cannot be believed, every effect has been refitted already.
