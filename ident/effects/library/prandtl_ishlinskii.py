@@ -1,8 +1,7 @@
 """Hysteresis of the piezoelectric drive as a sum of plays."""
 
-import jax.numpy as jnp
-
-from ..effect import AbstractEffect, Drive, Scalar, amplitude, shape
+from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+from ..memory import dragged, within
 
 _PLAYS = 6
 
@@ -16,7 +15,9 @@ class PrandtlIshlinskii(AbstractEffect):
     of the level, Rayleigh's law. Typical for PZT: w 5-40 %. As V is known, its parallel part is in the gain G
     already, and what is left is the loop.
 
-    A record is taken to start unpoled, all p = 0; one that begins under voltage, to have risen to it from there.
+    The edges are rounded (|h|²⁴): a least-squares search stops where the edge of an exact play meets the largest drive.
+    The loop is within 0.5 % of exact plays at 100 steps per period, 1 % at 50, 3 % at 20. A record is taken to start
+    unpoled, all p = 0; one that begins under voltage, to have risen to it from there.
     """
 
     name = "prandtl-ishlinskii"
@@ -26,7 +27,7 @@ class PrandtlIshlinskii(AbstractEffect):
         "Prandtl-Ishlinskii approach, 2003, Eur. J. Control 9, 407, §2"
     )
     mistaken_for = ("bouc-wen-drive", "pzt-hysteresis", "drive-lag", "creep")
-    steps_per_period = 60
+    steps_per_period = 120
     hidden_units = ("V",) * _PLAYS
 
     weight = amplitude("1", "mean weight of the plays, w")
@@ -35,16 +36,18 @@ class PrandtlIshlinskii(AbstractEffect):
 
     def drive(self, hidden: tuple[Scalar, ...], drive: Drive, t: Scalar) -> Scalar:
         weights = [self.weight + self.tilt * (2 * j / (_PLAYS - 1) - 1) for j in range(_PLAYS)]
-        return -drive.gain / _PLAYS * sum(w * (drive.V - p) for w, p in zip(weights, hidden, strict=True))
+        held = [within(drive.V - p, r) for p, r in zip(hidden, self._widths(), strict=True)]
+        return -drive.gain / _PLAYS * sum(w * h for w, h in zip(weights, held, strict=True))
 
     def state0(self) -> tuple[Scalar, ...]:
         return (0.0,) * _PLAYS
 
     def begun(self, drive: Drive) -> tuple[Scalar, ...]:
-        return self.follow(self.state0(), drive, drive, 0.0)
+        return tuple(drive.V - within(drive.V, r) for r in self._widths())
 
-    def follow(self, hidden: tuple[Scalar, ...], before: Drive, drive: Drive, step: Scalar) -> tuple[Scalar, ...]:
-        return tuple(jnp.clip(p, drive.V - r, drive.V + r) for p, r in zip(hidden, self._widths(), strict=True))
+    def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
+        parts = [(drive.V - p) / r for p, r in zip(state.hidden, self._widths(), strict=True)]
+        return tuple(drive.rate * dragged(part, drive.rate) for part in parts)
 
     def _widths(self) -> list[Scalar]:
         return [self.reach * (j + 0.5) / _PLAYS for j in range(_PLAYS)]
