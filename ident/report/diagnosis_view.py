@@ -118,7 +118,8 @@ def _size(candidate: Candidate, fitted: Fit) -> str:
 
 def advice(found: Diagnosis) -> list[str]:
     """What ties, what is unknown, and what to measure next, one sentence each."""
-    sentences = [reason for step in found.discovery.steps if step.role == "effect" for reason in step.reasons]
+    sentences = _scored_from(found.discovery)
+    sentences += [reason for step in found.discovery.steps if step.role == "effect" for reason in step.reasons]
     for experiment in found.next_experiments[:1]:
         pair = " from ".join(_told_apart(experiment.separates))
         gain = experiment.expected_delta_chi2
@@ -132,6 +133,18 @@ def advice(found: Diagnosis) -> list[str]:
     if found.effect_file is not None:
         sentences.append(f"It is written as an effect of your own to refine: {found.effect_file}")
     return sentences
+
+
+def _scored_from(loop: Discovery) -> list[str]:
+    """Where the effects were scored, if not from the first fit."""
+    bench = loop.steps[0].bench if loop.steps else None
+    if bench is None or bench.instead_of is None:
+        return []
+    alone = min((s for s in bench.fit.scores if not s.holdout), key=lambda s: s.error_over_noise)
+    return [
+        f"No values of the first model come near all records; effects were scored from those that describe "
+        f"{alone.name} alone (error over noise {ratio_text(alone.error_over_noise)} there)."
+    ]
 
 
 def _told_apart(names: Sequence[str]) -> list[str]:

@@ -9,12 +9,13 @@ from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.diagnosis.confirm import confirm
-from ident.diagnosis.discover import discover
+from ident.diagnosis.diagnose import diagnose
 from ident.diagnosis.lone_record import prepare_at_best
 from ident.diagnosis.score import prepare, score
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.model import Model
+from ident.report.diagnosis_view import advice
 
 FREQUENCY, QUALITY, GAP, HARDNESS, SIGMA = 1000.0, 25.0, 0.9, 1.5, 0.005
 OMEGA0 = 2 * np.pi * FREQUENCY
@@ -59,7 +60,10 @@ def test_a_hard_stop_is_seen_from_the_record_that_does_not_touch_it():
 
 
 def test_the_stop_is_named_and_its_gap_found():
-    found = discover(Model(Oscillator()), campaign(), LIBRARY)
+    records = campaign()
+    diagnosis = diagnose(fit(Model(records.device), records), LIBRARY)
+    assert any("those that describe 0.6.csv alone" in sentence for sentence in advice(diagnosis))
+    found = diagnosis.discovery
     assert found.verdict == "identified"
     assert [step.added for step in found.steps] == ["end-stop"]
     assert found.final.fitted.error_over_noise < 1.05
