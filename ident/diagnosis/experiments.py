@@ -14,7 +14,7 @@ predictions); W. G. Hunter, A. M. Reiner, 1965, Technometrics 7, 307.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import NamedTuple
@@ -44,15 +44,21 @@ _NEAR = 0.03  # relative distance within which two frequencies are one proposal
 class NextExperiment:
     """A record to take.
 
-    **Arguments:** `record`: in words; `separates`: the effects that it tells apart, and `expected_delta_chi2` the
-    smallest χ² by which any two of them would then differ; `waveform`: its drive; `time` (n,), s, its samples.
+    **Arguments:** `record`: in words; `groups`: the effects between which it chooses, those that it leaves tied
+    together; `expected_delta_chi2`: the smallest χ² by which any two that it tells apart would then differ;
+    `waveform`: its drive; `time` (n,), s, its samples.
     """
 
     record: str
-    separates: tuple[str, ...]
+    groups: tuple[tuple[str, ...], ...]
     expected_delta_chi2: float
     waveform: Waveform
     time: np.ndarray
+
+    @property
+    def separates(self) -> tuple[str, ...]:
+        """Every effect that it tells from another."""
+        return tuple(name for group in self.groups for name in group)
 
     @property
     def voltage(self) -> np.ndarray:
@@ -107,12 +113,24 @@ def rank_experiments(rivals: Mapping[str, Fit], limits: Limits | None = None, co
         apart = [pair for pair, gain in zip(pairs, table[k], strict=True) if gain > SEPARATED]
         if not apart or not np.isfinite(worth[k]) or any(_alike(waves[k], c.waveform) for c in chosen):
             continue
-        names = tuple(name for name in rivals if any(name in pair for pair in apart))
         least = float(min(gain for gain in table[k] if gain > SEPARATED))
-        chosen.append(NextExperiment(waves[k].words, names, least, waves[k], limits.time))
+        chosen.append(NextExperiment(waves[k].words, grouped(rivals, apart), least, waves[k], limits.time))
         if len(chosen) == count:
             break
     return chosen
+
+
+def grouped(names: Iterable[str], apart: Sequence[tuple[str, str]]) -> tuple[tuple[str, ...], ...]:
+    """The names that some pair tells apart, each in the first group with none of which it is such a pair."""
+    groups: list[list[str]] = []
+    for name in names:
+        others = {other for pair in apart if name in pair for other in pair}
+        group = next((g for g in groups if not others & set(g)), None)
+        if others and group is None:
+            groups.append([name])
+        elif others and group is not None:
+            group.append(name)
+    return tuple(tuple(group) for group in groups)
 
 
 def _never_apart(one: str, other: str, rivals: Mapping[str, Fit]) -> bool:

@@ -69,7 +69,7 @@ def _replaced(name: str, last: Fit, full: Bench, bench: Bench, library: Library)
         return None
     after = accept(best, bench.fit)
     margin = 0.0 if best.candidate.name in library[name].contains else _CLEARLY  # a part of it is the simpler answer
-    clearly = perhaps and prepare(working(after)).criterion < full.criterion - margin
+    clearly = perhaps and prepare(after).criterion < full.criterion - margin
     wins = not hurts(last, after) if clearly else alike and hurts(after, last)
     return (best.candidate.name, after) if wins else None
 
@@ -112,11 +112,11 @@ def _changed(
         without = try_without(last, name, first.fit)
         try:
             bench = prepare(without)
-        except Diverged:  # without it the motion has no bound
+            if superfluous(bench, full, first):
+                return [*names[:i], *names[i + 1 :]], without
+            # Where scores cannot be believed, every effect has been refitted already.
+            if full.credible and (found := _replaced(name, last, full, bench, library)) is not None:
+                return [*names[:i], found[0], *names[i + 1 :]], found[1]
+        except Diverged:  # without it, or with another in its place, the motion has no bound
             continue
-        if superfluous(bench, full, first):
-            return [*names[:i], *names[i + 1 :]], without
-        # Where scores cannot be believed, every effect has been refitted already.
-        if full.credible and (found := _replaced(name, last, full, bench, library)) is not None:
-            return [*names[:i], found[0], *names[i + 1 :]], found[1]
     return None

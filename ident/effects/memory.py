@@ -1,4 +1,4 @@
-"""Laws with memory that several effects share: a lag, a yielding contact, a slow relaxation."""
+"""Laws with memory that several effects share: a yielding contact, a play, a slow relaxation."""
 
 from __future__ import annotations
 
@@ -71,25 +71,3 @@ def _edge_jvp(primals: tuple[Any], tangents: tuple[Any]) -> tuple[Any, Any]:
 def within(part: Scalar, bound: Scalar = 1.0) -> Scalar:
     """The part of a yield that bears force: h itself, with the overshoot of a large step beyond ±`bound` cut off."""
     return jnp.clip(part, -bound, bound)
-
-
-def lag_time(time: Scalar, shortest: Scalar) -> Scalar:
-    """Time constant (s) of the memory behind `lag_change`: τ' = (τ⁴ + τ_s⁴)^¼, never too short for a fixed step."""
-    return (time**4 + shortest**4) ** 0.25
-
-
-def lag_change(signal: Scalar, rate: Scalar, memory: Scalar, time: Scalar, shortest: Scalar) -> Scalar:
-    """What a first-order lag changes in a signal, regular as its time constant passes through zero.
-
-    Δ = −τ ẋ + (τ²/τ')(ẋ − (x − q)/τ'),   q' = (x − q)/τ',   τ' = (τ⁴ + τ_s⁴)^¼
-
-    Its transfer function −τs + τ²s²/(1 + τ's) is the exact 1/(1 + τs) − 1 for τ ≫ τ_s, its Taylor series to second
-    order for τ ≪ τ_s, and off by less than 1 % of Δ in between where τ_s is 0.03 periods (relative error τ(τ' −
-    τ)ω²). Negative τ is a lead, with the same accuracy of second order.
-
-    `signal` x, `rate` ẋ, `memory` q in the signal's unit (per s); `time` τ, `shortest` τ_s in s; any shapes.
-
-    Source: A. V. Oppenheim, A. S. Willsky, Signals and Systems, 1997, §6.5.1; the regular form is this project's.
-    """
-    slow = lag_time(time, shortest)
-    return -time * rate + time**2 / slow * (rate - (signal - memory) / slow)

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from ..campaign.device import Device
 from ..diagnosis.beyond import NAME
 from ..diagnosis.diagnose import Diagnosis
 from ..diagnosis.discover import Discovery, Step
 from ..diagnosis.enough import ANOTHER_LAW, adequate
-from ..diagnosis.equivalences import equivalence
 from ..diagnosis.score import Candidate
 from ..fit import Fit
 from .data_judgement import one_frequency
@@ -121,7 +118,7 @@ def advice(found: Diagnosis) -> list[str]:
     sentences = _scored_from(found.discovery)
     sentences += [reason for step in found.discovery.steps if step.role == "effect" for reason in step.reasons]
     for experiment in found.next_experiments[:1]:
-        pair = " from ".join(_told_apart(experiment.separates))
+        pair = " from ".join(" or ".join(group) for group in experiment.groups)
         gain = experiment.expected_delta_chi2
         sentences.append(f"To tell {pair}, measure: {experiment.record} (expected Δχ² {gain:.3g}).")
     sentences += _not_identified(found.discovery.final)
@@ -145,19 +142,6 @@ def _scored_from(loop: Discovery) -> list[str]:
         f"No values of the first model come near all records; effects were scored from those that describe "
         f"{alone.name} alone (error over noise {ratio_text(alone.error_over_noise)} there)."
     ]
-
-
-def _told_apart(names: Sequence[str]) -> list[str]:
-    """The names, those that no record can tell apart joined: "drive-lag or sensor-lag"."""
-    groups: list[list[str]] = []
-    for name in names:
-        same = (g for g in groups if (known := equivalence(name, g[0])) is not None and known.linear_exact)
-        group = next(same, None)
-        if group is None:
-            groups.append([name])
-        else:
-            group.append(name)
-    return [" or ".join(group) for group in groups]
 
 
 def _not_identified(final: Fit) -> list[str]:

@@ -8,7 +8,7 @@ import pytest
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator, Platform
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.diagnosis.experiments import SEPARATED, NextExperiment, rank_experiments
+from ident.diagnosis.experiments import SEPARATED, NextExperiment, grouped, rank_experiments
 from ident.diagnosis.waveforms import Limits, limits_of, proposals
 from ident.effects.library.cubic_stiffness import CubicStiffness
 from ident.effects.library.sensor_nonlinearity import SensorNonlinearity
@@ -96,3 +96,12 @@ def test_no_record_is_proposed_for_what_none_can_separate(rivals: dict[str, Fit]
     lags = dict(zip(("drive-lag", "sensor-lag"), rivals.values(), strict=True))
     assert rank_experiments(lags) == []
     assert rank_experiments({"drive-lag": lags["drive-lag"]}) == []
+
+
+def test_what_a_record_leaves_tied_is_named_together() -> None:
+    names = ("drive-lag", "sensor-lag", "creep", "second-mode")
+    assert grouped(names, [("drive-lag", "creep"), ("sensor-lag", "creep")]) == (
+        ("drive-lag", "sensor-lag"),
+        ("creep",),
+    )
+    assert grouped(names, [("drive-lag", "sensor-lag")]) == (("drive-lag",), ("sensor-lag",))

@@ -52,5 +52,5 @@ def test_on_a_linear_device_a_lag_of_the_sensor_is_a_lag_of_the_drive():
     sensor = measured(make("sensor-lag", time=4e-5, shortest=6e-5), substeps=4)
     drive = measured(make("drive-lag", time=4e-5), substeps=4)
     late = np.max(np.abs(drive - measured(substeps=4)))
-    assert np.max(np.abs(sensor - drive)) < 0.01 * late  # what `lag_change` is off by, in the sensor
+    assert np.max(np.abs(sensor - drive)) < 0.01 * late  # what the sensor's is off by
     assert len(sensor) == len(TIME)

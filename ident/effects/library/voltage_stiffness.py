@@ -7,8 +7,8 @@ class VoltageStiffness(AbstractEffect):
     """The drive changes the stiffness: F = −(k_V V + k_VV V²) z, a parametric excitation.
 
     k_V from the axial force of a piezoelectric layer, whose sign follows the voltage; k_VV from electrostatic
-    attraction, which softens (k_VV < 0). Typical: the stiffness moves by 0.01-1 % per volt. A
-    drive at ω moves force to 0 and 2ω; at twice the resonance it pumps.
+    attraction, which softens (k_VV < 0). Typical: the stiffness moves by 0.01-1 % per volt. A drive at
+    ω moves force to 0 and 2ω; at twice the resonance it pumps.
     """
 
     name = "voltage-stiffness"
