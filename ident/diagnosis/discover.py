@@ -21,7 +21,7 @@ from ..fit import Fit, fit
 from ..model import Model
 from .change import try_without
 from .confirm import Confirmed, accept, confirm
-from .enough import ANOTHER_LAW, adequate, not_worth_adding, worth_a_name
+from .enough import ANOTHER_LAW, adequate, laws_differ_by, not_worth_adding, worth_a_name
 from .lacking import lacking
 from .lone_record import prepare_at_best
 from .parts import Parts
@@ -43,8 +43,6 @@ _BROKEN = 0.5  # of what the scores promised: if the refits of the shortlist kee
 _BETRAYED = 0.1  # the same for any of them: then at once
 _NEAR = 0.1  # of the excess: candidates this near the best are confirmed too
 _TIED_CRITERION = 10.0  # difference of the information criterion below which data do not choose
-_SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
-_SAME_WHILE_LACKING = 0.02  # the same as long as ten times as much is unexplained
 
 
 class Step(NamedTuple):
@@ -288,16 +286,9 @@ def _may_be_best(candidate: Candidate, real: list[Candidate], tried: list[Confir
 
 
 def _in_order(tried: list[Confirmed], bench: Bench) -> list[Confirmed]:
-    """Best first; of those that do equally well the simplest first.
-
-    No library law has exactly the shape of the device's, so a rival with more shapes to bend fits a little closer; but
-    the simpler may win only by as much as the better one itself still lacks. Where most of the misfit is still to be
-    explained by further effects, a rival bends to mimic some of them, and more is allowed for.
-    """
+    """Best first; of those that do equally well the simplest first."""
     best = min(tried, key=lambda c: c.criterion)
-    excess, lacks = min(bench.chi2 - bench.n, bench.excess), best.chi2 - bench.n
-    same = max(min(_SAME_SHAPE * excess, lacks), min(_SAME_WHILE_LACKING * excess, 0.1 * lacks))
-    limit = best.criterion + max(_TIED_CRITERION, same)
+    limit = best.criterion + max(_TIED_CRITERION, laws_differ_by(bench, best.chi2))
     near = sorted((c for c in tried if c.criterion <= limit), key=lambda c: (len(c.values), c.criterion))
     return near + sorted((c for c in tried if not c.criterion <= limit), key=lambda c: c.criterion)
 

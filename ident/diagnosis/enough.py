@@ -10,6 +10,8 @@ ANOTHER_LAW = 0.001  # of the first excess: structured misfit beyond which a nam
 _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
 _WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
 _LEAST = 0.2  # of what is left: where every effect promises less, the library lacks the one that is missing
+_SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
+_SAME_WHILE_LACKING = 0.02  # the same as long as ten times as much is unexplained
 _FAR = 4.0  # χ² per sample, more than a wrong noise floor would make
 
 
@@ -40,6 +42,18 @@ def not_worth_adding(bench: Bench, best: float, first: Bench) -> bool:
     if worth_a_name(best, first):
         return share < _LEAST
     return share < _WORTH or adequate(bench)
+
+
+def laws_differ_by(bench: Bench, left: float) -> float:
+    """Fall of χ² that a law may owe to having more shapes to bend than a simpler one; `bench`: of the model without
+    either, `left`: χ² with the better of them.
+
+    No library law has exactly the shape of the device's. But the simpler may win only by as much as the better one
+    itself still lacks; where most of the misfit is still to be explained by further effects, a rival bends to mimic
+    some of them, and more is allowed for.
+    """
+    excess, lacks = min(bench.chi2 - bench.n, bench.excess), left - bench.n
+    return max(min(_SAME_SHAPE * excess, lacks), min(_SAME_WHILE_LACKING * excess, 0.1 * lacks))
 
 
 def superfluous(without: Bench, with_it: Bench, first: Bench) -> bool:

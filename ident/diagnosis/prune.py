@@ -12,7 +12,7 @@ from ..fit import Fit
 from ..fit.rebuild import fit_at
 from .change import ENOUGH, try_without, values_without
 from .confirm import accept, confirm
-from .enough import ANOTHER_LAW, superfluous
+from .enough import ANOTHER_LAW, laws_differ_by, superfluous
 from .parts import Parts, take_apart
 from .score import Bench, Candidate, prepare, score, significant
 from .shorten import working
@@ -68,7 +68,12 @@ def _replaced(name: str, last: Fit, full: Bench, bench: Bench, library: Library)
     if not (perhaps or (alike and last.holdout is not None)):
         return None
     after = accept(best, bench.fit)
-    margin = 0.0 if best.candidate.name in library[name].contains else _CLEARLY  # a part of it is the simpler answer
+    if best.candidate.name in library[name].contains:
+        margin = 0.0  # a part of it is the simpler answer
+    elif len(best.values) > len(full.fit.values):
+        margin = max(_CLEARLY, laws_differ_by(bench, best.chi2))
+    else:
+        margin = _CLEARLY
     clearly = perhaps and prepare(after).criterion < full.criterion - margin
     wins = not hurts(last, after) if clearly else alike and hurts(after, last)
     return (best.candidate.name, after) if wins else None

@@ -117,6 +117,16 @@ class Candidate(NamedTuple):
     beside: np.ndarray | None = None
 
 
+class _Point(NamedTuple):
+    """One point of an effect's grid: fall of χ², 0 if a sign cannot be (friction that drives); parameters; orthonormal
+    columns (n, q); where its columns are among those of all points."""
+
+    drop: float
+    values: Mapping[str, float]
+    basis: np.ndarray
+    rows: slice
+
+
 _NEAR_POINTS = 5  # of a grid, kept as starts: the best of them may lead into a local minimum
 _FARTHEST = 0.7  # of its value: so far a parameter may be moved in one step, which keeps its sign
 _ABSORBED = 1e-3  # share of a column that must survive the projection for it to say anything new
@@ -221,32 +231,43 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     directions = np.array([np.eye(values.shape[1])[first + a] for _ in points for a in amplitudes])
     raw = stack(bench, model, values, directions)
     projected = bench.project(raw)
-    tried_points = []
+    names = [p.name for p in instance.declared()]
+    one_sided = [p.name for p in instance.declared() if p.one_sided]
+    tried = []
     for k, point in enumerate(points):
         rows = slice(k * len(amplitudes), (k + 1) * len(amplitudes))
         basis = _orthonormal(projected[rows], raw[rows])
         if basis.shape[1]:
-            tried_points.append((float(np.sum((basis.T @ bench.residual) ** 2)), point, basis, rows))
-    if not tried_points:
+            found = _estimate(bench, names, amplitudes, point, projected[rows])
+            impossible = bench.credible and any(found[name] < 0 for name in one_sided)
+            drop = 0.0 if impossible else float(np.sum((basis.T @ bench.residual) ** 2))
+            tried.append(_Point(drop, found, basis, rows))
+    if not tried:
         return None
-    tried_points.sort(key=lambda tried: -tried[0])
-    drop, _, basis, rows = tried_points[0]
-    names = [p.name for p in instance.declared()]
-    near = [
-        _estimate(bench, names, amplitudes, point, projected[at]) for _, point, _, at in tried_points[:_NEAR_POINTS]
-    ]
-    beside = bench.moved(np.array([near[0][names[a]] for a in amplitudes]) @ raw[rows])
-    rows = projected[rows]
+    best, *others = sorted(tried, key=lambda tried: -tried.drop)
+    beside = bench.moved(np.array([best.values[names[a]] for a in amplitudes]) @ raw[best.rows])
+    rows = projected[best.rows]
     lengths = np.maximum(np.linalg.norm(rows, axis=1), 1e-300)  # amplitudes differ in unit, and so by powers of ten
     unit = rows / lengths[:, None]
     spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv(unit @ unit.T, rcond=1e-10)), 0.0)) / lengths
     errors = {names[a]: float(x) for a, x in zip(amplitudes, spread, strict=True)}
     units = {p.name: p.unit for p in instance.declared()}
-    tried = basis.shape[1] + len(instance.declared()) - len(amplitudes)
+    dof = best.basis.shape[1] + len(instance.declared()) - len(amplitudes)
     excess = max(bench.chi2 - bench.n, 1e-9)
-    p = chance(bench, basis, tried)
+    p = chance(bench, best.basis, dof) if best.drop > 0 else 1.0
+    near = tuple(other.values for other in others[: _NEAR_POINTS - 1])
     return Candidate(
-        effect.name, drop, min(drop / excess, 1.0), tried, p, near[0], errors, units, basis.T, tuple(near[1:]), beside
+        effect.name,
+        best.drop,
+        min(best.drop / excess, 1.0),
+        dof,
+        p,
+        best.values,
+        errors,
+        units,
+        best.basis.T,
+        near,
+        beside,
     )
 
 
