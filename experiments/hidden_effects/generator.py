@@ -26,9 +26,10 @@ NoiseKind = Literal["white", "ar", "hum"]
 
 @dataclass(frozen=True)
 class Device:
-    """A device: natural frequency (Hz), quality, gain, and units of time, drive and displacement.
+    """A device: natural frequency (Hz), quality, gain, and units of displacement, drive and time.
 
-    `unit` is the displacement (m or V) and `volts` the drive (V) that the dimensionless laws count in.
+    `unit` is the displacement (m or V) and `volts` the drive (V) that the dimensionless laws count in; `span` the time
+    (s) that drifts count in, the length of the records with which it was drawn.
     """
 
     kind: Literal["platform", "oscillator"]
@@ -37,6 +38,7 @@ class Device:
     gain: float
     unit: float
     volts: float
+    span: float
 
     @cached_property
     def geometry(self) -> np.ndarray:
@@ -86,9 +88,10 @@ class Made:
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A campaign in memory and what is true about it."""
+    """A campaign in memory, what it was played, and what is true about it."""
 
     device: Device
+    plans: list[Plan]
     records: list[Made]
     truth: dict[str, object]
 
@@ -129,7 +132,7 @@ def respond(
     w0 = 2 * np.pi * device.frequency
     fine = np.linspace(plan.t[0], plan.t[-1], 2 * substeps * (len(plan.t) - 1) + 1)
     e, de = plan.drive.value(fine) / device.volts, plan.drive.rate(fine) / device.volts
-    kept, span = plan.t[plan.lead :], float(plan.t[-1])
+    kept, span = plan.t[plan.lead :], device.span
     step = w0 * (fine[2] - fine[0])
     u = device.gain * driven(e, de, reference_rate(plan.drive, kept), step / 2, c, s)
     geometry, start = device.geometry, plan.t[0] / span
@@ -170,11 +173,13 @@ def _coefficient(plans: list[Plan], device: Device, name: str, s: np.ndarray, si
     return min(tried)[1:]
 
 
-def _device(rng: np.random.Generator, kind: Literal["platform", "oscillator"]) -> Device:
+def _device(rng: np.random.Generator, kind: Literal["platform", "oscillator"], length: int) -> Device:
     quality = rng.uniform(20, 60)
     if kind == "platform":
-        return Device(kind, rng.uniform(450, 550), quality, 1.0, rng.uniform(8e-6, 30e-6), 9.0)
-    return Device(kind, 10 ** rng.uniform(0.7, 3.7), quality, 1.0, 10 ** rng.uniform(-2, 1), 10 ** rng.uniform(-1, 1))
+        frequency, unit, volts = rng.uniform(450, 550), rng.uniform(8e-6, 30e-6), 9.0
+    else:
+        frequency, unit, volts = 10 ** rng.uniform(0.7, 3.7), 10 ** rng.uniform(-2, 1), 10 ** rng.uniform(-1, 1)
+    return Device(kind, frequency, quality, 1.0, unit, volts, (length - 1) / (SAMPLES_PER_PERIOD * frequency))
 
 
 def draw(
@@ -208,7 +213,7 @@ def draw(
     if device == "oscillator" and {"residual-stress", "arch-force"} & set(effects):
         raise ValueError("Stressed beams belong to a platform.")
     rng = np.random.default_rng([seed, 7])
-    thing = _device(rng, device)
+    thing = _device(rng, device, length)
     plans = plan_records(rng, thing, records, starts == "mixed", length)
     c, s = np.zeros(len(LAWS)), np.zeros((len(LAWS), 3))
     linear = max(np.max(np.abs(respond(p, thing, c, s, 2)[1])) for p in plans if not p.holdout)
@@ -229,7 +234,7 @@ def draw(
         "device": thing.kind, "parameters": thing.parameters,
         "sigma": {m.name: m.sigma for m in made}, "unit": thing.unit, "volts": thing.volts,
     }  # fmt: skip
-    return Case(thing, made, truth)
+    return Case(thing, plans, made, truth)
 
 
 def _measure(
@@ -251,11 +256,17 @@ def _measure(
     return Made(plan.name, t, drive, clean + error, clean, sigma, "unknown" if plan.lead else "rest", plan.holdout)
 
 
-def measure_again(case: Case, name: str, drive: Drive, time: np.ndarray) -> Made:
-    """One more record of a case's device, from rest, with the noise that its other records have."""
+def hidden_in(case: Case) -> tuple[np.ndarray, np.ndarray]:
+    """Coefficients (laws,) and shape numbers (laws, 3) of a case's hidden effects."""
     c, s = np.zeros(len(LAWS)), np.zeros((len(LAWS), 3))
     for effect, law in case.truth["laws"].items():  # type: ignore[union-attr]
         c[INDEX[effect]], s[INDEX[effect]] = law["coefficient"], law["shape"]
+    return c, s
+
+
+def measure_again(case: Case, name: str, drive: Drive, time: np.ndarray) -> Made:
+    """One more record of a case's device, from rest, with the noise that its other records have."""
+    c, s = hidden_in(case)
     rng = np.random.default_rng([int(case.truth["seed"]), 13])  # type: ignore[call-overload]
     plan = Plan(name, drive, time, 0, False)
     return _measure(rng, plan, case.device, c, s, float(case.truth["noise"]), "white", 0.0)  # type: ignore[arg-type]

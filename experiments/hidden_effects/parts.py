@@ -14,8 +14,8 @@ import numpy as np
 
 from experiments.simulator.signals import Played
 from ident.diagnosis.beyond import go_beyond
+from ident.diagnosis.diagnose import measure_next
 from ident.diagnosis.discover import Discovery, discover
-from ident.diagnosis.experiments import next_experiments
 from ident.diagnosis.score import prepare
 from ident.effects.registry import built_in
 from ident.fit import Fit
@@ -24,6 +24,7 @@ from ident.model import Model
 from .campaigns import campaign_of, poor_case, rounded, sigma_ratios
 from .generator import Case, NoiseKind, draw, measure_again
 from .laws import LAWS
+from .mimics import left_by
 
 Part = Literal["single", "pairs", "nulls", "outside", "poor"]
 
@@ -142,6 +143,8 @@ def run(task: Task) -> dict[str, Any]:
     }  # fmt: skip
     if task.part == "outside":
         row["unknown"] = _unknown(found)
+        if found.verdict == "identified":
+            row["unknown"]["left_by_name"] = round(left_by(case, [s.added for s in found.steps]), 1)
     if task.part == "poor":
         row["next"] = _measured_next(case, found)
     return row
@@ -149,10 +152,9 @@ def run(task: Task) -> dict[str, Any]:
 
 def _measured_next(case: Case, found: Discovery) -> dict[str, Any] | None:
     """What is said once the record that the tool proposes has been taken; None if nothing ties."""
-    step = next((s for s in found.steps if s.role == "effect" and len(s.tie_set) > 1), None)
-    if step is None or step.bench is None:
+    if not any(s.role == "effect" and len(s.tie_set) > 1 for s in found.steps):
         return None
-    proposed = next_experiments(step.bench, step.tied, built_in(), count=1)
+    proposed = measure_next(found, built_in())
     if not proposed:
         return {"record": None, "named": [], "expected": 0.0}
     best = proposed[0]

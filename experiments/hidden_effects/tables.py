@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from .laws import LAWS
+from .mimics import SEEN
 
 Row = dict[str, Any]
 
@@ -179,13 +180,19 @@ def _outside(rows: Sequence[Row]) -> None:
     right = share(rows, lambda row: coordinates_right(row) and side_right(row))
     for i, records in enumerate(("fitted", "held-out")):
         print(f"with the written effect, {records} records: {_quantiles(r['unknown']['written'][i] for r in rows)}")
-    print(f"coordinates and side {right:.3f}, confident wrong name {share(rows, _confident):.3f}")
+    print(f"coordinates and side {right:.3f}, confident wrong name {share(rows, _confident):.3f}, "
+          f"with those whose law nobody could tell from the named one {share(rows, _named):.3f}")  # fmt: skip
     _errors(rows)
     _list(rows, lambda row: coordinates_right(row) and side_right(row) and not _confident(row))
 
 
-def _confident(row: Row) -> bool:
+def _named(row: Row) -> bool:
     return row["verdict"] == "identified"
+
+
+def _confident(row: Row) -> bool:
+    """A wrong name for sure, where an observer who knew both laws would have seen the difference."""
+    return _named(row) and row["unknown"]["left_by_name"] >= SEEN
 
 
 def _fails_there(rows: Sequence[Row]) -> list[Row]:

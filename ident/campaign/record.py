@@ -77,6 +77,11 @@ class Trace:
         """Sampling interval, s."""
         return float((self.time[-1] - self.time[0]) / (len(self.time) - 1))
 
+    @property
+    def begins_in_motion(self) -> bool:
+        """Whether the drive had been on before the first sample."""
+        return self.start != "rest" and not self.excerpt
+
 
 @dataclass(frozen=True, eq=False)
 class Sweep:

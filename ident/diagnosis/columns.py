@@ -18,7 +18,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
-from ..effects.effect import Drive, State
+from ..effects.effect import State
 from ..response import Equation
 from ..response.lane import Lane, Numbers, half_step_time
 from ..response.memory import memory_along
@@ -88,13 +88,12 @@ def _force(system: System, lane: Lane, path: Path) -> Array:
     """Total force on the stage on a given motion, on the half-step grid."""
     time = half_step_time(lane)
     force = system.gain * lane.voltage - system.damping * path.v - system.stiffness * path.z
-    drive = lambda v, r: Drive(v, r, system.omega, system.gain)
     for effect, hidden in zip(system.effects, _hidden(system, lane, path), strict=True):
         if effect.overrides("force"):
-            one = lambda z, v, h, u, r, t, e=effect: e.force(State(z, v, h), drive(u, r), t)
+            one = lambda z, v, h, u, r, t, e=effect: e.force(State(z, v, h), system.drive(u, r), t)
             force = force + jax.vmap(one)(path.z, path.v, hidden, lane.voltage, lane.rate, time)
         if effect.overrides("drive"):
-            one = lambda h, u, r, t, e=effect: e.drive(h, drive(u, r), t)
+            one = lambda h, u, r, t, e=effect: e.drive(h, system.drive(u, r), t)
             force = force + jax.vmap(one)(hidden, lane.voltage, lane.rate, time)
     return force
 
@@ -103,10 +102,9 @@ def _readings(system: System, lane: Lane, path: Path, stride: int) -> Array:
     """What the effects add to the reading of a given motion, at the samples."""
     time = half_step_time(lane)
     added = jnp.zeros_like(time[::stride])
-    drive = lambda v, r: Drive(v, r, system.omega, system.gain)
     for effect, hidden in zip(system.effects, _hidden(system, lane, path), strict=True):
         if effect.overrides("sensor"):
-            one = lambda z, v, h, u, r, t, e=effect: e.sensor(State(z, v, h), drive(u, r), t)
+            one = lambda z, v, h, u, r, t, e=effect: e.sensor(State(z, v, h), system.drive(u, r), t)
             arguments = (path.z, path.v, hidden, lane.voltage, lane.rate, time)
             added = added + jax.vmap(one)(*jax.tree.map(lambda x: x[::stride], arguments))
     return added
@@ -117,7 +115,7 @@ def _linearised(system: System, lane: Lane, path: Path) -> tuple[Array, Array]:
     time = half_step_time(lane)
 
     def acceleration(z: Array, v: Array, hidden: Any, u: Array, r: Array, t: Array) -> Array:
-        drive = Drive(u, r, system.omega, system.gain)
+        drive = system.drive(u, r)
         force = -system.damping * v - system.stiffness * z
         for effect, own in zip(system.effects, hidden, strict=True):
             if effect.overrides("force"):
@@ -133,7 +131,7 @@ def _sensor_slopes(system: System, lane: Lane, path: Path, stride: int) -> tuple
     time = half_step_time(lane)
 
     def reading(z: Array, v: Array, hidden: Any, u: Array, r: Array, t: Array) -> Array:
-        drive = Drive(u, r, system.omega, system.gain)
+        drive = system.drive(u, r)
         extra = [
             effect.sensor(State(z, v, own), drive, t)
             for effect, own in zip(system.effects, hidden, strict=True)

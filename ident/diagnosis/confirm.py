@@ -37,6 +37,7 @@ class Confirmed(NamedTuple):
 
 
 _MOST_STARTS = 6
+_ABSENT = 0.05  # of an effect's largest amplitude: a smaller one is as good as none
 _OFF_BOUND = 3.0
 _RACE = 12  # steps of every start; the best one goes on
 _MOST_STEPS = 60  # a rival that needs more crawls along a valley and comes no nearer
@@ -103,10 +104,12 @@ def weigh(bench: Bench, model: Model, candidate: Candidate, start: np.ndarray, m
 
 
 def _possible(model: Model, values: np.ndarray) -> bool:
-    """Whether the model's last effect has a sign that physics allows."""
+    """Whether the model's last effect has signs that physics allows; a side of a stop that is about absent may have
+    either."""
     own = dict(zip((p.name for p in model.parameters), values, strict=True))
     last = model.effects[-1]
-    return not any(p.one_sided and own[f"{last.name}.{p.name}"] < 0 for p in last.declared())
+    sizes = [own[f"{last.name}.{p.name}"] for p in last.declared() if p.one_sided]
+    return not sizes or min(sizes) >= -_ABSENT * max(map(abs, sizes))
 
 
 def accept(confirmed: Confirmed, before: Fit) -> Fit:
@@ -133,6 +136,8 @@ def start_of(model: Model, candidate: Candidate | None, scales: DataScales) -> n
         if declared[p.name].positive and value <= 0:
             value = abs(candidate.errors.get(p.name, value)) if candidate is not None else 0.0
             value = value or p.default or 1e-3
+        elif declared[p.name].one_sided:
+            value = max(value, 0.0)
         values.append(value)
     return np.array(values)
 

@@ -12,7 +12,7 @@ from ..fit import Fit
 from .beyond import free_name, go_beyond
 from .discover import Discovery, Step, continue_from
 from .effect_file import write_effect
-from .experiments import NextExperiment, next_experiments
+from .experiments import NextExperiment, next_experiments, rank_experiments
 from .locate import Where, locate
 from .score import Bench, prepare
 from .shorten import is_long, working
@@ -67,7 +67,7 @@ def diagnose(
     answer = partial(Diagnosis, found, where, unseen=unseen(bench, found.ranking, library))
     if found.verdict != "not-in-library":
         unknown = _instead(bench, report) if found.lacking else None
-        return answer(unknown, next_experiments=_experiments(found, library, report))
+        return answer(unknown, next_experiments=measure_next(found, library, report))
     if effect_file is None:
         return answer(_instead(bench, report))
     base, kept = (found.final, found.steps) if keeps_walk and _nearly_explained(found) else (fitted, ())
@@ -95,12 +95,16 @@ def _instead(bench: Bench, report: Report) -> Unknown:
     return find_unknown(bench)
 
 
-def _experiments(
-    found: Discovery, library: Mapping[str, type[AbstractEffect]], report: Report
+def measure_next(
+    found: Discovery, library: Mapping[str, type[AbstractEffect]], report: Report = lambda _: None
 ) -> tuple[NextExperiment, ...]:
-    """Records that would separate the first tie between effects."""
+    """Records that would separate the first tie between effects, best first; none if nothing ties or none would."""
     for step in found.steps:
-        if step.role == "effect" and len(step.tie_set) > 1 and step.bench is not None:
-            report(f"what would tell {' from '.join(step.tie_set[:2])}?")
-            return tuple(next_experiments(step.bench, step.tied, library, _EXPERIMENTS))
+        if step.role != "effect" or len(step.tie_set) < 2 or step.bench is None:
+            continue
+        report(f"what would tell {' from '.join(step.tie_set[:2])}?")
+        if step.instead is not None and len(step.tied) < 2:
+            rivals = {step.added: working(found.final), " and ".join(step.instead.names): step.instead.fit}
+            return tuple(rank_experiments(rivals, count=_EXPERIMENTS))
+        return tuple(next_experiments(step.bench, step.tied, library, _EXPERIMENTS))
     return ()

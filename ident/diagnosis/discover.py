@@ -30,7 +30,7 @@ from .refits import by_refits
 from .score import Bench, Candidate, prepare, score, significant
 from .shorten import is_long, working
 from .side_by_side import at_once
-from .ties import tie_set
+from .ties import TieSet, tie_set
 from .trajectory import Diverged
 
 Verdict = Literal["adequate", "identified", "ambiguous", "not-in-library"]
@@ -48,7 +48,8 @@ _TIED_CRITERION = 10.0  # difference of the information criterion below which da
 class Step(NamedTuple):
     """One addition: what, how much it was predicted and confirmed to gain, what it ties with, and the fit after it.
 
-    `reasons`: why it ties, in words; `tied`: the candidates that do, as scored on `bench`, the fit before.
+    `reasons`: why it ties, in words; `tied`: the candidates that do, as scored on `bench`, the fit before; `instead`:
+    simpler effects that together do as well as this one.
     """
 
     added: str
@@ -60,6 +61,7 @@ class Step(NamedTuple):
     reasons: tuple[str, ...] = ()
     tied: tuple[Candidate, ...] = ()
     bench: Bench | None = None
+    instead: Parts | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,8 +160,7 @@ def _replayed(start: Fit, needed: Pruned, library: Library) -> list[Step]:
         chosen = next(c for c in candidates if c.name == name)
         found = confirm(bench, library[name], chosen)
         current = needed.fit if name == needed.names[-1] else accept(found, current)
-        ties = tie_set(bench, chosen, significant(candidates), library, [found])
-        tied = tuple(c for c in candidates if c.name in ties.names)
+        ties, tied = _weighed_ties(bench, found, significant(candidates), library, [found])
         role = _role(bench, found, steps[0].bench if steps and steps[0].bench is not None else bench)
         steps.append(
             Step(name, chosen.predicted_gain, found.gain, ties.names, role, current, ties.reasons, tied, bench)
@@ -191,7 +192,7 @@ def _beside_parts(step: Step, alike: tuple[Parts, ...]) -> Step:
         if parts.whole == step.added:
             reason = f"{step.added}, or {' and '.join(parts.names)} together: they explain the misfit as well"
             names = tuple(dict.fromkeys([*step.tie_set, *parts.names]))
-            return step._replace(tie_set=names, reasons=(*step.reasons, reason))
+            return step._replace(tie_set=names, reasons=(*step.reasons, reason), instead=parts)
     return step
 
 
@@ -228,9 +229,7 @@ def _best_step(
         if (role == "shape-refinement" or adequate(left)) and hurts(current, after):
             continue
         name, predicted = found.candidate.name, found.candidate.predicted_gain
-        rivals = _possible(real, tried)
-        ties = tie_set(bench, found.candidate, rivals, library, tried)
-        tied = tuple(c for c in rivals if c.name in ties.names)
+        ties, tied = _weighed_ties(bench, found, real, library, tried)
         return Step(name, predicted, found.gain, ties.names, role, after, ties.reasons, tied, bench), left
     return None
 
@@ -262,6 +261,22 @@ def _tried(bench: Bench, real: list[Candidate], library: Library, report: Report
         if believed and len(tried) <= _SHORTLIST and _best_drop(tried, bench) < least * real[0].drop:
             believed, rest = False, by_refits(bench, rest, library, report)
     return tried
+
+
+def _weighed_ties(
+    bench: Bench, found: Confirmed, real: list[Candidate], library: Library, tried: list[Confirmed]
+) -> tuple[TieSet, tuple[Candidate, ...]]:
+    """What an effect ties with, the nearest of those that had only been scored refitted; and the candidates that do."""
+    rivals = _possible(real, tried)
+    ties = tie_set(bench, found.candidate, rivals, library, tried)
+    known = {one.candidate.name for one in tried}
+    scored = [tie.name for tie in ties.ties if tie.name not in known and np.isfinite(tie.behind)][: 2 * _SHORTLIST]
+    if scored:
+        more = at_once(lambda c: confirm(bench, library[c.name], c), [c for c in rivals if c.name in scored])
+        tried = [*tried, *more]
+        rivals = _possible(real, tried)
+        ties = tie_set(bench, found.candidate, rivals, library, tried)
+    return ties, tuple(c for c in rivals if c.name in ties.names)
 
 
 def _possible(candidates: list[Candidate], tried: list[Confirmed]) -> list[Candidate]:

@@ -13,8 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..effects.dependence import Side
 from .score import Bench
-from .stage import Side, Stage, rows_of
+from .stage import Stage, rows_of
 from .subsets import regress
 from .terms import Term, monomial, number, paired, remembered, single, table
 

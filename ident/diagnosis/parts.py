@@ -37,8 +37,8 @@ def take_apart(
     explain better.
 
     A law with several parameters mimics any two of the simple ones that it implies, and a walk that adds one effect at
-    a time meets it first. But one name is a simpler answer than two: each further one costs 2 ln(size of the library),
-    and the evidence must be strong beyond that.
+    a time meets it first. But one name is a simpler answer than two: each further one costs 2 ln(size of the library).
+    Beyond that the evidence must be strong for either answer; in between, both are given.
     """
     alike: list[Parts] = []
     for effect in (library[name] for name in added):
@@ -57,8 +57,9 @@ def take_apart(
                 bench, names = prepare(current), [*names, best.name]
         except Diverged:  # a motion without bound explains nothing
             continue
-        if bench.criterion + 2 * np.log(len(library)) * (len(names) - 1) < whole - _STRONG:
+        behind = bench.criterion + 2 * np.log(len(library)) * (len(names) - 1) - whole
+        if names and behind < -_STRONG:
             return [*alike, Parts(effect.name, tuple(names), current, better=True)]
-        if names and bench.criterion < whole + _STRONG:
+        if names and behind < _STRONG:
             alike.append(Parts(effect.name, tuple(names), current, better=False))
     return alike

@@ -6,9 +6,10 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from ..effects.dependence import Side
 from .score import Bench
 from .splines import Places
-from .stage import Side, Stage
+from .stage import Stage
 from .subsets import Solution, spline_functions
 
 _CURVE, _MAP = 121, 41

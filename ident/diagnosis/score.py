@@ -239,7 +239,7 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
         basis = _orthonormal(projected[rows], raw[rows])
         if basis.shape[1]:
             found = _estimate(bench, names, amplitudes, point, projected[rows])
-            impossible = bench.credible and any(found[name] < 0 for name in one_sided)
+            impossible = bench.credible and bool(one_sided) and all(found[name] < 0 for name in one_sided)
             drop = 0.0 if impossible else float(np.sum((basis.T @ bench.residual) ** 2))
             tried.append(_Point(drop, found, basis, rows))
     if not tried:
@@ -252,7 +252,7 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv(unit @ unit.T, rcond=1e-10)), 0.0)) / lengths
     errors = {names[a]: float(x) for a, x in zip(amplitudes, spread, strict=True)}
     units = {p.name: p.unit for p in instance.declared()}
-    dof = best.basis.shape[1] + len(instance.declared()) - len(amplitudes)
+    dof = best.basis.shape[1] + sum(p.kind == "shape" and p.fitted for p in instance.declared())
     excess = max(bench.chi2 - bench.n, 1e-9)
     p = chance(bench, best.basis, dof) if best.drop > 0 else 1.0
     near = tuple(other.values for other in others[: _NEAR_POINTS - 1])

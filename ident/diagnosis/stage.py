@@ -7,16 +7,15 @@ the measured one their rows would also contain the very noise that they are to e
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from ..effects.dependence import Side
 from ..response import Equation
 from .columns import push_columns
 from .score import Bench, by_record
 from .splines import Places, Size, places, sizes
-
-Side = Literal["force", "drive", "sensor"]
 
 
 class Stage(NamedTuple):

@@ -16,9 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..effects.dependence import Side
 from .score import Bench
 from .splines import Places, one, pair
-from .stage import Side, Stage, rows_of
+from .stage import Stage, rows_of
 
 SINGLES = (("z",), ("v",), ("V",), ("dV",), ("t",))
 PAIRS = (("z", "v"), ("z", "V"), ("z", "dV"), ("v", "V"), ("v", "dV"), ("V", "dV"), ("z", "t"), ("v", "t"), ("V", "t"))

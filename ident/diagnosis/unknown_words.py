@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .stage import Side
+from ..effects.dependence import Side
 
 if TYPE_CHECKING:
     from .unknown import Unknown

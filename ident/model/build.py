@@ -50,7 +50,9 @@ def make_effect(campaign: Campaign, name: str, known: Registry | None = None) ->
     """
     effect = find(name, registry(campaign.effect_files) if known is None else known)
     words = {c.name for c in effect.choices}
-    settings = campaign.settings.get(name, {})
+    # Ages of records that begin in motion mean nothing where all begin at rest.
+    in_motion = any(record.begins_in_motion for record in campaign.fitted)
+    settings = {"begins": "in-motion" if in_motion else "at-rest", **campaign.settings.get(name, {})}
     return effect(campaign.device, {key: value for key, value in settings.items() if key in words})
 
 

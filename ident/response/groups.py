@@ -106,6 +106,7 @@ def _pack(records: Sequence[Trace], substeps: int, frequency: float) -> Group:
             rate,
             np.array([drive_frequency(record) for record in records]),
             np.array([record.load for record in records]),
+            np.array([float(record.begins_in_motion) for record in records]),
         ),
         np.stack([fill(record.response, n, "constant") for record in records]),
         weight,

@@ -15,7 +15,7 @@ class Lane(NamedTuple):
     """The drive of one record.
 
     **Arguments:** `step`, s, of the Runge–Kutta method; `voltage` and `rate`, (2 n + 1,) V and V/s on the half-step
-    grid; `omega`, rad/s; `load`, kg.
+    grid; `omega`, rad/s; `load`, kg; `moving`, 1 if the record begins in motion.
     """
 
     step: Numbers
@@ -23,6 +23,7 @@ class Lane(NamedTuple):
     rate: Numbers
     omega: Numbers
     load: Numbers
+    moving: Numbers | float = 0.0
 
 
 def half_step_time(lane: Lane) -> Array:

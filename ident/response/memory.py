@@ -25,7 +25,7 @@ def memory_along(
     `gain`, N/V, and `omega`, rad/s, of the drive; `z` and `v`, (2 n + 1,) m and m/s. Between the steps of the method
     the states follow the cubic that has their rates at both ends.
     """
-    drive = lambda voltage, rate: Drive(voltage, rate, omega, gain)
+    drive = lambda voltage, rate: Drive(voltage, rate, omega, gain, lane.moving)
     first = effect.begun(drive(jnp.asarray(lane.voltage)[0], jnp.asarray(lane.rate)[0]))
     if not first:
         return ()
@@ -103,7 +103,7 @@ def remembered_force(effect: AbstractEffect, gain: Numbers, omega: Numbers, lane
 
     def acting(unknowns: Array, hidden: tuple[Array, ...], omega: Array, lane: Lane) -> Array:
         at = effect.with_values(**dict(zip(names, unknowns, strict=False)))
-        one = lambda h, u, r, t: at.drive(h, Drive(u, r, omega, unknowns[-1]), t)
+        one = lambda h, u, r, t: at.drive(h, Drive(u, r, omega, unknowns[-1], lane.moving), t)
         return jax.vmap(one)(hidden, lane.voltage, lane.rate, half_step_time(lane))
 
     @jax.custom_jvp

@@ -48,6 +48,11 @@ class System(NamedTuple):
     stiffness: Any
     gain: Any
     omega: Any
+    moving: Any
+
+    def drive(self, voltage: Any, rate: Any) -> Drive:
+        """The drive as the effects see it."""
+        return Drive(voltage, rate, self.omega, self.gain, self.moving)
 
 
 def simulate(equation: Equation, substeps: int, values: Array, start: Numbers, lane: Lane) -> Array:
@@ -76,7 +81,7 @@ def integrate(
         grids += (jnp.sum(jnp.stack(forces), axis=0),)
     # Adding a zero that depends on the parameters gives the carry the type it will have under differentiation.
     nothing = 0.0 * system.stiffness
-    drive = _first_drive(system, lane)
+    drive = system.drive(jnp.asarray(lane.voltage)[0], jnp.asarray(lane.rate)[0])
     memory = (h for effect in system.effects if effect not in before for h in effect.begun(drive))
     carry = tuple(x + nothing for x in (start[0], start[1], *memory))
 
@@ -88,10 +93,6 @@ def integrate(
 
     _, path = lax.scan(advance, carry, steps_of(grids))
     return tuple(jnp.concatenate([a[None], b[substeps - 1 :: substeps]]) for a, b in zip(carry, path, strict=False))
-
-
-def _first_drive(system: System, lane: Lane) -> Drive:
-    return Drive(jnp.asarray(lane.voltage)[0], jnp.asarray(lane.rate)[0], system.omega, system.gain)
 
 
 def assemble(equation: Equation, values: Numbers, lane: Lane) -> System:
@@ -115,6 +116,7 @@ def assemble(equation: Equation, values: Numbers, lane: Lane) -> System:
         linear.mass * omega0**2,
         linear.force_per_gain * gain,
         lane.omega,
+        lane.moving,
     )
 
 
@@ -122,7 +124,7 @@ def derivative(system: System, y: tuple[Array, ...], at: tuple[Array, ...]) -> t
     """(ż, v̇, hidden rates) of the state `y` at `at` = (V, V̇, t), and the remembered force if there is one."""
     voltage, rate, t, *remembered = at
     z, v, *hidden = y
-    drive = Drive(voltage, rate, system.omega, system.gain)
+    drive = system.drive(voltage, rate)
     force, rates = sum(remembered, system.gain * voltage - system.damping * v - system.stiffness * z), []
     for effect, own in zip(system.effects, system.slices, strict=True):
         if own is None:
@@ -144,9 +146,7 @@ def _reading(system: System, path: tuple[Array, ...], lane: Lane, half_time: Arr
     for effect, own in zip(system.effects, system.slices, strict=True):
         if own is not None and effect.overrides("sensor"):
             hidden = tuple(path[2:][own])
-            one = lambda z, v, h, u, r, t, effect=effect: effect.sensor(
-                State(z, v, h), Drive(u, r, system.omega, system.gain), t
-            )
+            one = lambda z, v, h, u, r, t, effect=effect: effect.sensor(State(z, v, h), system.drive(u, r), t)
             reading = reading + jax.vmap(one)(path[0], path[1], hidden, voltage, rate, time)
     return reading
 

@@ -13,8 +13,8 @@ from ident.campaign.device import Oscillator
 from ident.diagnosis.effect_file import effect_source
 from ident.diagnosis.formula import Formula
 from ident.diagnosis.splines import Size, plays, relaxed, sharp, splines
-from ident.diagnosis.stage import Side
 from ident.diagnosis.terms import Term, monomial, paired, remembered, single, table
+from ident.effects.dependence import Side
 from ident.effects.effect import AbstractEffect, Drive, State
 from ident.effects.registry import registry
 

@@ -1,6 +1,6 @@
 """Damping that changes while the record lasts."""
 
-from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, choice, shape
 from ..memory import relaxing
 
 
@@ -8,7 +8,8 @@ class DampingDrift(AbstractEffect):
     """Damping that drifts from the first sample on: F = −ċ τ (1 − e^(−t/τ)) ż.
 
     A τ far beyond the record is a drift linear in time; a shorter one an exponential approach to ċ τ. Gas that warms,
-    outgassing in a sealed cavity, a contact that runs in: typically 1-20 % of the damping. Every record starts afresh.
+    outgassing in a sealed cavity, a contact that runs in: typically 1-20 % of the damping. Every record that begins at
+    rest starts afresh; where one begins in motion, t counts from an unknown time before, t + a.
     """
 
     name = "damping-drift"
@@ -18,6 +19,12 @@ class DampingDrift(AbstractEffect):
 
     rate0 = amplitude("N*s/m/s", "damping per second at the start, ċ")
     time = shape("s", "time in which the drift dies out, τ", grid=(0.1, 0.3, 1.0, 10.0), scale="duration")
+    age = shape("s", "time since switching-on where a record begins in motion, a", grid=(1.0,), scale="duration",
+                limits=(0.01, 100.0))  # fmt: skip
+    begins = choice("at-rest", "in-motion")
+
+    def unused(self) -> tuple[str, ...]:
+        return () if self.begins == "in-motion" else ("age",)
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
-        return -self.rate0 * relaxing(t, self.time) * state.v
+        return -self.rate0 * relaxing(t + self.age * drive.moving, self.time) * state.v

@@ -19,8 +19,8 @@ class EndStop(AbstractEffect):
     mistaken_for = ("cubic-stiffness", "quadratic-stiffness", "sensor-nonlinearity")
     steps_per_period = 120
 
-    above = amplitude("N/m", "contact stiffness of the upper stop, k_a")
-    below = amplitude("N/m", "contact stiffness of the lower stop, k_b")
+    above = amplitude("N/m", "contact stiffness of the upper stop, k_a", one_sided=True)
+    below = amplitude("N/m", "contact stiffness of the lower stop, k_b", one_sided=True)
     gap = shape("m", "gap from rest to the upper stop, g", grid=(0.4, 0.55, 0.7, 0.85),
                 limits=(0.2, 1.0), scale="displacement")  # fmt: skip
     exponent = shape("1", "exponent of the contact law, n", grid=(1.0, 1.5), limits=(0.8, 1.8))

@@ -1,6 +1,6 @@
 """The zero of the sensor wanders."""
 
-from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, choice, shape
 from ..memory import relaxing
 
 
@@ -8,7 +8,8 @@ class SensorDrift(AbstractEffect):
     """The zero of the sensor drifts from the first sample on: reading = z + d τ (1 − e^(−t/τ)).
 
     A τ far beyond the record is a drift linear in time; a shorter one an exponential warm-up that ends at d τ. Typical:
-    0.1-5 % of the signal within a record. Every record starts afresh.
+    0.1-5 % of the signal within a record. Every record that begins at rest starts
+    afresh; where one begins in motion, t counts from an unknown time before, t + a.
     """
 
     name = "sensor-drift"
@@ -18,6 +19,12 @@ class SensorDrift(AbstractEffect):
 
     rate0 = amplitude("m/s", "drift per second at the start, d")
     time = shape("s", "time in which the drift dies out, τ", grid=(0.1, 0.3, 1.0, 10.0), scale="duration")
+    age = shape("s", "time since switching-on where a record begins in motion, a", grid=(1.0,), scale="duration",
+                limits=(0.01, 100.0))  # fmt: skip
+    begins = choice("at-rest", "in-motion")
+
+    def unused(self) -> tuple[str, ...]:
+        return () if self.begins == "in-motion" else ("age",)
 
     def sensor(self, state: State, drive: Drive, t: Scalar) -> Scalar:
-        return self.rate0 * relaxing(t, self.time)
+        return self.rate0 * relaxing(t + self.age * drive.moving, self.time)

@@ -1,6 +1,6 @@
 """Stiffness that changes while the record lasts, as when the device warms up."""
 
-from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, choice, shape
 from ..memory import relaxing
 
 
@@ -9,8 +9,8 @@ class StiffnessDrift(AbstractEffect):
 
     A τ far beyond the record is a drift linear in time; a shorter one an exponential approach to k̇ τ. Self-heating
     lowers the stiffness of silicon by about 60 ppm/K (k̇ < 0), with thermal times from ms (a beam) to minutes (a
-    package). Every record starts afresh: it describes what follows the switching-on, not ageing from record to
-    record.
+    package). It follows the switching-on, not ageing from record to record: every record that begins at rest starts
+    afresh; where one begins in motion, t counts from an unknown time before, t + a.
     """
 
     name = "stiffness-drift"
@@ -20,6 +20,12 @@ class StiffnessDrift(AbstractEffect):
 
     rate0 = amplitude("N/m/s", "stiffness per second at the start, k̇")
     time = shape("s", "time in which the drift dies out, τ", grid=(0.1, 0.3, 1.0, 10.0), scale="duration")
+    age = shape("s", "time since switching-on where a record begins in motion, a", grid=(1.0,), scale="duration",
+                limits=(0.01, 100.0))  # fmt: skip
+    begins = choice("at-rest", "in-motion")
+
+    def unused(self) -> tuple[str, ...]:
+        return () if self.begins == "in-motion" else ("age",)
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
-        return -self.rate0 * relaxing(t, self.time) * state.z
+        return -self.rate0 * relaxing(t + self.age * drive.moving, self.time) * state.z
