@@ -98,12 +98,12 @@ def weigh(bench: Bench, model: Model, candidate: Candidate, start: np.ndarray, m
         chi2 = float(sum(np.sum(whiten(piece, row) ** 2) for piece, row in zip(bench.pieces, rows, strict=True)))
     gain = 1.0 - (chi2 - bench.n) / bench.excess
     values = np.asarray(at.values)
-    possible = np.isfinite(chi2) and _possible(model, values)
+    possible = np.isfinite(chi2) and is_possible(model, values)
     criterion = chi2 + len(found.static.free) * float(np.log(bench.n)) if possible else np.inf
     return Confirmed(candidate, model, values, chi2, gain, criterion)
 
 
-def _possible(model: Model, values: np.ndarray) -> bool:
+def is_possible(model: Model, values: np.ndarray) -> bool:
     """Whether the model's last effect has signs that physics allows; a side of a stop that is about absent may have
     either."""
     own = dict(zip((p.name for p in model.parameters), values, strict=True))

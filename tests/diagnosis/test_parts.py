@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
+from ident.campaign.device import Oscillator
+from ident.diagnosis.confirm import is_possible
 from ident.diagnosis.discover import discover
 from ident.effects.library.coulomb_friction import CoulombFriction
+from ident.effects.library.end_stop import EndStop
 from ident.effects.registry import built_in
 from ident.model import Model
 
@@ -38,3 +42,13 @@ def test_where_one_name_does_as_well_as_two_both_answers_are_given() -> None:
 
 def test_a_friction_that_drives_is_no_friction() -> None:
     assert [p.name for p in CoulombFriction.parameters if p.one_sided] == ["friction"]
+
+
+def test_a_stop_that_pulls_is_no_stop() -> None:
+    stop = [p.name for p in EndStop.parameters if p.one_sided]
+    assert stop == ["above", "below"]
+    model = Model(Oscillator()) + EndStop()
+    linear, shapes = [100.0, 20.0, 1e5], [1e-6, 1.0, 1.0]
+    assert is_possible(model, np.array([*linear, 3.0, 2.0, *shapes]))
+    assert is_possible(model, np.array([*linear, 3.0, -0.1, *shapes]))  # there is no lower stop
+    assert not is_possible(model, np.array([*linear, 3.0, -2.0, *shapes]))
