@@ -4,10 +4,12 @@ predicts."""
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+from ..effects.dependence import depends_on
 from ..effects.effect import AbstractEffect
 from ..fit import Fit, fit
 from ..fit.fit import minimise
@@ -15,6 +17,7 @@ from ..fit.guess import DataScales
 from ..fit.problem import evaluate
 from ..fit.rebuild import fit_at
 from ..model import Model, make_effect
+from ..model.settings import listed
 from .score import Bench, Candidate
 from .shorten import is_long
 from .whiten import whiten
@@ -37,6 +40,7 @@ class Confirmed(NamedTuple):
 
 
 _MOST_STARTS = 6
+_SPRING = ("force", ("z",))
 _ABSENT = 0.05  # of an effect's largest amplitude: a smaller one is as good as none
 _OFF_BOUND = 3.0
 _RACE = 12  # steps of every start; the best one goes on
@@ -57,7 +61,7 @@ def confirm(
     parameters to start from, if not those of the bench's fit.
     """
     before = bench.fit
-    model = before.model + make_effect(before.campaign, effect.name, {effect.name: effect})
+    model = with_effect(before, effect)
     scored = [candidate, *(candidate._replace(values=values) for values in candidate.near)]
     base = base_of(bench) if base is None else base
     starts = [np.concatenate([base, start_of(model, one, before.scales)]) for one in scored]
@@ -72,6 +76,18 @@ def _winner(model: Model, before: Fit, starts: list[np.ndarray]) -> np.ndarray:
     if len(starts) == 1:
         return starts[0]
     return minimise(model, before.campaign, initial=starts[:_MOST_STARTS], most=_RACE).values
+
+
+def with_effect(before: Fit, effect: type[AbstractEffect]) -> Model:
+    """The model of a fit with one effect more.
+
+    A quality factor that had to be held, for a steady sine does not determine it, is free beside the effect, as it is
+    in the scores: a wrong one would make another effect of it.
+    """
+    model = before.model + make_effect(before.campaign, effect.name, {effect.name: effect})
+    device, quality = model.parameters[1].name.split(".")
+    told = quality in listed(before.campaign.settings.get(device, {}), "fixed")
+    return model if told else replace(model, held=model.held - {f"{device}.{quality}"})
 
 
 def base_of(bench: Bench) -> np.ndarray:
@@ -98,18 +114,22 @@ def weigh(bench: Bench, model: Model, candidate: Candidate, start: np.ndarray, m
         chi2 = float(sum(np.sum(whiten(piece, row) ** 2) for piece, row in zip(bench.pieces, rows, strict=True)))
     gain = 1.0 - (chi2 - bench.n) / bench.excess
     values = np.asarray(at.values)
-    possible = np.isfinite(chi2) and is_possible(model, values)
+    possible = np.isfinite(chi2) and is_possible(model, values, model.effects[-1])
     criterion = chi2 + len(found.static.free) * float(np.log(bench.n)) if possible else np.inf
     return Confirmed(candidate, model, values, chi2, gain, criterion)
 
 
-def is_possible(model: Model, values: np.ndarray) -> bool:
-    """Whether the model's last effect has signs that physics allows; a side of a stop that is about absent may have
-    either."""
+def is_possible(model: Model, values: np.ndarray, effect: AbstractEffect) -> bool:
+    """Whether an effect of a model has signs that physics allows.
+
+    A side of a stop that is about absent may have either. So may both beside another law of the displacement alone,
+    whose curve they then bend; a friction that drives is impossible beside any.
+    """
     own = dict(zip((p.name for p in model.parameters), values, strict=True))
-    last = model.effects[-1]
-    sizes = [own[f"{last.name}.{p.name}"] for p in last.declared() if p.one_sided]
-    return not sizes or min(sizes) >= -_ABSENT * max(map(abs, sizes))
+    sizes = [own[f"{effect.name}.{p.name}"] for p in effect.declared() if p.one_sided]
+    if not sizes or min(sizes) >= -_ABSENT * max(map(abs, sizes)):
+        return True
+    return depends_on(effect) == _SPRING and any(depends_on(e) == _SPRING for e in model.effects if e is not effect)
 
 
 def accept(confirmed: Confirmed, before: Fit) -> Fit:

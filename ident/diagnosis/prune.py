@@ -11,7 +11,7 @@ from ..effects.effect import AbstractEffect
 from ..fit import Fit
 from ..fit.rebuild import fit_at
 from .change import ENOUGH, try_without, values_without
-from .confirm import accept, confirm
+from .confirm import accept, confirm, is_possible
 from .enough import ANOTHER_LAW, laws_differ_by, superfluous
 from .parts import Parts, take_apart
 from .score import Bench, Candidate, prepare, score, significant
@@ -39,6 +39,11 @@ def hurts(before: Fit, after: Fit) -> bool:
     if before.holdout is None or after.holdout is None:
         return False
     return after.holdout.error_over_noise > _HURT * before.holdout.error_over_noise
+
+
+def _possible(fitted: Fit) -> bool:
+    """Whether its effects mean something without the one that was taken out."""
+    return all(is_possible(fitted.model, fitted.values, effect) for effect in fitted.model.effects)
 
 
 def _rivals(name: str, bench: Bench, library: Library) -> list[Candidate]:
@@ -117,7 +122,7 @@ def _changed(
         without = try_without(last, name, first.fit)
         try:
             bench = prepare(without)
-            if superfluous(bench, full, first):
+            if superfluous(bench, full, first) and _possible(without):
                 return [*names[:i], *names[i + 1 :]], without
             # Where scores cannot be believed, every effect has been refitted already.
             if full.credible and (found := _replaced(name, last, full, bench, library)) is not None:

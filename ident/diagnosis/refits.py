@@ -7,8 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from ..effects.effect import AbstractEffect
-from ..model import make_effect
-from .confirm import base_of, start_of, weigh
+from .confirm import base_of, start_of, weigh, with_effect
 from .score import Bench, Candidate
 from .side_by_side import at_once
 
@@ -35,7 +34,7 @@ def by_refits(
 def _refitted(bench: Bench, candidate: Candidate, effect: type[AbstractEffect]) -> Candidate:
     """The candidate with the fall of χ² that a few steps of a fit reach."""
     before = bench.fit
-    model = before.model + make_effect(before.campaign, effect.name, {effect.name: effect})
+    model = with_effect(before, effect)
     start = np.concatenate([base_of(bench), start_of(model, candidate, before.scales)])
     found = weigh(bench, model, candidate, start, _FEW)
     if not np.isfinite(found.chi2):

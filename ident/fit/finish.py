@@ -33,6 +33,11 @@ class Minimum(NamedTuple):
     scales: DataScales
 
     @property
+    def error(self) -> float:
+        """Error over noise at the best end."""
+        return min((s.end for s in self.starts if np.isfinite(s.end)), default=np.inf)
+
+    @property
     def values(self) -> np.ndarray:
         """(m,) SI, all parameters of the model."""
         return np.asarray(physical(self.static, self.data, self.best.unknowns.x))

@@ -52,10 +52,15 @@ def fit(
 
     **Raises:** UserError if there is nothing to fit.
     """
-    model = hold_quality(model, campaign.fitted)
+    free, model = model, hold_quality(model, campaign.fitted)
     found = minimise(
         model, campaign, robust=robust, starts=starts, spread=spread, seed=seed, initial=initial, report=report
     )
+    if model is not free and found.error > _AT_THE_FLOOR:
+        # What is left of the record's beginning may tell the quality factor after all.
+        other = minimise(free, campaign, robust=robust, initial=found.values)
+        if other.error < _AT_THE_FLOOR:
+            found = minimise(model, campaign, robust=robust, initial=other.values)
     if sigma == "fitted":
         at = evaluate(found.static, found.data, found.best.unknowns)
         campaign = _with_residual_noise(campaign, at, found.layout)

@@ -12,6 +12,7 @@ from ident.diagnosis.confirm import is_possible
 from ident.diagnosis.discover import discover
 from ident.effects.library.coulomb_friction import CoulombFriction
 from ident.effects.library.end_stop import EndStop
+from ident.effects.library.quadratic_stiffness import QuadraticStiffness
 from ident.effects.registry import built_in
 from ident.model import Model
 
@@ -49,6 +50,9 @@ def test_a_stop_that_pulls_is_no_stop() -> None:
     assert stop == ["above", "below"]
     model = Model(Oscillator()) + EndStop()
     linear, shapes = [100.0, 20.0, 1e5], [1e-6, 1.0, 1.0]
-    assert is_possible(model, np.array([*linear, 3.0, 2.0, *shapes]))
-    assert is_possible(model, np.array([*linear, 3.0, -0.1, *shapes]))  # there is no lower stop
-    assert not is_possible(model, np.array([*linear, 3.0, -2.0, *shapes]))
+    possible = lambda model, *values: is_possible(model, np.array([*linear, *values, *shapes]), model.effects[-1])
+    assert possible(model, 3.0, 2.0)
+    assert possible(model, 3.0, -0.1)  # there is no lower stop
+    assert not possible(model, 3.0, -2.0)
+    assert possible(Model(Oscillator()) + QuadraticStiffness() + EndStop(), 1e9, 3.0, -2.0)  # it bends that one's curve
+    assert not possible(Model(Oscillator()) + CoulombFriction() + EndStop(), 1e-3, 0.02, 3.0, -2.0)
