@@ -42,6 +42,7 @@ _SHORTLIST = 3  # twice as many if refits keep less than the scores promised
 _BROKEN = 0.5  # of what the scores promised: if the refits of the shortlist keep less, refits rank the rest
 _BETRAYED = 0.1  # the same for any of them: then at once
 _NEAR = 0.1  # of the excess: candidates this near the best are confirmed too
+_REFITTED_TIES = 12  # of the names that tie by their scores; a record that says little leaves more than that
 _TIED_CRITERION = 10.0  # difference of the information criterion below which data do not choose
 
 
@@ -181,8 +182,8 @@ def _tied_at_the_end(step: Step, last: Fit, start: Fit, library: Library, report
     chosen = next((c for c in candidates if c.name == step.added), None)
     if chosen is None:
         return step
-    ties = tie_set(bench, chosen, candidates, library)
-    tied = tuple(c for c in candidates if c.name in ties.names)
+    found = confirm(bench, library[step.added], chosen)
+    ties, tied = _weighed_ties(bench, found, candidates, library, [found])
     return step._replace(tie_set=ties.names, reasons=ties.reasons, tied=tied, bench=bench)
 
 
@@ -270,7 +271,7 @@ def _weighed_ties(
     rivals = _possible(real, tried)
     ties = tie_set(bench, found.candidate, rivals, library, tried)
     known = {one.candidate.name for one in tried}
-    scored = [tie.name for tie in ties.ties if tie.name not in known and np.isfinite(tie.behind)][: 2 * _SHORTLIST]
+    scored = [tie.name for tie in ties.ties if tie.name not in known and np.isfinite(tie.behind)][:_REFITTED_TIES]
     if scored:
         more = at_once(lambda c: confirm(bench, library[c.name], c), [c for c in rivals if c.name in scored])
         tried = [*tried, *more]
