@@ -192,7 +192,7 @@ def _named(row: Row) -> bool:
 
 def _confident(row: Row) -> bool:
     """A wrong name for sure, where an observer who knew both laws would have seen the difference."""
-    return _named(row) and row["unknown"]["left_by_name"] >= SEEN
+    return _named(row) and row["unknown"].get("left_by_name", np.inf) >= SEEN
 
 
 def _fails_there(rows: Sequence[Row]) -> list[Row]:

@@ -79,7 +79,10 @@ class Trace:
 
     @property
     def begins_in_motion(self) -> bool:
-        """Whether the drive had been on before the first sample."""
+        """Whether the drive had been on before the first sample.
+
+        An excerpt counts as the record does from which it was cut while effects are compared on it: from rest.
+        """
         return self.start != "rest" and not self.excerpt
 
 

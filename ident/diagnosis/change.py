@@ -13,8 +13,7 @@ from ..fit.fit import minimise
 from ..fit.judge import Score
 from ..fit.rebuild import fit_at
 from ..fit.starts import starting_points
-from ..model import make_effect
-from .confirm import start_of
+from .confirm import start_of, with_effect
 from .score import prepare, score
 
 Report = Callable[[str], None]
@@ -27,7 +26,7 @@ def add(parent: Fit, effect: type[AbstractEffect], report: Report = lambda _: No
 
     **Raises:** UserError if the model has the effect, or the effect cannot act on this device.
     """
-    model = parent.model + make_effect(parent.campaign, effect.name, {effect.name: effect})
+    model = with_effect(parent, effect)
     report(f"estimating {effect.name} along the measured motion")
     found = score(prepare(parent), {effect.name: effect})
     first = np.concatenate([parent.values, start_of(model, found[0] if found else None, parent.scales)])

@@ -17,7 +17,6 @@ from ..fit.guess import DataScales
 from ..fit.problem import evaluate
 from ..fit.rebuild import fit_at
 from ..model import Model, make_effect
-from ..model.settings import listed
 from .score import Bench, Candidate
 from .shorten import is_long
 from .whiten import whiten
@@ -37,6 +36,11 @@ class Confirmed(NamedTuple):
     chi2: float
     gain: float
     criterion: float
+
+    @property
+    def numbers(self) -> int:
+        """How many parameters were fitted."""
+        return sum(p.fitted for p in self.model.parameters)
 
 
 _MOST_STARTS = 6
@@ -84,10 +88,8 @@ def with_effect(before: Fit, effect: type[AbstractEffect]) -> Model:
     A quality factor that had to be held, for a steady sine does not determine it, is free beside the effect, as it is
     in the scores: a wrong one would make another effect of it.
     """
-    model = before.model + make_effect(before.campaign, effect.name, {effect.name: effect})
-    device, quality = model.parameters[1].name.split(".")
-    told = quality in listed(before.campaign.settings.get(device, {}), "fixed")
-    return model if told else replace(model, held=model.held - {f"{device}.{quality}"})
+    free = replace(before.model, undetermined=frozenset())
+    return free + make_effect(before.campaign, effect.name, {effect.name: effect})
 
 
 def base_of(bench: Bench) -> np.ndarray:

@@ -277,7 +277,7 @@ def _weighed_ties(
         tried = [*tried, *more]
         rivals = _possible(real, tried)
         ties = tie_set(bench, found.candidate, rivals, library, tried)
-    return ties, tuple(c for c in rivals if c.name in ties.names)
+    return ties, tuple(c for c in real if c.name in ties.names)
 
 
 def _possible(candidates: list[Candidate], tried: list[Confirmed]) -> list[Candidate]:
@@ -305,7 +305,7 @@ def _in_order(tried: list[Confirmed], bench: Bench) -> list[Confirmed]:
     """Best first; of those that do equally well the simplest first."""
     best = min(tried, key=lambda c: c.criterion)
     limit = best.criterion + max(_TIED_CRITERION, laws_differ_by(bench, best.chi2))
-    near = sorted((c for c in tried if c.criterion <= limit), key=lambda c: (len(c.values), c.criterion))
+    near = sorted((c for c in tried if c.criterion <= limit), key=lambda c: (c.numbers, c.criterion))
     return near + sorted((c for c in tried if not c.criterion <= limit), key=lambda c: c.criterion)
 
 

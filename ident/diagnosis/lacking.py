@@ -41,7 +41,7 @@ def lacking(bench: Bench, first: Bench, report: Callable[[str], None] = lambda _
 
 
 def _structure(bench: Bench, stage: Stage, side: Side, coordinates: tuple[str, ...], tried: int) -> float:
-    """Fall of χ² by splines of some coordinates, beyond that of noise; 0 if chance does it, with so many tried."""
+    """Fall of χ² by splines of at most two coordinates, beyond that of noise; 0 if chance does it, so many tried."""
     if len(coordinates) > 2:
         return 0.0
     rows = spline_rows(bench, stage, side, coordinates)

@@ -41,9 +41,10 @@ def hurts(before: Fit, after: Fit) -> bool:
     return after.holdout.error_over_noise > _HURT * before.holdout.error_over_noise
 
 
-def _possible(fitted: Fit) -> bool:
-    """Whether its effects mean something without the one that was taken out."""
-    return all(is_possible(fitted.model, fitted.values, effect) for effect in fitted.model.effects)
+def _still_possible(after: Fit, before: Fit) -> bool:
+    """Whether the effects that were possible before a change are so after it: a stop may have bent what is gone."""
+    able = {e.name for e in before.model.effects if is_possible(before.model, before.values, e)}
+    return all(is_possible(after.model, after.values, e) for e in after.model.effects if e.name in able)
 
 
 def _rivals(name: str, bench: Bench, library: Library) -> list[Candidate]:
@@ -75,12 +76,12 @@ def _replaced(name: str, last: Fit, full: Bench, bench: Bench, library: Library)
     after = accept(best, bench.fit)
     if best.candidate.name in library[name].contains:
         margin = 0.0  # a part of it is the simpler answer
-    elif len(best.values) > len(full.fit.values):
+    elif best.numbers > sum(p.fitted for p in last.model.parameters):
         margin = max(_CLEARLY, laws_differ_by(bench, best.chi2))
     else:
         margin = _CLEARLY
     clearly = perhaps and prepare(after).criterion < full.criterion - margin
-    wins = not hurts(last, after) if clearly else alike and hurts(after, last)
+    wins = (not hurts(last, after) if clearly else alike and hurts(after, last)) and _still_possible(after, last)
     return (best.candidate.name, after) if wins else None
 
 
@@ -122,7 +123,7 @@ def _changed(
         without = try_without(last, name, first.fit)
         try:
             bench = prepare(without)
-            if superfluous(bench, full, first) and _possible(without):
+            if superfluous(bench, full, first) and _still_possible(without, last):
                 return [*names[:i], *names[i + 1 :]], without
             # Where scores cannot be believed, every effect has been refitted already.
             if full.credible and (found := _replaced(name, last, full, bench, library)) is not None:

@@ -239,7 +239,8 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
         basis = _orthonormal(projected[rows], raw[rows])
         if basis.shape[1]:
             found = _estimate(bench, names, amplitudes, point, projected[rows])
-            impossible = bench.credible and bool(one_sided) and all(found[name] < 0 for name in one_sided)
+            sizes = [found[name] for name in one_sided]
+            impossible = bench.credible and max(sizes, default=0.0) <= 0 > min(sizes, default=0.0)
             drop = 0.0 if impossible else float(np.sum((basis.T @ bench.residual) ** 2))
             tried.append(_Point(drop, found, basis, rows))
     if not tried:

@@ -16,10 +16,10 @@ import numpy as np
 from scipy.interpolate import BSpline
 from scipy.signal import lfilter
 
+from ..effects.dependence import COORDINATES
 from ..effects.effect import Scale
 from ..response import Group
 
-COORDINATES = ("z", "v", "V", "dV", "t")
 UNITS = {
     "z": "m",
     "v": "m/s",

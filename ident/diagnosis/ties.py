@@ -72,7 +72,7 @@ def tie_set(
     parts. n counts the independent samples in what the best one leaves. Refits replace predictions where there are any;
     where there are none, an effect whose signature is nearly the same, or is known to pass for the other, stays in.
     Where noise is small against the misfit, laws of one kind differ by more than noise: a refit within that stays in,
-    unless it needs more numbers to come as close.
+    unless it needs several numbers more to come as close.
 
     **Arguments:** `candidates`: as scored on the same bench; `confirmed`: refits of some of them.
     """
@@ -92,7 +92,7 @@ def tie_set(
         alike = reproduced(bench, best, other)
         enough = KNOWN_SIGNATURE if equivalence(best.name, other.name) else TIED_SIGNATURE
         shape = ANOTHER_LAW * bench.excess
-        as_simple = both and len(refits[other.name].values) <= len(refits[best.name].values)
+        as_simple = both and refits[other.name].numbers <= refits[best.name].numbers + 1
         near = as_simple and not wider and left - least < shape
         unseen_yet = not both and bench.credible and not wider and alike > enough and _may_catch_up(library[other.name])
         if (behind < TIED_CRITERION and as_much) or near or unseen_yet:

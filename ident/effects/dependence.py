@@ -29,6 +29,6 @@ def _works_without(effect: AbstractEffect, side: Side, missing: str) -> bool:
             effect.drive((), drive, t)
         else:
             getattr(effect, side)(State(z, v), drive, t)
-    except (TypeError, ValueError, AttributeError):
+    except (TypeError, ValueError, AttributeError, ArithmeticError):
         return False
     return True

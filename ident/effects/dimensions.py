@@ -78,7 +78,7 @@ def _evaluate(
     instance = _instance(effect, settings, device, to)
     hidden = tuple(to(motion * _typical(unit), unit) for unit in effect.hidden_units)
     state = State(to(motion * _DISPLACEMENT, "m"), to(motion * _VELOCITY, "m/s"), hidden)
-    drive = Drive(to(motion * _VOLTAGE, "V"), to(3e3, "V/s"), to(2e3, "1/s"), to(1e-4, "N/V"))
+    drive = Drive(to(motion * _VOLTAGE, "V"), to(3e3, "V/s"), to(2e3, "1/s"), to(1e-4, "N/V"), 1.0)
     t = to(_TIME, "s")
     found: dict[str, tuple[float, str]] = {}
     if effect.overrides("force"):

@@ -44,7 +44,8 @@ def fit(
     Minimises Σ ((measured − model)/σ)² over the fitted parameters and the initial states of the records that do not
     start at rest, from the records' own linear guess, from the effects' grids, and from `starts` random points within
     ±`spread` of the best; or from `initial` alone, one point or several (SI, all parameters). The grids are tried until
-    one start ends at the noise floor.
+    one start ends at the noise floor. A quality factor that steady sines of one frequency do not determine is held, at
+    the value with which the model reaches the noise floor if there is one.
 
     **Arguments:** `sigma`: "known" (noise floors as given or estimated), "scaled" (error bars times the error over
     noise), "fitted" (each record's own residual); `robust`: large residuals count linearly; `report`: called with
@@ -52,13 +53,13 @@ def fit(
 
     **Raises:** UserError if there is nothing to fit.
     """
-    free, model = model, hold_quality(model, campaign.fitted)
+    model = hold_quality(model, campaign.fitted)
     found = minimise(
         model, campaign, robust=robust, starts=starts, spread=spread, seed=seed, initial=initial, report=report
     )
-    if model is not free and found.error > _AT_THE_FLOOR:
+    if model.undetermined and found.error > _AT_THE_FLOOR:
         # What is left of the record's beginning may tell the quality factor after all.
-        other = minimise(free, campaign, robust=robust, initial=found.values)
+        other = minimise(replace(model, undetermined=frozenset()), campaign, robust=robust, initial=found.values)
         if other.error < _AT_THE_FLOOR:
             found = minimise(model, campaign, robust=robust, initial=other.values)
     if sigma == "fitted":

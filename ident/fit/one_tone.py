@@ -20,13 +20,14 @@ _STEADY = 0.01  # change of the fundamental from the first half of a record to t
 
 
 def hold_quality(model: Model, records: Sequence[Trace]) -> Model:
-    """The model with its quality factor held, if steady sines of one frequency are all there is to determine it."""
+    """The model with its quality factor `undetermined`, if steady sines of one frequency are all there is to determine
+    it, and free else."""
     name = f"{model.linear.prefix}.quality"
     frequencies = [drive_frequency(record) for record in records]
     one = max(frequencies, default=0.0) < (1 + _SAME) * min(frequencies, default=0.0)
-    if name in model.freed or not one or not all(map(_steady, records)):
-        return model
-    return replace(model, held=model.held | {name})
+    if name in model.freed | model.held or not one or not all(map(_steady, records)):
+        return replace(model, undetermined=frozenset())
+    return replace(model, undetermined=frozenset({name}))
 
 
 def _steady(record: Trace) -> bool:

@@ -20,7 +20,8 @@ class Model:
 
     - `device`: what was measured; `effects`: the terms beyond the linear part, in order.
     - `start`: starting values of single parameters by full name (SI), as the campaign or a parent fit gave them.
-    - `held`: full names of parameters that a fit must not move; `freed`: of those that it must.
+    - `held`: full names of parameters that a fit must not move; `freed`: of those that it must; `undetermined`: of
+      those that a fit holds because its records do not determine them.
     """
 
     device: Device
@@ -28,6 +29,7 @@ class Model:
     start: tuple[tuple[str, float], ...] = ()
     held: frozenset[str] = frozenset()
     freed: frozenset[str] = frozenset()
+    undetermined: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         for effect in self.effects:
@@ -93,7 +95,7 @@ class Model:
     def _as_told(self, parameter: ModelParameter, start: dict[str, float]) -> ModelParameter:
         if parameter.name in start:
             parameter = replace(parameter, value=start[parameter.name], scale="one", grid=())
-        if parameter.name in self.held:
+        if parameter.name in self.held | self.undetermined:
             parameter = replace(parameter, fitted=False)
         elif parameter.name in self.freed:
             parameter = replace(parameter, fitted=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +10,6 @@ import numpy as np
 from ..campaign.device import Platform
 from ..campaign.drive import drive_frequency
 from ..fit.carry_over import expected_error
-from ..fit.one_tone import hold_quality
 from ..fit.result import Fit
 from .quantity import show, significant
 from .tables import listed, ratio_text
@@ -90,11 +88,11 @@ def _error_bars(fit: Fit) -> list[Sentence]:
     }[fit.sigma]
     found = [Sentence(meaning, warning=fit.sigma == "fitted")]
     quality = fit.estimates[1]
-    free = replace(fit.model, held=fit.model.held - {quality.name})
-    if quality.name in fit.model.held and hold_quality(free, fit.campaign.fitted) != free:
+    if quality.name in fit.model.undetermined:
         text = (
-            f"The quality factor is held at {quality.value:.3g}: a steady sine of one frequency gives two numbers, and "
-            "resonance, quality and gain are three. Add a record at another frequency, or one that starts from rest."
+            f"The quality factor is held at {quality.value:.3g}, without an error bar: a steady sine of one frequency "
+            "gives two numbers, and resonance, quality and gain are three. Add a record at another frequency, or one "
+            "that starts from rest."
         )
         found.append(Sentence(text, True))
     if not fit.converged:

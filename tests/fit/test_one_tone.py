@@ -33,7 +33,7 @@ def steady(drive: float, start: str = "unknown", seed: int = 0) -> Trace:
 
 
 def held(*records: Trace, model: Model | None = None) -> bool:
-    return "oscillator.quality" in hold_quality(model or Model(Oscillator()), records).held
+    return "oscillator.quality" in hold_quality(model or Model(Oscillator()), records).undetermined
 
 
 def test_it_is_held_for_one_steady_sine_only() -> None:

@@ -1,7 +1,7 @@
 """Damping that changes while the record lasts."""
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, choice, shape
-from ..memory import relaxing
+from ..memory import relaxing, since_switched_on
 
 
 class DampingDrift(AbstractEffect):
@@ -9,7 +9,8 @@ class DampingDrift(AbstractEffect):
 
     A τ far beyond the record is a drift linear in time; a shorter one an exponential approach to ċ τ. Gas that warms,
     outgassing in a sealed cavity, a contact that runs in: typically 1-20 % of the damping. Every record that begins at
-    rest starts afresh; where one begins in motion, t counts from an unknown time before, t + a.
+    rest starts afresh; where one begins in motion, and others at rest, t counts from a time a before, the
+    same for all of them.
     """
 
     name = "damping-drift"
@@ -27,4 +28,4 @@ class DampingDrift(AbstractEffect):
         return () if self.begins == "in-motion" else ("age",)
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
-        return -self.rate0 * relaxing(t + self.age * drive.moving, self.time) * state.v
+        return -self.rate0 * relaxing(since_switched_on(self, t, drive), self.time) * state.v

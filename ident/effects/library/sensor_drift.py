@@ -1,7 +1,7 @@
 """The zero of the sensor wanders."""
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, choice, shape
-from ..memory import relaxing
+from ..memory import relaxing, since_switched_on
 
 
 class SensorDrift(AbstractEffect):
@@ -9,7 +9,8 @@ class SensorDrift(AbstractEffect):
 
     A τ far beyond the record is a drift linear in time; a shorter one an exponential warm-up that ends at d τ. Typical:
     0.1-5 % of the signal within a record. Every record that begins at rest starts
-    afresh; where one begins in motion, t counts from an unknown time before, t + a.
+    afresh; where one begins in motion, and others at rest, t counts from a time a before, the
+    same for all of them.
     """
 
     name = "sensor-drift"
@@ -27,4 +28,4 @@ class SensorDrift(AbstractEffect):
         return () if self.begins == "in-motion" else ("age",)
 
     def sensor(self, state: State, drive: Drive, t: Scalar) -> Scalar:
-        return self.rate0 * relaxing(t + self.age * drive.moving, self.time)
+        return self.rate0 * relaxing(since_switched_on(self, t, drive), self.time)

@@ -1,7 +1,7 @@
 """Stiffness that changes while the record lasts, as when the device warms up."""
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, choice, shape
-from ..memory import relaxing
+from ..memory import relaxing, since_switched_on
 
 
 class StiffnessDrift(AbstractEffect):
@@ -10,7 +10,8 @@ class StiffnessDrift(AbstractEffect):
     A τ far beyond the record is a drift linear in time; a shorter one an exponential approach to k̇ τ. Self-heating
     lowers the stiffness of silicon by about 60 ppm/K (k̇ < 0), with thermal times from ms (a beam) to minutes (a
     package). It follows the switching-on, not ageing from record to record: every record that begins at rest starts
-    afresh; where one begins in motion, t counts from an unknown time before, t + a.
+    afresh; where one begins in motion, and others at rest, t counts from a time a before, the
+    same for all of them.
     """
 
     name = "stiffness-drift"
@@ -28,4 +29,4 @@ class StiffnessDrift(AbstractEffect):
         return () if self.begins == "in-motion" else ("age",)
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
-        return -self.rate0 * relaxing(t + self.age * drive.moving, self.time) * state.z
+        return -self.rate0 * relaxing(since_switched_on(self, t, drive), self.time) * state.z
