@@ -17,7 +17,7 @@ from . import solve
 from .assemble import assemble, at_values, begin
 from .finish import Minimum, finish
 from .guess import LinearGuess, data_scales, guess_linear
-from .one_tone import hold_quality
+from .one_tone import hold_dragged, hold_quality
 from .problem import Data, Evaluation, Static, evaluate
 from .result import Fit, SigmaChoice, Start
 from .starts import base_values, random_points, starting_points
@@ -62,6 +62,10 @@ def fit(
         other = minimise(replace(model, undetermined=frozenset()), campaign, robust=robust, initial=found.values)
         if other.error < _AT_THE_FLOOR:
             found = minimise(model, campaign, robust=robust, initial=other.values)
+    elif found.error > _AT_THE_FLOOR:
+        held = hold_dragged(model, found.values, campaign.fitted)
+        if held is not model:
+            model, found = held, minimise(held, campaign, robust=robust, initial=initial, report=report)
     if sigma == "fitted":
         at = evaluate(found.static, found.data, found.best.unknowns)
         campaign = _with_residual_noise(campaign, at, found.layout)

@@ -22,12 +22,31 @@ _STEADY = 0.01  # change of the fundamental from the first half of a record to t
 def hold_quality(model: Model, records: Sequence[Trace]) -> Model:
     """The model with its quality factor `undetermined`, if steady sines of one frequency are all there is to determine
     it, and free else."""
+    steady = _one_frequency(records) and all(map(_steady, records))
+    return _held(model) if steady else replace(model, undetermined=frozenset())
+
+
+def hold_dragged(model: Model, values: np.ndarray, records: Sequence[Trace]) -> Model:
+    """The model with its quality factor `undetermined`, if with these values (SI) a motion begun before the records, at
+    the one frequency that they have, would outlast them all: what changed within them then was no ringing down.
+
+    For models that do not describe the records: one that does may have found a sharp resonance.
+    """
+    frequency, quality = float(values[0]), float(values[1])
+    lasts = quality / (np.pi * frequency)
+    begun = all(record.start != "rest" for record in records)
+    outlasts = begun and _one_frequency(records) and all(lasts > record.time[-1] - record.time[0] for record in records)
+    return _held(model) if outlasts else model
+
+
+def _held(model: Model) -> Model:
     name = f"{model.linear.prefix}.quality"
+    return model if name in model.freed | model.held else replace(model, undetermined=frozenset({name}))
+
+
+def _one_frequency(records: Sequence[Trace]) -> bool:
     frequencies = [drive_frequency(record) for record in records]
-    one = max(frequencies, default=0.0) < (1 + _SAME) * min(frequencies, default=0.0)
-    if name in model.freed | model.held or not one or not all(map(_steady, records)):
-        return replace(model, undetermined=frozenset())
-    return replace(model, undetermined=frozenset({name}))
+    return max(frequencies, default=0.0) < (1 + _SAME) * min(frequencies, default=0.0)
 
 
 def _steady(record: Trace) -> bool:

@@ -7,13 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from experiments.hidden_effects.campaigns import campaign_of, poor_case
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.noise import NoiseFloor
 from ident.campaign.period import find_period
 from ident.campaign.record import Channel, Trace
+from ident.diagnosis.change import add
+from ident.effects.registry import built_in
 from ident.fit import fit
-from ident.fit.one_tone import hold_quality
+from ident.fit.one_tone import hold_dragged, hold_quality
 from ident.model import Model
 from ident.report.sentences import sentences
 
@@ -55,3 +58,20 @@ def test_the_fit_describes_the_record_and_says_what_it_held() -> None:
     assert quality.standard_error is None and "held" in quality.flags and quality.value == 30.0
     assert found.fitted.error_over_noise == pytest.approx(1.0, abs=0.06)
     assert any(s.warning and "quality factor is held at 30" in s.text for s in sentences(found))
+
+
+def test_a_sharp_resonance_is_not_believed_where_it_only_mimics_what_is_missing() -> None:
+    """Independent simulation: the stiffness drifts, so that the one steady sine changes a little within its record."""
+    campaign = campaign_of(poor_case(306, ("stiffness-drift",), 0.08, 0.003))
+    linear = fit(Model(campaign.device), campaign)
+    assert linear.fitted.error_over_noise > 1.5
+    assert "held" in linear.estimates[1].flags and linear.estimates[1].value == 30.0
+    drifting = add(linear, built_in()["stiffness-drift"])
+    assert drifting.fitted.error_over_noise < 1.05
+    assert drifting.estimates[1].value == pytest.approx(55.5, rel=0.2) and "held" not in drifting.estimates[1].flags
+
+
+def test_a_quality_factor_that_a_user_holds_stays() -> None:
+    model = replace(Model(Oscillator()), held=frozenset({"oscillator.quality"}))
+    assert hold_quality(model, (steady(480.0),)).undetermined == frozenset()
+    assert hold_dragged(model, np.array([500.0, 1e6, 1.0]), (steady(480.0),)) is model
