@@ -29,6 +29,13 @@ def test_a_drift_that_has_settled_ties_with_a_constant():
     assert {"sensor-drift", "sensor-offset", "static-force"} == set(said.steps[0].tie_set)
 
 
+def test_a_stop_that_would_have_to_pull_is_not_named_beside_a_quadratic_spring():
+    said = found(5013, "quadratic-stiffness")
+    assert said.verdict == "identified"
+    assert [step.added for step in said.steps] == ["quadratic-stiffness"]
+    assert said.final.fitted.error_over_noise < 1.02  # with the quality factor that the spring's harmonics tell
+
+
 def test_a_sensor_that_saturates_is_judged_on_the_motion_and_not_on_its_readings():
     campaign = campaign_of(poor_case(610, ("sensor-nonlinearity",), 0.08, 0.003))
     start = fit(Model(campaign.device), campaign)

@@ -9,6 +9,7 @@ from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
 from ident.campaign.device import Oscillator
 from ident.diagnosis.confirm import is_possible
+from ident.diagnosis.diagnose import measure_next
 from ident.diagnosis.discover import discover
 from ident.effects.library.coulomb_friction import CoulombFriction
 from ident.effects.library.end_stop import EndStop
@@ -39,6 +40,9 @@ def test_where_one_name_does_as_well_as_two_both_answers_are_given() -> None:
     (step,) = found.steps
     assert found.verdict == "ambiguous" and hidden < set(step.tie_set)
     assert "together" in step.reasons[-1] and all(name in step.reasons[-1] for name in hidden)
+    assert step.instead is not None and set(step.instead.names) == hidden
+    for proposed in measure_next(found, built_in()):
+        assert {"residual-stress", " and ".join(step.instead.names)} == set(proposed.separates)
 
 
 def test_a_friction_that_drives_is_no_friction() -> None:
