@@ -104,7 +104,7 @@ def measure_next(
             continue
         report(f"what would tell {' from '.join(step.tie_set[:2])}?")
         if step.instead is not None and len(step.tied) < 2:
-            rivals = {step.added: working(found.final), " and ".join(step.instead.names): step.instead.fit}
+            rivals = {step.instead.whole: step.instead.undivided, " and ".join(step.instead.names): step.instead.fit}
             return tuple(rank_experiments(rivals, count=_EXPERIMENTS))
         return tuple(next_experiments(step.bench, step.tied, library, _EXPERIMENTS))
     return ()

@@ -50,7 +50,7 @@ class Step(NamedTuple):
     """One addition: what, how much it was predicted and confirmed to gain, what it ties with, and the fit after it.
 
     `reasons`: why it ties, in words; `tied`: the candidates that do, as scored on `bench`, the fit before; `instead`:
-    simpler effects that together do as well as this one.
+    where an effect and a few simpler ones do as well.
     """
 
     added: str
@@ -188,11 +188,11 @@ def _tied_at_the_end(step: Step, last: Fit, start: Fit, library: Library, report
 
 
 def _beside_parts(step: Step, alike: tuple[Parts, ...]) -> Step:
-    """A step with the simpler effects that together do as well as its own."""
+    """A step with the other answer, where an effect and a few simpler ones together do as well."""
     for parts in alike:
-        if parts.whole == step.added:
-            reason = f"{step.added}, or {' and '.join(parts.names)} together: they explain the misfit as well"
-            names = tuple(dict.fromkeys([*step.tie_set, *parts.names]))
+        if step.added == (parts.names[0] if parts.better else parts.whole):
+            reason = f"{parts.words}: they explain the misfit as well"
+            names = tuple(dict.fromkeys([*step.tie_set, *((parts.whole,) if parts.better else parts.names)]))
             return step._replace(tie_set=names, reasons=(*step.reasons, reason), instead=parts)
     return step
 

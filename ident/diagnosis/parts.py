@@ -11,6 +11,7 @@ from ..effects.effect import AbstractEffect
 from ..fit import Fit
 from .change import try_without
 from .confirm import accept, confirm
+from .enough import ANOTHER_LAW
 from .score import prepare, score, significant
 from .trajectory import Diverged
 
@@ -18,12 +19,21 @@ _STRONG = 6.0  # difference of criteria: R. E. Kass, A. E. Raftery, Bayes factor
 
 
 class Parts(NamedTuple):
-    """`names`, the simpler effects that do as well as the one called `whole`, or `better`; the fit with them."""
+    """`names`, the simpler effects that do as well as the one called `whole`, or `better`; the fit with them, and that
+    with the whole; `near`, whether the whole leaves no more than laws of one kind differ by."""
 
     whole: str
     names: tuple[str, ...]
     fit: Fit
     better: bool
+    undivided: Fit
+    near: bool = True
+
+    @property
+    def words(self) -> str:
+        """Both answers."""
+        together = " and ".join(self.names) + (" together" if len(self.names) > 1 else "")
+        return f"{together}, or {self.whole} alone" if self.better else f"{self.whole}, or {together}"
 
 
 def take_apart(
@@ -46,9 +56,9 @@ def take_apart(
         if not simple:
             continue
         report(f"is {effect.name} the sum of simpler effects?")
-        whole, current, names = prepare(last).criterion, try_without(last, effect.name, start), []
+        whole, current, names = prepare(last), try_without(last, effect.name, start), []
         try:
-            bench = prepare(current)
+            bench = without = prepare(current)
             while best := next(iter(significant(score(bench, simple))), None):
                 trial = confirm(bench, simple[best.name], best)
                 if not trial.criterion < bench.criterion:
@@ -57,9 +67,10 @@ def take_apart(
                 bench, names = prepare(current), [*names, best.name]
         except Diverged:  # a motion without bound explains nothing
             continue
-        behind = bench.criterion + 2 * np.log(len(library)) * (len(names) - 1) - whole
+        behind = bench.criterion + 2 * np.log(len(library)) * (len(names) - 1) - whole.criterion
         if names and behind < -_STRONG:
-            return [*alike, Parts(effect.name, tuple(names), current, better=True)]
+            near = whole.fit_chi2 - bench.fit_chi2 < ANOTHER_LAW * without.excess
+            return [*alike, Parts(effect.name, tuple(names), current, True, last, near)]
         if names and behind < _STRONG:
-            alike.append(Parts(effect.name, tuple(names), current, better=False))
+            alike.append(Parts(effect.name, tuple(names), current, False, last))
     return alike

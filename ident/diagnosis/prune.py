@@ -26,8 +26,8 @@ _HURT = 1.02  # held-out error may grow by this factor before a term is refused
 
 
 class Pruned(NamedTuple):
-    """The effects that are needed, in order, and the fit with them; `alike`: those in whose place a few simpler ones
-    would do as well."""
+    """The effects that are needed, in order, and the fit with them; `alike`: where one and a few simpler ones do as
+    well."""
 
     names: tuple[str, ...]
     fit: Fit
@@ -99,7 +99,7 @@ def prune(last: Fit, added: list[str], library: Library, first: Bench, report: C
             break
         names, last = change
     compared = take_apart(last, names, library, first.fit, report)
-    alike = tuple(parts for parts in compared if not parts.better)
+    alike = tuple(parts for parts in compared if parts.near)
     for parts in compared:
         if parts.better:
             at = names.index(parts.whole)

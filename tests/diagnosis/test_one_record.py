@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from experiments.hidden_effects.campaigns import campaign_of, poor_case
+from ident.diagnosis.diagnose import measure_next
 from ident.diagnosis.discover import Discovery, discover
 from ident.diagnosis.score import prepare, score
 from ident.effects.registry import built_in
@@ -34,6 +35,16 @@ def test_a_stop_that_would_have_to_pull_is_not_named_beside_a_quadratic_spring()
     assert said.verdict == "identified"
     assert [step.added for step in said.steps] == ["quadratic-stiffness"]
     assert said.final.fitted.error_over_noise < 1.02  # with the quality factor that the spring's harmonics tell
+
+
+def test_one_name_is_told_beside_three_that_take_its_place():
+    said = found(5017, "residual-stress")
+    first = said.steps[0]
+    assert "residual-stress" in first.tie_set
+    if first.added != "residual-stress":
+        assert "or residual-stress alone" in first.reasons[-1]
+        proposed = measure_next(said, built_in())
+        assert proposed and "residual-stress" in proposed[0].separates
 
 
 def test_a_sensor_that_saturates_is_judged_on_the_motion_and_not_on_its_readings():
