@@ -45,7 +45,8 @@ def page() -> str:
         for name, words in e["settings"].items()
     ]
     if settings:
-        parts.append("## Settings\n\nThe first word is the default.\n\n" + "\n".join(settings) + "\n")
+        defaults = "The first word is the default; `begins` is chosen by how the records begin."
+        parts.append(f"## Settings\n\n{defaults}\n\n" + "\n".join(settings) + "\n")
     sources = [f"- `{e['name']}`: {e['source']}." for e in known if e["source"]]
     parts.append("## Sources\n\n" + "\n".join(sources) + "\n")
     return "\n".join(parts)

@@ -133,7 +133,10 @@ class Choice:
 
 
 def choice(*words: str) -> Any:
-    """Declare a setting that the campaign chooses by a word (`closure = "frame"`)."""
+    """Declare a setting that the campaign chooses by a word (`closure = "frame"`), the first if it says nothing.
+
+    A choice named `begins` with the word "in-motion" takes it where some records begin at rest and some do not.
+    """
     return Choice(words)
 
 

@@ -5,12 +5,12 @@ from ..memory import relaxing, since_switched_on
 
 
 class DampingDrift(AbstractEffect):
-    """Damping that drifts from the first sample on: F = −ċ τ (1 − e^(−t/τ)) ż.
+    """Damping that drifts once the drive is switched on: F = −ċ τ (1 − e^(−t/τ)) ż.
 
     A τ far beyond the record is a drift linear in time; a shorter one an exponential approach to ċ τ. Gas that warms,
     outgassing in a sealed cavity, a contact that runs in: typically 1-20 % of the damping. Every record that begins at
-    rest starts afresh; where one begins in motion, and others at rest, t counts from a time a before, the
-    same for all of them.
+    rest starts afresh; where one begins in motion, and others at rest, t counts from a time a before, the same for
+    all of them.
     """
 
     name = "damping-drift"
@@ -18,7 +18,7 @@ class DampingDrift(AbstractEffect):
     source = "Incropera & DeWitt, Fundamentals of Heat and Mass Transfer, 2007, §5.1 (lumped capacitance)"
     mistaken_for = ("stiffness-drift", "creep")
 
-    rate0 = amplitude("N*s/m/s", "damping per second at the start, ċ")
+    rate0 = amplitude("N*s/m/s", "damping per second when switched on, ċ")
     time = shape("s", "time in which the drift dies out, τ", grid=(0.1, 0.3, 1.0, 10.0), scale="duration")
     age = shape("s", "time since switching-on where a record begins in motion, a", grid=(1.0,), scale="duration",
                 limits=(0.01, 100.0))  # fmt: skip

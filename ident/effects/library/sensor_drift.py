@@ -5,12 +5,12 @@ from ..memory import relaxing, since_switched_on
 
 
 class SensorDrift(AbstractEffect):
-    """The zero of the sensor drifts from the first sample on: reading = z + d τ (1 − e^(−t/τ)).
+    """The zero of the sensor drifts once the drive is switched on: reading = z + d τ (1 − e^(−t/τ)).
 
     A τ far beyond the record is a drift linear in time; a shorter one an exponential warm-up that ends at d τ. Typical:
     0.1-5 % of the signal within a record. Every record that begins at rest starts
-    afresh; where one begins in motion, and others at rest, t counts from a time a before, the
-    same for all of them.
+    afresh; where one begins in motion, and others at rest, t counts from a time a before, the same for
+    all of them.
     """
 
     name = "sensor-drift"
@@ -18,7 +18,7 @@ class SensorDrift(AbstractEffect):
     source = "J. Fraden, Handbook of Modern Sensors, 2010, ch. 2 (warm-up and drift)"
     mistaken_for = ("sensor-offset", "static-force", "stiffness-drift")
 
-    rate0 = amplitude("m/s", "drift per second at the start, d")
+    rate0 = amplitude("m/s", "drift per second when switched on, d")
     time = shape("s", "time in which the drift dies out, τ", grid=(0.1, 0.3, 1.0, 10.0), scale="duration")
     age = shape("s", "time since switching-on where a record begins in motion, a", grid=(1.0,), scale="duration",
                 limits=(0.01, 100.0))  # fmt: skip

@@ -5,13 +5,13 @@ from ..memory import relaxing, since_switched_on
 
 
 class StiffnessDrift(AbstractEffect):
-    """Stiffness that drifts from the first sample on: F = −k̇ τ (1 − e^(−t/τ)) z.
+    """Stiffness that drifts once the drive is switched on: F = −k̇ τ (1 − e^(−t/τ)) z.
 
     A τ far beyond the record is a drift linear in time; a shorter one an exponential approach to k̇ τ. Self-heating
     lowers the stiffness of silicon by about 60 ppm/K (k̇ < 0), with thermal times from ms (a beam) to minutes (a
     package). It follows the switching-on, not ageing from record to record: every record that begins at rest starts
-    afresh; where one begins in motion, and others at rest, t counts from a time a before, the
-    same for all of them.
+    afresh; where one begins in motion, and others at rest, t counts from a time a before, the same for
+    all of them.
     """
 
     name = "stiffness-drift"
@@ -19,7 +19,7 @@ class StiffnessDrift(AbstractEffect):
     source = "Incropera & DeWitt, Fundamentals of Heat and Mass Transfer, 2007, §5.1 (lumped capacitance)"
     mistaken_for = ("creep", "damping-drift", "sensor-drift")
 
-    rate0 = amplitude("N/m/s", "stiffness per second at the start, k̇")
+    rate0 = amplitude("N/m/s", "stiffness per second when switched on, k̇")
     time = shape("s", "time in which the drift dies out, τ", grid=(0.1, 0.3, 1.0, 10.0), scale="duration")
     age = shape("s", "time since switching-on where a record begins in motion, a", grid=(1.0,), scale="duration",
                 limits=(0.01, 100.0))  # fmt: skip
