@@ -101,8 +101,7 @@ def rank(bench: Bench, stage: Stage) -> list[Ranked]:
     known: dict[tuple[bool, tuple[str, ...]], np.ndarray] = {}
     found = [_judge(bench, stage, *tried, known) for tried in _candidates((("1",), *SINGLES, *HISTORIES))]
     if max(r.share for r in found if r.coordinates[-1] != "history") < _ALL:
-        pairs = PAIRS if max(r.share for r in found) < _ALL else (("z", "v"), ("V", "dV"))  # what a memory can mimic
-        found += [_judge(bench, stage, *tried, known) for tried in _candidates(pairs)]
+        found += [_judge(bench, stage, *tried, known) for tried in _candidates(PAIRS)]
     return sorted(found, key=lambda r: r.criterion)
 
 
@@ -159,8 +158,6 @@ def smallest_sufficient(ranked: Sequence[Ranked]) -> list[Ranked]:
     return sorted(enough, key=lambda r: (dimension(r), r.criterion))
 
 
-def dimension(found: Ranked) -> float:
-    """How much a set of coordinates supposes: nothing for a constant, one for each coordinate, a memory almost one."""
-    if found.coordinates == ("1",):
-        return 0.0
-    return len(found.coordinates) - 0.1 * (found.coordinates[-1] == "history")
+def dimension(found: Ranked) -> int:
+    """How much a set of coordinates supposes: nothing for a constant, one for each coordinate, and for a memory."""
+    return 0 if found.coordinates == ("1",) else len(found.coordinates)

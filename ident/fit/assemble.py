@@ -12,6 +12,8 @@ from .coordinates import to_coordinates
 from .guess import DataScales
 from .problem import Data, Static, Unknowns
 
+_ON = 0.1  # of a limit: data scales of other records of the same device differ by that
+
 
 def assemble(
     model: Model,
@@ -24,7 +26,7 @@ def assemble(
     """The arrays of a fit whose unknowns are the model's fitted parameters, at `values` (m,) SI."""
     parameters = model.parameters
     free = tuple(i for i, p in enumerate(parameters) if p.fitted)
-    bounds = np.array([_bounds(parameters[i], float(values[i]), scales) for i in free]).reshape(-1, 2)
+    bounds = np.array([bounds_of(parameters[i], float(values[i]), scales) for i in free]).reshape(-1, 2)
     priors = [campaign.priors.get(parameters[i].name) for i in free]
     data = Data(
         groups,
@@ -40,15 +42,16 @@ def assemble(
     return static, at_values(data, static, np.asarray(values, float))
 
 
-def _bounds(parameter: ModelParameter, value: float, scales: DataScales | None) -> tuple[float, float]:
+def bounds_of(parameter: ModelParameter, value: float, scales: DataScales | None) -> tuple[float, float]:
+    """Lower and upper bound of a parameter (SI) in a fit that starts from `value`."""
     if not parameter.positive:
         return -np.inf, np.inf
     if parameter.limits is None or scales is None:
         return 0.0, np.inf
     unit = getattr(scales, parameter.limits_scale)
-    # A value that the user gave outside the usual limits moves them.
+    # A value that the user gave outside the usual limits moves them; one that an earlier fit left on a limit does not.
     low, high = parameter.limits[0] * unit, parameter.limits[1] * unit
-    return (low if value > low else value / 3), (high if value < high else value * 3)
+    return (low if value > low * (1 - _ON) else value / 3), (high if value < high * (1 + _ON) else value * 3)
 
 
 def at_values(data: Data, static: Static, values: np.ndarray) -> Data:

@@ -1,10 +1,17 @@
 """Bounds are kept by bijections, and uncertainty maps back by their slope."""
 
+from types import SimpleNamespace
+
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ident.campaign.device import Oscillator
+from ident.effects.library.end_stop import EndStop
+from ident.fit.assemble import bounds_of
 from ident.fit.coordinates import slopes, to_coordinates, to_values
+from ident.model import Model
 
 INF = np.inf
 share = st.floats(0.001, 0.999)
@@ -37,3 +44,12 @@ def test_a_start_on_a_bound_is_moved_inside():
     lower, upper = np.array([2.0]), np.array([8.0])
     for edge in (2.0, 8.0, 1.0, 100.0):
         assert np.isfinite(to_coordinates(np.array([edge]), lower, upper)).all()
+
+
+def test_a_value_that_a_fit_left_on_a_limit_does_not_move_it_and_a_users_does():
+    parameter = next(p for p in (Model(Oscillator()) + EndStop()).parameters if p.name == "end-stop.gap")
+    scales = SimpleNamespace(displacement=1e-5)
+    low, high = 0.2e-5, 1e-5
+    assert bounds_of(parameter, low * (1 - 1e-9), scales) == pytest.approx((low, high))
+    assert bounds_of(parameter, high * (1 + 1e-9), scales) == pytest.approx((low, high))
+    assert bounds_of(parameter, 1e-6, scales) == pytest.approx((1e-6 / 3, high))
