@@ -6,11 +6,14 @@ from typing import TYPE_CHECKING
 
 from ..fit.result import Fit
 from .drive_words import drive_words
-from .style import FAINT, HELDOUT, INK, MODEL, label, new_axes, new_figure
+from .style import FAINT, HELDOUT, INK, MODEL, label, new_axes, new_figure, shortened
 from .tables import ratio_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+_ROOM = 58  # characters beside the bars
 
 
 def overview_figure(fit: Fit) -> Figure:
@@ -33,7 +36,11 @@ def overview_figure(fit: Fit) -> Figure:
     axes.set_ylim(places[-1] - 0.6, 0.6)
     axes.axvline(1, color=INK, lw=1.2)
     axes.text(1, 0.62, " noise floor", fontsize=9, color=INK, ha="left", va="bottom")
-    axes.set_yticks(places, [f"{score.name}  ({drive_words(trace, fit.model.device)})" for score, trace in pairs])
+    drives = [f"  ({drive_words(trace, fit.model.device)})" for _, trace in pairs]
+    names = [
+        shortened(score.name, max(_ROOM - len(drive), 12)) for (score, _), drive in zip(pairs, drives, strict=True)
+    ]
+    axes.set_yticks(places, [name + drive for name, drive in zip(names, drives, strict=True)])
     axes.tick_params(axis="y", length=0)
     for place, ratio in zip(places, ratios, strict=True):
         at = (1.0 if 0.8 < ratio < 1.0 else ratio, place)  # not across the line

@@ -89,6 +89,12 @@ def png(figure: Figure) -> bytes:
     return buffer.getvalue()
 
 
+def shortened(name: str, most: int) -> str:
+    """A file's name in at most so many characters: its middle is left out, for records differ at the ends."""
+    name = name.rsplit("/", 1)[-1].removesuffix(".csv")
+    return name if len(name) <= most else f"{name[: most // 2 - 1]}…{name[most // 2 - most :]}"
+
+
 def envelope(time: np.ndarray, values: np.ndarray, bins: int = 900) -> tuple[np.ndarray, np.ndarray]:
     """Smallest and largest value of each of so many bins, as one line: what a screen can show of a long record."""
     n = len(values) // bins

@@ -11,7 +11,7 @@ from ..diagnosis.locate import ALARMS, RecordView, Where
 from ..diagnosis.views import View
 from ..diagnosis.where_words import statements, summary
 from ..diagnosis.whiteness import Correlation
-from .style import BAND, DATA, FAINT, HELDOUT, INK, RESIDUAL, key, label, new_axes, new_figure
+from .style import BAND, DATA, FAINT, HELDOUT, INK, RESIDUAL, key, label, new_axes, new_figure, shortened
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -57,7 +57,7 @@ def _records(axes: Axes, where: Where, loud: bool) -> None:
         axes.barh(i, r.ratio, height=0.72, color=_colour(r, ranked, loud))
         axes.text(r.ratio, i, f" {r.ratio:.3g}", fontsize=7.5, va="center", color=INK)
     axes.axvline(1.0, color=INK, lw=0.9, ls="--")
-    axes.set_yticks(range(len(ranked)), [_short(r.name) for r in ranked], fontsize=7.5)
+    axes.set_yticks(range(len(ranked)), [shortened(r.name, 18) for r in ranked], fontsize=7.5)
     axes.set_ylim(len(ranked) - 0.4, -0.6)
     axes.set_xlim(0, 1.3 * max(r.ratio for r in ranked))
     more = len(where.records) - len(ranked)
@@ -70,11 +70,6 @@ def _colour(record: RecordView, ranked: list[RecordView], loud: bool) -> str:
     fitted = [r for r in ranked if not r.holdout]
     mean = np.mean([max(r.excess, 0.0) for r in fitted])
     return RESIDUAL if loud and record.p_value < ALARMS and record.excess > mean else DATA
-
-
-def _short(name: str) -> str:
-    name = name.rsplit("/", 1)[-1].removesuffix(".csv")
-    return name if len(name) <= 18 else name[:8] + "…" + name[-9:]
 
 
 def _bins(axes: Axes, view: View, loud: bool, title: str) -> None:
