@@ -79,10 +79,7 @@ class Trace:
 
     @property
     def begins_in_motion(self) -> bool:
-        """Whether the drive had been on before the first sample.
-
-        An excerpt counts as the record does from which it was cut while effects are compared on it: from rest.
-        """
+        """Whether the drive had been on before the first sample; models are compared on an excerpt as if not."""
         return self.start != "rest" and not self.excerpt
 
 

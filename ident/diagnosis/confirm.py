@@ -37,14 +37,9 @@ class Confirmed(NamedTuple):
     gain: float
     criterion: float
 
-    @property
-    def numbers(self) -> int:
-        """How many parameters were fitted."""
-        return sum(p.fitted for p in self.model.parameters)
-
 
 _MOST_STARTS = 6
-_SPRING = ("force", ("z",))
+_SPRING = ("force", ("z",))  # what a law of the displacement alone depends on
 _ABSENT = 0.05  # of an effect's largest amplitude: a smaller one is as good as none
 _OFF_BOUND = 3.0
 _RACE = 12  # steps of every start; the best one goes on

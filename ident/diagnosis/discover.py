@@ -305,7 +305,7 @@ def _in_order(tried: list[Confirmed], bench: Bench) -> list[Confirmed]:
     """Best first; of those that do equally well the simplest first."""
     best = min(tried, key=lambda c: c.criterion)
     limit = best.criterion + max(_TIED_CRITERION, laws_differ_by(bench, best.chi2))
-    near = sorted((c for c in tried if c.criterion <= limit), key=lambda c: (c.numbers, c.criterion))
+    near = sorted((c for c in tried if c.criterion <= limit), key=lambda c: (c.model.numbers, c.criterion))
     return near + sorted((c for c in tried if not c.criterion <= limit), key=lambda c: c.criterion)
 
 

@@ -76,7 +76,7 @@ def _replaced(name: str, last: Fit, full: Bench, bench: Bench, library: Library)
     after = accept(best, bench.fit)
     if best.candidate.name in library[name].contains:
         margin = 0.0  # a part of it is the simpler answer
-    elif best.numbers > sum(p.fitted for p in last.model.parameters):
+    elif best.model.numbers > last.model.numbers:
         margin = max(_CLEARLY, laws_differ_by(bench, best.chi2))
     else:
         margin = _CLEARLY

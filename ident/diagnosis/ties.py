@@ -92,7 +92,7 @@ def tie_set(
         alike = reproduced(bench, best, other)
         enough = KNOWN_SIGNATURE if equivalence(best.name, other.name) else TIED_SIGNATURE
         shape = ANOTHER_LAW * bench.excess
-        as_simple = both and refits[other.name].numbers <= refits[best.name].numbers + 1
+        as_simple = both and refits[other.name].model.numbers <= refits[best.name].model.numbers + 1
         near = as_simple and not wider and left - least < shape
         unseen_yet = not both and bench.credible and not wider and alike > enough and _may_catch_up(library[other.name])
         if (behind < TIED_CRITERION and as_much) or near or unseen_yet:

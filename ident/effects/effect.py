@@ -15,7 +15,7 @@ From this one definition come the simulation, its derivatives, the fit, the help
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
@@ -24,6 +24,7 @@ from typing import Any, ClassVar, Literal, NamedTuple, Self
 import jax
 
 from ..campaign.device import Device, Platform
+from ..campaign.record import Trace
 
 Scalar = Any  # a float outside, a traced JAX scalar inside a simulation
 Scale = Literal["displacement", "velocity", "voltage", "period", "duration", "one"]
@@ -133,10 +134,7 @@ class Choice:
 
 
 def choice(*words: str) -> Any:
-    """Declare a setting that the campaign chooses by a word (`closure = "frame"`), the first if it says nothing.
-
-    A choice named `begins` with the word "in-motion" takes it where some records begin at rest and some do not.
-    """
+    """Declare a setting that the campaign chooses by a word (`closure = "frame"`), the first if it says nothing."""
     return Choice(words)
 
 
@@ -180,9 +178,12 @@ class AbstractEffect:
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
-        cls.parameters = tuple(value for value in vars(cls).values() if isinstance(value, Parameter))
-        cls.choices = tuple(value for value in vars(cls).values() if isinstance(value, Choice))
-        if not cls.acts_on:
+        declared: dict[str, Any] = {}
+        for one in cls.__mro__:  # its own before those of a base that several effects share
+            declared |= {key: value for key, value in vars(one).items() if key not in declared}
+        cls.parameters = tuple(value for value in declared.values() if isinstance(value, Parameter))
+        cls.choices = tuple(value for value in declared.values() if isinstance(value, Choice))
+        if "acts_on" not in vars(cls):
             cls.acts_on = next((side for side in ("sensor", "drive") if cls.overrides(side)), "force")
 
     def __init__(self, device: Device | None = None, settings: Mapping[str, str] | None = None, **values: Scalar):
@@ -239,6 +240,11 @@ class AbstractEffect:
         """The parameters that matter with the present settings."""
         unused = self.unused()
         return tuple(replace(p, fitted=p.fitted and p.name not in unused) for p in self.parameters)
+
+    @classmethod
+    def told_by(cls, records: Sequence[Trace]) -> Mapping[str, str]:
+        """Words of its choices that the fitted records decide, where the campaign does not."""
+        return {}
 
     def unused(self) -> tuple[str, ...]:
         """Names of the parameters that the present settings leave without meaning."""

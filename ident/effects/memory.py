@@ -7,17 +7,9 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from .effect import AbstractEffect, Drive, Scalar
+from .effect import Scalar
 
 _BARELY, _BEYOND = 1e-6, 1.5  # of the yield: below, x^n has no derivative by n; beyond, only an overshoot of the solver
-
-
-def since_switched_on(effect: AbstractEffect, t: Scalar, drive: Drive) -> Scalar:
-    """Time since the drive was switched on, s, for an effect with an `age` and a choice `begins`.
-
-    It is `t`, the time since the first sample; in a record that begins in motion it is t + age if `begins` says so.
-    """
-    return t + effect.values["age"] * drive.moving if effect.settings.get("begins") == "in-motion" else t
 
 
 def relaxing(t: Scalar, time: Scalar) -> Scalar:

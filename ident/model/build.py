@@ -12,8 +12,6 @@ from ..errors import UserError
 from .model import Model
 from .settings import LISTS, check_priors, check_settings, check_starts, check_units, listed, parameter_names, place_of
 
-_IN_MOTION = "in-motion"
-
 
 def build_model(campaign: Campaign, effects: Sequence[str] | None = None) -> Model:
     """The model with which a campaign is to be fitted.
@@ -52,11 +50,7 @@ def make_effect(campaign: Campaign, name: str, known: Registry | None = None) ->
     """
     effect = find(name, registry(campaign.effect_files) if known is None else known)
     words = {c.name for c in effect.choices}
-    settings = campaign.settings.get(name, {})
-    if _IN_MOTION in next((c.words for c in effect.choices if c.name == "begins"), ()):
-        # Where all records begin alike, what had gone on before is part of the device, and an age would mean nothing.
-        both = len({record.begins_in_motion for record in campaign.fitted}) > 1
-        settings = {"begins": _IN_MOTION if both else "at-rest", **settings}
+    settings = {**effect.told_by(campaign.fitted), **campaign.settings.get(name, {})}
     return effect(campaign.device, {key: value for key, value in settings.items() if key in words})
 
 

@@ -61,6 +61,11 @@ class Model:
         return linear_part(self.device)
 
     @property
+    def numbers(self) -> int:
+        """How many parameters a fit moves."""
+        return sum(p.fitted for p in self.parameters)
+
+    @property
     def steps_per_period(self) -> int:
         """Solver steps per period of the resonance that the sharpest effect needs."""
         return max((effect.steps_per_period for effect in self.effects), default=0)

@@ -1,16 +1,17 @@
 """Damping that changes while the record lasts."""
 
-from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, choice, shape
-from ..memory import relaxing, since_switched_on
+from ..drifting import Drifting
+from ..effect import Drive, Scalar, State, amplitude, shape
+from ..memory import relaxing
 
 
-class DampingDrift(AbstractEffect):
+class DampingDrift(Drifting):
     """Damping that drifts once the drive is switched on: F = −ċ τ (1 − e^(−t/τ)) ż.
 
     A τ far beyond the record is a drift linear in time; a shorter one an exponential approach to ċ τ. Gas that warms,
     outgassing in a sealed cavity, a contact that runs in: typically 1-20 % of the damping. Every record that begins at
-    rest starts afresh; where one begins in motion, and others at rest, t counts from a time a before, the same for
-    all of them.
+    rest starts afresh; where one begins in motion, and others at rest, t counts from a time a before, the same for all
+    of them.
     """
 
     name = "damping-drift"
@@ -20,12 +21,6 @@ class DampingDrift(AbstractEffect):
 
     rate0 = amplitude("N*s/m/s", "damping per second when switched on, ċ")
     time = shape("s", "time in which the drift dies out, τ", grid=(0.1, 0.3, 1.0, 10.0), scale="duration")
-    age = shape("s", "time since switching-on where a record begins in motion, a", grid=(1.0,), scale="duration",
-                limits=(0.01, 100.0))  # fmt: skip
-    begins = choice("at-rest", "in-motion")
-
-    def unused(self) -> tuple[str, ...]:
-        return () if self.begins == "in-motion" else ("age",)
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
-        return -self.rate0 * relaxing(since_switched_on(self, t, drive), self.time) * state.v
+        return -self.rate0 * relaxing(self.since_switched_on(t, drive), self.time) * state.v

@@ -1,16 +1,16 @@
 """The zero of the sensor wanders."""
 
-from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, choice, shape
-from ..memory import relaxing, since_switched_on
+from ..drifting import Drifting
+from ..effect import Drive, Scalar, State, amplitude, shape
+from ..memory import relaxing
 
 
-class SensorDrift(AbstractEffect):
+class SensorDrift(Drifting):
     """The zero of the sensor drifts once the drive is switched on: reading = z + d τ (1 − e^(−t/τ)).
 
     A τ far beyond the record is a drift linear in time; a shorter one an exponential warm-up that ends at d τ. Typical:
-    0.1-5 % of the signal within a record. Every record that begins at rest starts
-    afresh; where one begins in motion, and others at rest, t counts from a time a before, the same for
-    all of them.
+    0.1-5 % of the signal within a record. Every record that begins at rest starts afresh; where one begins in motion,
+    and others at rest, t counts from a time a before, the same for all of them.
     """
 
     name = "sensor-drift"
@@ -20,12 +20,6 @@ class SensorDrift(AbstractEffect):
 
     rate0 = amplitude("m/s", "drift per second when switched on, d")
     time = shape("s", "time in which the drift dies out, τ", grid=(0.1, 0.3, 1.0, 10.0), scale="duration")
-    age = shape("s", "time since switching-on where a record begins in motion, a", grid=(1.0,), scale="duration",
-                limits=(0.01, 100.0))  # fmt: skip
-    begins = choice("at-rest", "in-motion")
-
-    def unused(self) -> tuple[str, ...]:
-        return () if self.begins == "in-motion" else ("age",)
 
     def sensor(self, state: State, drive: Drive, t: Scalar) -> Scalar:
-        return self.rate0 * relaxing(since_switched_on(self, t, drive), self.time)
+        return self.rate0 * relaxing(self.since_switched_on(t, drive), self.time)

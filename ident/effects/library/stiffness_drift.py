@@ -1,17 +1,18 @@
 """Stiffness that changes while the record lasts, as when the device warms up."""
 
-from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, choice, shape
-from ..memory import relaxing, since_switched_on
+from ..drifting import Drifting
+from ..effect import Drive, Scalar, State, amplitude, shape
+from ..memory import relaxing
 
 
-class StiffnessDrift(AbstractEffect):
+class StiffnessDrift(Drifting):
     """Stiffness that drifts once the drive is switched on: F = −k̇ τ (1 − e^(−t/τ)) z.
 
     A τ far beyond the record is a drift linear in time; a shorter one an exponential approach to k̇ τ. Self-heating
     lowers the stiffness of silicon by about 60 ppm/K (k̇ < 0), with thermal times from ms (a beam) to minutes (a
     package). It follows the switching-on, not ageing from record to record: every record that begins at rest starts
-    afresh; where one begins in motion, and others at rest, t counts from a time a before, the same for
-    all of them.
+    afresh; where one begins in motion, and others at rest, t counts from a time a before, the same for all
+    of them.
     """
 
     name = "stiffness-drift"
@@ -21,12 +22,6 @@ class StiffnessDrift(AbstractEffect):
 
     rate0 = amplitude("N/m/s", "stiffness per second when switched on, k̇")
     time = shape("s", "time in which the drift dies out, τ", grid=(0.1, 0.3, 1.0, 10.0), scale="duration")
-    age = shape("s", "time since switching-on where a record begins in motion, a", grid=(1.0,), scale="duration",
-                limits=(0.01, 100.0))  # fmt: skip
-    begins = choice("at-rest", "in-motion")
-
-    def unused(self) -> tuple[str, ...]:
-        return () if self.begins == "in-motion" else ("age",)
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
-        return -self.rate0 * relaxing(since_switched_on(self, t, drive), self.time) * state.z
+        return -self.rate0 * relaxing(self.since_switched_on(t, drive), self.time) * state.z
