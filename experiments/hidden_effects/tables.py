@@ -56,11 +56,14 @@ def visible(rows: Iterable[Row]) -> list[Row]:
 
 
 def both_found(row: Row) -> bool:
-    return all(CLASS[name] & set(named(row)) for name in row["effects"])
+    """Whether every hidden effect was added, be it called a refinement: beside the other it may explain under 1 %."""
+    added = {step["added"] for step in row["steps"]}
+    return all(CLASS[name] & added for name in row["effects"])
 
 
 def exact_set(row: Row) -> bool:
-    return both_found(row) and len(named(row)) == len(row["effects"])
+    """Whether the hidden effects, and no others, are named as effects."""
+    return all(CLASS[name] & set(named(row)) for name in row["effects"]) and len(named(row)) == len(row["effects"])
 
 
 def in_tie_set(row: Row) -> bool:

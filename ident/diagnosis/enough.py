@@ -9,19 +9,26 @@ from .score import Bench
 ANOTHER_LAW = 0.001  # of the first excess: structured misfit beyond which a name is in doubt; see `lacking`
 _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
 _WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
+_MOST_OF_IT = 0.5  # of what is left: a wrong noise floor leaves nothing that one effect explains to this degree
 _LEAST = 0.2  # of what is left: where every effect promises less, the library lacks the one that is missing
 _SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
 _SAME_WHILE_LACKING = 0.02  # the same as long as ten times as much is unexplained
 _FAR = 4.0  # χ² per sample, more than a wrong noise floor would make
 
 
-def adequate(bench: Bench) -> bool:
+def adequate(bench: Bench, explained: float = 0.0) -> bool:
     """Whether the error stands at the noise floor, within what is known of that floor.
 
     What counts is the whitened error without mains hum and initial states: hum is no shortcoming of a model.
+    `explained`: share of what is left that one effect explains; a wrong floor would leave what none does.
     """
+    return _at_floor(bench.chi2, bench, explained)
+
+
+def _at_floor(chi2: float, bench: Bench, explained: float = 0.0) -> bool:
     doubt = float(np.mean([record.noise.relative_error for record in bench.fit.campaign.fitted]))
-    return float(np.sqrt(bench.chi2 / bench.n)) < 1.05 + 2 * min(doubt, 0.1)
+    allowed = 2 * min(doubt, 0.1) if explained < _MOST_OF_IT else 0.0
+    return float(np.sqrt(chi2 / bench.n)) < 1.05 + allowed
 
 
 def worth_a_name(drop: float, first: Bench) -> bool:
@@ -41,7 +48,7 @@ def not_worth_adding(bench: Bench, best: float, first: Bench) -> bool:
         return share < _LEAST and bench.chi2 > _FAR * bench.n
     if worth_a_name(best, first):
         return share < _LEAST
-    return share < _WORTH or adequate(bench)
+    return share < _WORTH or adequate(bench, explained=share)
 
 
 def laws_differ_by(bench: Bench, left: float) -> float:
@@ -57,6 +64,10 @@ def laws_differ_by(bench: Bench, left: float) -> float:
 
 
 def superfluous(without: Bench, with_it: Bench, first: Bench) -> bool:
-    """Whether a model does as well without a term: by the information criterion, or at the noise floor and nearly."""
+    """Whether a model does as well without a term: by the information criterion, or at the noise floor and nearly.
+
+    At the floor is what the refit has reached, not what its parameters could still absorb: a limit may stop them.
+    """
     loss, terms = without.chi2 - with_it.chi2, with_it.fit.freedom - without.fit.freedom
-    return loss < terms * float(np.log(with_it.n)) or (adequate(without) and not worth_a_name(loss, first))
+    at_floor = _at_floor(without.fit_chi2, without)
+    return loss < terms * float(np.log(with_it.n)) or (at_floor and not worth_a_name(loss, first))

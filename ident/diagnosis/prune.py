@@ -41,6 +41,16 @@ def hurts(before: Fit, after: Fit) -> bool:
     return after.holdout.error_over_noise > _HURT * before.holdout.error_over_noise
 
 
+def _hurts_more(before: Fit, after: Fit) -> bool:
+    """Whether held-out records lose more by another law than the fitted ones gain.
+
+    Beside an effect that is not sure yet, held-out error tells about that one's parameters rather than about the law.
+    """
+    if before.holdout is None or after.holdout is None or not hurts(before, after):
+        return False
+    return after.holdout.chi2 - before.holdout.chi2 > before.fitted.chi2 - after.fitted.chi2
+
+
 def _still_possible(after: Fit, before: Fit) -> bool:
     """Whether the effects that were possible before a change are so after it: a stop may have bent what is gone."""
     able = {e.name for e in before.model.effects if is_possible(before.model, before.values, e)}
@@ -81,7 +91,7 @@ def _replaced(name: str, last: Fit, full: Bench, bench: Bench, library: Library)
     else:
         margin = _CLEARLY
     clearly = perhaps and prepare(after).criterion < full.criterion - margin
-    wins = (not hurts(last, after) if clearly else alike and hurts(after, last)) and _still_possible(after, last)
+    wins = (not _hurts_more(last, after) if clearly else alike and hurts(after, last)) and _still_possible(after, last)
     return (best.candidate.name, after) if wins else None
 
 

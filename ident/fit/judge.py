@@ -29,6 +29,10 @@ class Score(NamedTuple):
     noise_rmse: float
     error_over_noise: float
 
+    @property
+    def chi2(self) -> float:
+        return self.n * self.error_over_noise**2
+
 
 def score_record(record: Trace, reading: np.ndarray) -> RecordScore:
     """Judge a model's `reading` (n,) of a record over its counted samples."""
