@@ -1,0 +1,55 @@
+"""When a model is good enough, and what a change may cost."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ident.diagnosis.enough import adequate, not_worth_adding, superfluous
+from ident.diagnosis.prune import _hurts_more
+from ident.fit.judge import Score
+
+N = 10_000
+
+
+def bench(error: float, reached: float | None = None, doubt: float = 0.03, freedom: int = 5) -> Any:
+    """A stand-in with an error over noise, the one that its fit has `reached`, and the doubt of its noise floors."""
+    records = [SimpleNamespace(noise=SimpleNamespace(relative_error=doubt))]
+    fit = SimpleNamespace(campaign=SimpleNamespace(fitted=records), freedom=freedom)
+    return SimpleNamespace(chi2=N * error**2, fit_chi2=N * (reached or error) ** 2, n=N, fit=fit)
+
+
+def test_the_doubt_of_a_noise_floor_excuses_what_no_effect_explains() -> None:
+    assert adequate(bench(1.08)) and not adequate(bench(1.08, doubt=0.0))
+    assert adequate(bench(1.08), explained=0.3) and not adequate(bench(1.08), explained=0.8)
+    assert adequate(bench(1.04), explained=0.8)  # within what is allowed to any model
+
+
+def test_a_term_under_one_percent_is_added_if_it_explains_most_of_what_is_left() -> None:
+    first, now = bench(13.0), bench(1.08)
+    left = now.chi2 - N
+    assert not not_worth_adding(now, 0.8 * left, first)
+    assert not_worth_adding(now, 0.3 * left, first)
+    assert not_worth_adding(bench(1.0), 0.8 * left, first)
+
+
+def test_a_refit_that_a_limit_stopped_does_not_do_without_the_term() -> None:
+    first, full = bench(13.0), bench(1.0, freedom=7)
+    assert superfluous(bench(1.001), full, first)
+    assert superfluous(bench(1.05), full, first)  # at the floor, and the loss is less than laws of a kind differ by
+    assert not superfluous(bench(1.05, reached=1.48), full, first)
+
+
+@pytest.mark.parametrize(("fitted", "held", "more"), [(0.99, 1.23, False), (1.05, 1.25, True), (0.99, 1.18, False)])
+def test_held_out_error_of_another_law_is_weighed_against_what_fitted_records_gain(
+    fitted: float, held: float, more: bool
+) -> None:
+    score = lambda error: Score(N, 1.0, 1.0, error)
+    before: Any = SimpleNamespace(fitted=score(1.06), holdout=score(1.19))
+    after: Any = SimpleNamespace(fitted=score(fitted), holdout=score(held))
+    assert np.isclose(before.fitted.chi2, N * 1.06**2)
+    assert _hurts_more(before, after) is more
+    assert not _hurts_more(before, SimpleNamespace(fitted=score(fitted), holdout=None))  # type: ignore[arg-type]
