@@ -254,14 +254,17 @@ def plays(e, reach, number):
 
 @njit(error_model="numpy")
 def bouc_wen_drive(e, limit, power):
-    """Bouc-Wen state of the voltage; it does not depend on the rate, so it is stepped in the voltage itself."""
+    """Bouc-Wen state of the voltage; it does not depend on the rate, so it is stepped in the voltage itself.
+
+    A drive that starts with a jump has risen from zero, as for the other laws: in as many steps as there are samples.
+    """
     out = np.zeros_like(e)
     h = 0.0
-    for k in range(1, e.size):
-        d = e[k] - e[k - 1]
+    for k in range(1 - e.size, e.size):
+        d = e[0] / e.size if k < 1 else e[k] - e[k - 1]
         half = h + 0.5 * d * (1 - (abs(h / limit) ** power if d * h > 0 else 0.0))
         h += d * (1 - (abs(half / limit) ** power if d * half > 0 else 0.0))
-        out[k] = h
+        out[max(k, 0)] = h
     return out
 
 

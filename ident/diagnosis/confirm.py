@@ -41,6 +41,7 @@ class Confirmed(NamedTuple):
 _MOST_STARTS = 6
 _SPRING = ("force", ("z",))  # what a law of the displacement alone depends on
 _ABSENT = 0.05  # of an effect's largest amplitude: a smaller one is as good as none
+_FAINT = 0.01  # of what the score predicts: nearly absent, so that the motion is the one without it
 _OFF_BOUND = 3.0
 _RACE = 12  # steps of every start; the best one goes on
 _MOST_STEPS = 60  # a rival that needs more crawls along a valley and comes no nearer
@@ -67,7 +68,14 @@ def confirm(
     if candidate.beside is not None:
         starts.insert(1, np.concatenate([candidate.beside, start_of(model, candidate, before.scales)]))
     own = _winner(model, before, starts)
-    return weigh(bench, model, candidate, _winner(model, before, [own, *_reprofiled(model, own, before)]), most)
+    found = weigh(bench, model, candidate, _winner(model, before, [own, *_reprofiled(model, own, before)]), most)
+    if np.isfinite(found.chi2):
+        return found
+    # Damping of the wrong sign, as scores may predict it where little is known, has no motion to start from.
+    amplitudes = {p.name for p in model.effects[-1].declared() if p.kind == "amplitude"}
+    faint = {name: _FAINT * value for name, value in candidate.values.items() if name in amplitudes}
+    start = start_of(model, candidate._replace(values={**candidate.values, **faint}), before.scales)
+    return weigh(bench, model, candidate, np.concatenate([base, start]), most)
 
 
 def _winner(model: Model, before: Fit, starts: list[np.ndarray]) -> np.ndarray:

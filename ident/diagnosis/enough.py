@@ -11,7 +11,7 @@ _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
 _WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
 _MOST_OF_IT = 0.5  # of what is left: a wrong noise floor leaves nothing that one effect explains to this degree
 _LEAST = 0.2  # of what is left: where every effect promises less, the library lacks the one that is missing
-_SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
+SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
 _SAME_WHILE_LACKING = 0.02  # the same as long as ten times as much is unexplained
 _FAR = 4.0  # χ² per sample, more than a wrong noise floor would make
 
@@ -60,7 +60,7 @@ def laws_differ_by(bench: Bench, left: float) -> float:
     some of them, and more is allowed for.
     """
     excess, lacks = min(bench.chi2 - bench.n, bench.excess), left - bench.n
-    return max(min(_SAME_SHAPE * excess, lacks), min(_SAME_WHILE_LACKING * excess, 0.1 * lacks))
+    return max(min(SAME_SHAPE * excess, lacks), min(_SAME_WHILE_LACKING * excess, 0.1 * lacks))
 
 
 def superfluous(without: Bench, with_it: Bench, first: Bench) -> bool:

@@ -12,7 +12,7 @@ from ..fit import Fit
 from ..fit.rebuild import fit_at
 from .change import ENOUGH, try_without, values_without
 from .confirm import accept, confirm, is_possible
-from .enough import ANOTHER_LAW, laws_differ_by, superfluous
+from .enough import ANOTHER_LAW, SAME_SHAPE, laws_differ_by, superfluous
 from .parts import Parts, take_apart
 from .score import Bench, Candidate, prepare, score, significant
 from .shorten import working
@@ -69,7 +69,7 @@ def _rivals(name: str, bench: Bench, library: Library) -> list[Candidate]:
 
 def _replaced(name: str, last: Fit, full: Bench, bench: Bench, library: Library) -> tuple[str, Fit] | None:
     """A rival in an effect's place, with the fit, if the criterion clearly prefers it; between laws that the fitted
-    records do not tell apart the held-out ones decide.
+    records do not tell apart, or by no more than a simpler one may lack in shape, the held-out ones decide.
 
     `bench`: without the effect. Refits start from what its presence has made of the other parameters.
     """
@@ -80,7 +80,8 @@ def _replaced(name: str, last: Fit, full: Bench, bench: Bench, library: Library)
         return None
     # A refit counts all of its parameters: with only those that it needs it may yet be better.
     perhaps = best.criterion - len(library[best.candidate.name].parameters) * np.log(full.n) < full.criterion
-    alike = best.chi2 - full.fit_chi2 < ANOTHER_LAW * bench.excess
+    simpler = best.model.numbers < last.model.numbers
+    alike = best.chi2 - full.fit_chi2 < (SAME_SHAPE if simpler else ANOTHER_LAW) * bench.excess
     if not (perhaps or (alike and last.holdout is not None)):
         return None
     after = accept(best, bench.fit)

@@ -25,22 +25,22 @@ def relaxing(t: Scalar, time: Scalar) -> Scalar:
     return -time * jnp.expm1(-t / time)
 
 
-def slip(part: Scalar, rate: Scalar, sharpness: Scalar, softness: Scalar) -> Scalar:
+def slip(part: Scalar, rate: Scalar, sharpness: Scalar, fullness: Scalar) -> Scalar:
     """The part of a motion that is slip, for a contact loaded to `part` of its yield.
 
-    s = |h|^n where the motion loads the contact further (h ẋ > 0), c |h|^n where it unloads
+    s = |h|^n where the motion loads the contact further (h ẋ > 0), (1 − 2β) |h|^n where it unloads
 
     `part` h, no unit, between −1 and 1 but for errors of the solver; `rate` ẋ in any unit; `sharpness` n > 0;
-    `softness` c of unloading, −1 to 1, beyond which friction would drive. Any shapes; returns a number from −1 to 1,
-    and up to 1.5 beyond the yield, so that an overshoot is walked back. The rate of the contact, h' = (ẋ/yield)(1 − s),
-    is bounded by twice that of the motion: too large a step costs accuracy, never stability, and `within` keeps it out
-    of the force.
+    `fullness` β of the loop: 0 closes it, ½ unloads along a straight line, 1 is the fullest. Any shapes; returns a
+    number from −1 to 1, and up to 1.5 beyond the yield, so that an overshoot is walked back. The rate of the contact,
+    h' = (ẋ/yield)(1 − s), is bounded by twice that of the motion: too large a step costs accuracy, never stability,
+    and `within` keeps it out of the force.
 
     Source: Ismail, Ikhouane, Rodellar, The hysteresis Bouc-Wen model, a survey, 2009, Arch. Comput. Methods Eng. 16,
-    161, §2, with β + γ = 1 and c = γ − β; c = 0, n → ∞ is the stop operator of Prandtl.
+    161, §2, with β + γ = 1; β = ½, n → ∞ is the stop operator of Prandtl.
     """
     loaded = jnp.minimum(jnp.clip(jnp.abs(part), _BARELY, _BEYOND) ** sharpness, _BEYOND)
-    return jnp.where(part * rate > 0, 1.0, jnp.clip(softness, -1.0, 1.0)) * loaded
+    return jnp.where(part * rate > 0, 1.0, 1.0 - 2.0 * jnp.clip(fullness, 0.0, 1.0)) * loaded
 
 
 _EDGE = 24  # sharpness of a play's edge: rounded less, it gains nothing at a hundred steps per period

@@ -11,7 +11,7 @@ class SecondMode(AbstractEffect):
     Modes of a linear structure superpose, so it neither loads nor is loaded by the stage's own mode; a is its static
     travel per volt (also of the other sign), the sum of every higher mode if they are far away. Typical: 1-10 % of
     the stage's static travel, at 1.5-5 times its frequency. Far below ω₂ it cannot be told from crosstalk: drive near
-    ω₂, or in bursts.
+    ω₂, or in bursts. The mode follows the voltage itself: a loop or a lag of the drive does not reach it.
     """
 
     name = "second-mode"
