@@ -125,12 +125,15 @@ def weigh(bench: Bench, model: Model, candidate: Candidate, start: np.ndarray, m
 
 
 def is_possible(model: Model, values: np.ndarray, effect: AbstractEffect) -> bool:
-    """Whether an effect of a model has signs that physics allows.
+    """Whether an effect of a model has signs that physics allows, and no value beyond its limits.
 
     A side of a stop that is about absent may have either. So may both beside another law of the displacement alone,
     whose curve they then bend; a friction that drives is impossible beside any.
     """
     own = dict(zip((p.name for p in model.parameters), values, strict=True))
+    bounded = {f"{effect.name}.{p.name}": p.limits for p in effect.declared() if p.limits and not p.positive}
+    if any(not low <= own[name] <= high for name, (low, high) in bounded.items()):
+        return False
     sizes = [own[f"{effect.name}.{p.name}"] for p in effect.declared() if p.one_sided]
     if not sizes or min(sizes) >= -_ABSENT * max(map(abs, sizes)):
         return True

@@ -111,8 +111,9 @@ def shape(
 
     **Arguments:** `grid`, values worth trying in multiples of the data's `scale` ("displacement": its largest value in
     the records, likewise "velocity" and "voltage"; "period": 1/f0; "duration" of a record; "one": SI as written);
-    `limits`, where it keeps its meaning (default: a third of the smallest to three times the largest of the grid), so
-    that a fit cannot turn one effect into another; none if it may be negative.
+    `limits`, where it keeps its meaning, so that a fit cannot turn one effect into another (default: a third of the
+    smallest to three times the largest of the grid). A fit stays inside; one of a shape that may be negative does not,
+    but where it ends outside the effect is impossible, and there is no default.
     """
     if limits is None and positive:
         limits = (min(grid) / 3, max(grid) * 3)

@@ -11,6 +11,8 @@ from ...mechanics import Restoring, Scalar, restoring, restoring_stiffness, stag
 from ..effect import AbstractEffect, Drive, State, amplitude, choice, shape
 from ..section import device_section
 
+_STRENGTH = 10e9  # Pa; micromachined silicon breaks at 1-8 GPa (Petersen, Silicon as a mechanical material, 1982)
+
 
 class Stressed(NamedTuple):
     """`law`: the restoring force under stress; `unstressed`: stiffness of the stage without it, N/m."""
@@ -39,8 +41,9 @@ class ResidualStress(AbstractEffect):
 
     closure = choice("axial-force", "sign-change", "frame")
     sigma12 = shape("Pa", "stress gradient in the PZT, top − interface", positive=False,
-                    grid=(-100e6, -25e6, 25e6, 100e6))  # fmt: skip
-    sigma23 = shape("Pa", "stress gradient in the silicon, interface − bottom", positive=False, grid=(0.0,))
+                    grid=(-100e6, -25e6, 25e6, 100e6), limits=(-_STRENGTH, _STRENGTH))  # fmt: skip
+    sigma23 = shape("Pa", "stress gradient in the silicon, interface − bottom", positive=False, grid=(0.0,),
+                    limits=(-_STRENGTH, _STRENGTH))  # fmt: skip
     sigma2 = shape("Pa", "stress at the interface", positive=False, grid=(0.0,), fitted=False)
     restraint = amplitude("1", "in-plane restraint ρ of the stage", default=1.0, positive=True)
     voltage_force = amplitude("N/V", "axial force per volt of drive, β_V")
