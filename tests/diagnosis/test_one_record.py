@@ -47,6 +47,12 @@ def test_one_name_is_told_beside_three_that_take_its_place():
         assert proposed and "residual-stress" in proposed[0].separates
 
 
+def test_damping_of_the_wrong_sign_by_its_score_still_finds_a_motion_to_start_from():
+    said = found(5023, "cubic-damping")
+    assert "cubic-damping" in said.steps[0].tie_set
+    assert said.confirmed["cubic-damping"] > 0.95
+
+
 def test_a_sensor_that_saturates_is_judged_on_the_motion_and_not_on_its_readings():
     campaign = campaign_of(poor_case(610, ("sensor-nonlinearity",), 0.08, 0.003))
     start = fit(Model(campaign.device), campaign)

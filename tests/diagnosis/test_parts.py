@@ -7,13 +7,14 @@ import pytest
 
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
-from ident.campaign.device import Oscillator
+from ident.campaign.device import Oscillator, Platform
 from ident.diagnosis.confirm import is_possible
 from ident.diagnosis.diagnose import measure_next
 from ident.diagnosis.discover import discover
 from ident.effects.library.coulomb_friction import CoulombFriction
 from ident.effects.library.end_stop import EndStop
 from ident.effects.library.quadratic_stiffness import QuadraticStiffness
+from ident.effects.library.residual_stress import ResidualStress
 from ident.effects.registry import built_in
 from ident.model import Model
 
@@ -60,3 +61,11 @@ def test_a_stop_that_pulls_is_no_stop() -> None:
     assert not possible(model, 3.0, -2.0)
     assert possible(Model(Oscillator()) + QuadraticStiffness() + EndStop(), 1e9, 3.0, -2.0)  # it bends that one's curve
     assert not possible(Model(Oscillator()) + CoulombFriction() + EndStop(), 1e-3, 0.02, 3.0, -2.0)
+
+
+@pytest.mark.parametrize(("stress", "possible"), [(1e8, True), (-1e8, True), (3e11, False), (-3e11, False)])
+def test_no_residual_stress_is_more_than_silicon_bears(stress: float, possible: bool) -> None:
+    model = Model(Platform()) + ResidualStress(Platform())
+    values = np.array([p.value for p in model.parameters])
+    values[[p.name for p in model.parameters].index("residual-stress.sigma23")] = stress
+    assert is_possible(model, values, model.effects[-1]) is possible

@@ -108,16 +108,17 @@ def test_viscoelastic_support_is_two_springs_behind_dashpots(time, spread):
 
 @pytest.mark.parametrize("sharpness", [1.0, 2.0])
 @pytest.mark.parametrize("travel", [4e-7, 3e-6])
-def test_bouc_wen_in_its_textbook_form(sharpness, travel):
+@pytest.mark.parametrize("beta", [0.5, 0.8])
+def test_bouc_wen_in_its_textbook_form(sharpness, travel, beta):
     friction = 0.3 * C * 2e-2
 
-    def rates(t, z, v, h):  # F' = k [v − (β |v| |F|ⁿ⁻¹ F + γ v |F|ⁿ)/F_yⁿ] with β = γ = 1/2
+    def rates(t, z, v, h):  # F' = k [v − (β |v| |F|ⁿ⁻¹ F + γ v |F|ⁿ)/F_yⁿ] with β + γ = 1
         part = h[0] / friction
-        bend = 0.5 * (abs(v) * abs(part) ** (sharpness - 1) * part + v * abs(part) ** sharpness)
+        bend = beta * abs(v) * abs(part) ** (sharpness - 1) * part + (1 - beta) * v * abs(part) ** sharpness
         return (friction / travel * (v - bend),)
 
     physics = Physics(lambda t, z, v, h: -h[0], rates, start=(0.0,))
-    effect = make("bouc-wen", friction=friction, travel=travel, sharpness=sharpness)
+    effect = make("bouc-wen", friction=friction, travel=travel, sharpness=sharpness, fullness=beta)
     assert_agrees(effect, physics, KINKED)
 
 
