@@ -119,21 +119,23 @@ def weigh(bench: Bench, model: Model, candidate: Candidate, start: np.ndarray, m
         chi2 = float(sum(np.sum(whiten(piece, row) ** 2) for piece, row in zip(bench.pieces, rows, strict=True)))
     gain = 1.0 - (chi2 - bench.n) / bench.excess
     values = np.asarray(at.values)
-    possible = np.isfinite(chi2) and is_possible(model, values, model.effects[-1])
+    possible = np.isfinite(chi2) and is_possible(model, values, model.effects[-1], bench.fit.scales)
     criterion = chi2 + len(found.static.free) * float(np.log(bench.n)) if possible else np.inf
     return Confirmed(candidate, model, values, chi2, gain, criterion)
 
 
-def is_possible(model: Model, values: np.ndarray, effect: AbstractEffect) -> bool:
+def is_possible(model: Model, values: np.ndarray, effect: AbstractEffect, scales: DataScales) -> bool:
     """Whether an effect of a model has signs that physics allows, and no value beyond its limits.
 
     A side of a stop that is about absent may have either. So may both beside another law of the displacement alone,
     whose curve they then bend; a friction that drives is impossible beside any.
     """
     own = dict(zip((p.name for p in model.parameters), values, strict=True))
-    bounded = {f"{effect.name}.{p.name}": p.limits for p in effect.declared() if p.limits and not p.positive}
-    if any(not low <= own[name] <= high for name, (low, high) in bounded.items()):
-        return False
+    for p in effect.declared():
+        if p.limits and not p.positive:  # of a positive one a fit keeps inside
+            share = own[f"{effect.name}.{p.name}"] / getattr(scales, p.scale)
+            if not p.limits[0] <= share <= p.limits[1]:
+                return False
     sizes = [own[f"{effect.name}.{p.name}"] for p in effect.declared() if p.one_sided]
     if not sizes or min(sizes) >= -_ABSENT * max(map(abs, sizes)):
         return True

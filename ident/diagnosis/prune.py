@@ -53,8 +53,9 @@ def _hurts_more(before: Fit, after: Fit) -> bool:
 
 def _still_possible(after: Fit, before: Fit) -> bool:
     """Whether the effects that were possible before a change are so after it: a stop may have bent what is gone."""
-    able = {e.name for e in before.model.effects if is_possible(before.model, before.values, e)}
-    return all(is_possible(after.model, after.values, e) for e in after.model.effects if e.name in able)
+    possible = lambda fit, effect: is_possible(fit.model, fit.values, effect, fit.scales)
+    able = {e.name for e in before.model.effects if possible(before, e)}
+    return all(possible(after, e) for e in after.model.effects if e.name in able)
 
 
 def _rivals(name: str, bench: Bench, library: Library) -> list[Candidate]:

@@ -31,6 +31,7 @@ class Score(NamedTuple):
 
     @property
     def chi2(self) -> float:
+        """Σ ((measured − model)/σ)²."""
         return self.n * self.error_over_noise**2
 
 

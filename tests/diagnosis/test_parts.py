@@ -11,13 +11,16 @@ from ident.campaign.device import Oscillator, Platform
 from ident.diagnosis.confirm import is_possible
 from ident.diagnosis.diagnose import measure_next
 from ident.diagnosis.discover import discover
+from ident.effects.effect import AbstractEffect, shape
 from ident.effects.library.coulomb_friction import CoulombFriction
 from ident.effects.library.end_stop import EndStop
 from ident.effects.library.quadratic_stiffness import QuadraticStiffness
 from ident.effects.library.residual_stress import ResidualStress
 from ident.effects.registry import built_in
+from ident.fit.guess import DataScales
 from ident.model import Model
 
+SCALES = DataScales(displacement=1e-5, velocity=0.03, voltage=9.0, period=2e-3, duration=0.04)
 STIFFNESSES = ("residual-stress", "cubic-stiffness", "quadratic-stiffness", "voltage-stiffness")
 
 
@@ -55,7 +58,8 @@ def test_a_stop_that_pulls_is_no_stop() -> None:
     assert stop == ["above", "below"]
     model = Model(Oscillator()) + EndStop()
     linear, shapes = [100.0, 20.0, 1e5], [1e-6, 1.0, 1.0]
-    possible = lambda model, *values: is_possible(model, np.array([*linear, *values, *shapes]), model.effects[-1])
+    at = lambda values: np.array([*linear, *values, *shapes])
+    possible = lambda model, *values: is_possible(model, at(values), model.effects[-1], SCALES)
     assert possible(model, 3.0, 2.0)
     assert possible(model, 3.0, -0.1)  # there is no lower stop
     assert not possible(model, 3.0, -2.0)
@@ -68,4 +72,16 @@ def test_no_residual_stress_is_more_than_silicon_bears(stress: float, possible: 
     model = Model(Platform()) + ResidualStress(Platform())
     values = np.array([p.value for p in model.parameters])
     values[[p.name for p in model.parameters].index("residual-stress.sigma23")] = stress
-    assert is_possible(model, values, model.effects[-1]) is possible
+    assert is_possible(model, values, model.effects[-1], SCALES) is possible
+
+
+def test_limits_of_a_shape_that_may_be_negative_are_in_multiples_of_its_scale() -> None:
+    class Kink(AbstractEffect):
+        """A force that begins at a displacement."""
+
+        name = "kink"
+        place = shape("m", "where it begins", grid=(0.0,), scale="displacement", positive=False, limits=(-1.0, 1.0))
+
+    model = Model(Oscillator()) + Kink()
+    possible = lambda place: is_possible(model, np.array([100.0, 20.0, 1e5, place]), model.effects[-1], SCALES)
+    assert possible(-0.9e-5) and not possible(-1.1e-5) and not possible(0.5)
