@@ -11,6 +11,7 @@ from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
 from ..errors import UserError
 from ..model import Model
+from ..pulse import Pulse
 from ..response import lay_out
 from . import solve
 from .assemble import assemble, at_values, begin
@@ -110,8 +111,11 @@ def minimise(
     per_sample = lambda cost: float(np.sqrt(cost / samples))
     solutions = []
     for number, (first, there, begun) in enumerate(candidates, 1):
-        report(f"least squares, start {number} of {len(candidates)}")
-        found = solve.least_squares(static, there, begin(data, static), robust, most, begun)
+        stage = f"least squares, start {number} of {len(candidates)}"
+        report(stage)
+        pulse = Pulse(report, stage)
+        watch = lambda cost, pulse=pulse: pulse.beat(f"error over noise {per_sample(cost):.3g}")
+        found = solve.least_squares(static, there, begin(data, static), robust, most, begun, watch)
         solutions.append((per_sample(first), *found))
         if not starts and not told and per_sample(solutions[-1][2].cost) < _AT_THE_FLOOR:
             break

@@ -16,6 +16,7 @@ S. Boyd, L. Vandenberghe, Convex Optimization, 2004, §9.5.1 (decrement).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -143,10 +144,11 @@ def least_squares(
     robust: bool = False,
     most: int = MAX_STEPS,
     begun: Evaluation | None = None,
+    watch: Callable[[float], None] = lambda _: None,
 ) -> tuple[Data, Solution]:
     """Minimise from one starting point in at most so many steps; the data as rescaled there, and the solution.
 
-    `begun`: the model at the start, if it is known.
+    `begun`: the model at the start, if it is known; `watch`: called with Σ r² after every step.
     """
     data, start, found = rescale(static, data, start, begun)
     farthest = _farthest(data)
@@ -158,6 +160,7 @@ def least_squares(
         turn = _turn(point, trial, change, turn, steps == 1)
         if turn.accepted:
             y, point, best = y + change, trial, found
+        watch(2 * float(point.cost))
         promised = _decrement(point, turn.units)
         converged = promised < _SMALL_GAIN + _SMALL_SHARE * float(point.cost)
         if converged or float(turn.reach) < _LEAST_STEP:
