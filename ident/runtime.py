@@ -11,6 +11,7 @@ import os
 import sys
 import warnings
 from pathlib import Path
+from typing import Any
 
 _LOOP_FLAG = "--xla_backend_extra_options=xla_cpu_small_while_loop_byte_threshold=1000000000"
 _CACHE_SWITCH = "IDENT_CACHE"
@@ -28,7 +29,7 @@ def configure() -> None:
     jax.config.update("jax_enable_x64", True)
 
 
-def compiler_options() -> dict[str, bool | int]:
+def compiler_options() -> dict[str, Any]:
     """Options of `jax.jit` for large programs: XLA's older emitter, in one piece.
 
     It compiles simulations in half the time, to code that runs as fast. A release without one of these options would

@@ -72,7 +72,7 @@ def _info(normal: Normal, units: Any) -> Any:
 
 
 @program
-def _advance(_: None, point: Normal, trial: Normal, moved: Any, units: Any, reach: Any, first: Any) -> tuple:
+def _advance(nothing: None, point: Normal, trial: Normal, moved: Any, units: Any, reach: Any, first: Any) -> tuple:
     """Accept or reject a trial that lies `moved` away from the point, then propose the next move; as of `_Turn`."""
     still = jnp.zeros_like(moved)
     old, new = _info(point, units), _info(trial, units)

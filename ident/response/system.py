@@ -29,7 +29,7 @@ class Equation:
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Equation) and self.model.key == other.model.key
 
-    @cached_property
+    @property
     def fingerprint(self) -> str | None:
         """The same for other processes; None if an effect has no file that could tell whether it changed."""
         told = [effect.fingerprint for effect in self.model.effects]
@@ -93,12 +93,12 @@ class System(NamedTuple):
 
     def with_numbers(self, numbers: Any) -> System:
         """The same with other numbers, as `numbers` gives them."""
-        *linear, own = numbers
+        mass, damping, stiffness, gain, own = numbers
         effects: dict[str, AbstractEffect] = {}
         for effect, (values, prepared) in zip(self.effects, own, strict=True):
             effects[effect.name] = effect.carrying(values, prepared)
         joined = (e.accompanied(effects[e.needs]) if e.needs else e for e in effects.values())
-        return System(tuple(joined), *linear, self.omega, self.moving)
+        return System(tuple(joined), mass, damping, stiffness, gain, self.omega, self.moving)
 
 
 def assemble(equation: Equation, constants: Numbers, values: Numbers) -> System:

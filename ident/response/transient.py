@@ -194,7 +194,7 @@ def march(
 
 def _before(
     equation: Equation, system: System, along: Any, memories: tuple, first: Any, seen: Seen
-) -> tuple[tuple, tuple, tuple]:
+) -> tuple[tuple, tuple, tuple | None]:
     """What the effects that follow the drive alone remember; their force, (points,), and its derivatives along the
     directions, (points, d); nothing where there are none."""
     own = [i for i, before in enumerate(equation.follow_drive) if before]
