@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import importlib
+import struct
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,7 @@ import numpy as np
 
 from ident.errors import UserError
 
+from .opening import check_unfolded
 from .table import Column, Table, split_header, with_unit_row
 
 Pair = tuple[str, np.ndarray, str]
@@ -77,6 +80,8 @@ def read_mat(path: Path, name: str) -> Table:
     from scipy.io import loadmat
     from scipy.io.matlab import MatReadError
 
+    for count in _mat_promises(path):
+        check_unfolded(count, name)
     try:
         content = loadmat(path, squeeze_me=True, struct_as_record=False)
     except (
@@ -88,6 +93,7 @@ def read_mat(path: Path, name: str) -> Table:
         KeyError,
         IndexError,
         zlib.error,
+        struct.error,
     ) as error:
         raise _unreadable(name, "MATLAB", error) from None
     except (EOFError, MemoryError, OverflowError, AttributeError, UnicodeDecodeError, AssertionError) as error:
@@ -97,6 +103,25 @@ def read_mat(path: Path, name: str) -> Table:
         if not key.startswith("__"):
             pairs += _mat_value(key, value, 0)
     return _table(name, pairs)
+
+
+def _mat_promises(path: Path) -> Iterator[int]:
+    """Bytes that each compressed variable of a MATLAB 5 file says to unfold to.
+
+    Source: MathWorks, MAT-File Format, "Level 5 MAT-File Format": a tag of type and size before each element, and
+    inside an element of type 15, once it is inflated, the same again.
+    """
+    with open(path, "rb") as file:
+        order = "<" if file.read(128)[126:128] == b"IM" else ">"
+        while len(tag := file.read(8)) == 8:
+            kind, size = struct.unpack(order + "II", tag)
+            if kind == 15:
+                with suppress(zlib.error, struct.error):
+                    inner = zlib.decompressobj().decompress(file.read(min(size, 64)), 8)
+                    yield struct.unpack(order + "II", inner)[1]
+                file.seek(max(size - 64, 0), 1)
+            elif size > 0 and kind >> 16 == 0:
+                file.seek(size + -size % 8, 1)
 
 
 def _mat_value(key: str, value: Any, depth: int) -> Iterator[Pair]:
@@ -112,11 +137,14 @@ def read_hdf(path: Path, name: str) -> Table:
     """HDF5 and netCDF-4: every data set of numbers, with its "units" attribute."""
     h5py = _library("h5py", name)
     pairs: list[Pair] = []
+    promised = [0]
 
     def visit(key: str, item: Any) -> None:
         if isinstance(item, h5py.Dataset) and not key.startswith("#"):
             unit = item.attrs.get("units", item.attrs.get("unit", ""))
             unit = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else unit
+            promised[0] += int(item.size or 0) * item.dtype.itemsize
+            check_unfolded(promised[0], name)
             pairs.extend(_columns(key, item[()], unit if isinstance(unit, str) else ""))
 
     try:
@@ -131,6 +159,8 @@ def read_parquet(path: Path, name: str) -> Table:
     """Apache Parquet, by pyarrow; a field's metadata may hold its "unit"."""
     parquet, arrow = _library("pyarrow.parquet", name), _library("pyarrow", name)
     try:
+        told = parquet.read_metadata(path)
+        check_unfolded(8 * told.num_rows * told.num_columns, name)
         content = parquet.read_table(path)
         pairs: list[Pair] = []
         for index, header in enumerate(content.column_names):
@@ -148,6 +178,9 @@ def read_tdms(path: Path, name: str) -> Table:
     pairs: list[Pair] = []
     increment = None
     try:
+        told = nptdms.TdmsFile.read_metadata(path)
+        if any(len(channel) > path.stat().st_size for group in told.groups() for channel in group.channels()):
+            raise ValueError("it promises more values than it has bytes")
         for group in nptdms.TdmsFile.read(path).groups():
             for channel in group.channels():
                 properties = channel.properties
@@ -156,7 +189,7 @@ def read_tdms(path: Path, name: str) -> Table:
                 increment = properties.get("wf_increment", increment)
     except (OSError, ValueError, TypeError, KeyError, IndexError, EOFError, AttributeError, OverflowError) as error:
         raise _unreadable(name, "TDMS", error) from None
-    except (MemoryError, NotImplementedError, zipfile.BadZipFile, AssertionError) as error:
+    except (MemoryError, NotImplementedError, zipfile.BadZipFile, AssertionError, struct.error) as error:
         raise _unreadable(name, "TDMS", error) from None
     has_time = any(
         header.lower().startswith(("time", "t_", "t ", "t(")) or header.lower() == "t" for header, _, _ in pairs

@@ -13,6 +13,7 @@ from typing import Any
 from ident.errors import UserError
 from ident.units import Dimension, parse_quantity
 
+from .opening import read_bytes
 from .text_table import decode
 
 
@@ -119,7 +120,7 @@ def shown(value: Any) -> str:
 
 def read_document(path: Path, name: str) -> Section:
     """A TOML file; a `UserError` with line and column where its syntax is broken."""
-    text = decode(path.read_bytes(), name, "write it as plain text (UTF-8)")
+    text = decode(read_bytes(path, name), name, "write it as plain text (UTF-8)")
     try:
         values = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

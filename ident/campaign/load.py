@@ -95,7 +95,7 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
     check_sampling(spec.file, time, drive, period, notes)
     skip = _skip_samples(spec, time)
     if spec.noise is not None:
-        noise = NoiseFloor(spec.noise, method="given in the campaign")
+        noise = NoiseFloor(_plausible_noise(spec, float(np.std(response))), method="given in the campaign")
     else:
         noise = noise_floor(time, drive, response, period)
     if not spec.start:
@@ -115,6 +115,15 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         period=period,
     )
     return trace, notes
+
+
+def _plausible_noise(spec: RecordSpec, size: float) -> float:
+    """The noise given, if numbers of 16 digits can be weighed with it."""
+    assert spec.noise is not None
+    if 1e-12 * size <= spec.noise <= 1e6 * size:
+        return spec.noise
+    what = f"a noise of {spec.noise:.3g} cannot be right where the response has {size:.3g} rms (SI units)"
+    raise UserError(what, where=f"{spec.where}: noise of {spec.file}", do="correct it, or leave it out")
 
 
 def _skip_samples(spec: RecordSpec, time: np.ndarray) -> int:
@@ -170,7 +179,8 @@ def _sweep(spec: RecordSpec, table: Table, device: Device) -> tuple[Sweep, list[
     if "phase" in columns:
         phase = _phase(columns["phase"], notes)
     up = _directions(spec, columns.get("direction"), frequency, level, notes)
-    noise = NoiseFloor(spec.noise, method="given in the campaign") if spec.noise is not None else None
+    given_noise = None if spec.noise is None else _plausible_noise(spec, float(np.max(amplitude)))
+    noise = None if given_noise is None else NoiseFloor(given_noise, method="given in the campaign")
     noise = noise or sweep_noise_floor(frequency, level, amplitude, up)
     quantity = spec.quantity
     sweep = Sweep(

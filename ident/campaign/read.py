@@ -21,6 +21,7 @@ from .document import Section, read_document, record_sections, shown
 from .guess import guess_device
 from .load import load_record, read_table
 from .noise_pool import pooled
+from .opening import MOST_TEXT, check_file, exists
 from .record import Record, Trace
 from .spec import RecordSpec, parse_record
 
@@ -39,7 +40,7 @@ def read_campaign(path: PathLike | Sequence[PathLike]) -> Campaign:
     if not paths:
         raise UserError("no campaign given", do="name a campaign.toml, a folder that holds one, or CSV files")
     for one in paths:
-        if "\0" in str(one) or not one.exists():
+        if "\0" in str(one) or not exists(one):
             raise UserError("there is no such file or folder", where=str(one), do="correct the path")
     try:
         if len(paths) == 1 and paths[0].is_dir():
@@ -54,7 +55,7 @@ def read_campaign(path: PathLike | Sequence[PathLike]) -> Campaign:
 
 def _in_folder(folder: Path) -> Path:
     path = folder / "campaign.toml"
-    if path.is_file():
+    if path.exists():
         return path
     data = sorted(one.name for one in folder.iterdir() if one.suffix.lower() in DATA_SUFFIXES)
     do = f"add one, or name the data files themselves ({', '.join(data[:3])})" if data else "name another folder"
@@ -66,6 +67,7 @@ def _from_files(paths: list[Path]) -> Campaign:
         if path.is_dir() or path.suffix.lower() == ".toml":
             what = f"a {'folder' if path.is_dir() else 'campaign file'} cannot be mixed with data files"
             raise UserError(what, where=str(path), do="name either one campaign or data files only")
+        check_file(path, path.name)
     tables = [read_table(path, path.name) for path in paths]
     device, notes = guess_device(tables)
     records: list[Record] = []
@@ -132,9 +134,9 @@ def _with_common_noise(records: list[Record]) -> tuple[Record, ...]:
 
 def _effect_file(model: Section, folder: Path, name: str) -> Path:
     path = folder / name
-    if "\0" in name or not path.is_file():
+    if "\0" in name or not exists(path):
         raise model.error("effect_files", f'there is no file "{name}" in {folder}', "correct the name")
-    return path
+    return check_file(path, f"{model.where('effect_files')}: {name}", MOST_TEXT)
 
 
 def _settings(section: Section) -> Mapping[str, Mapping[str, Any]]:
@@ -195,6 +197,8 @@ def _prior(section: Section, name: str, value: Any) -> Prior:
         raise section.error(name, f"normal = {shown(numbers)} is not a mean and a standard deviation", example)
     where = section.where(name)
     mean, deviation = (to_si(_float(section, name, one), unit, where=where) for one in numbers)
+    if max(abs(mean), deviation) > 1e100 or 0 < deviation < 1e-100:  # their squares are numbers no more
+        raise section.error(name, f"normal = {shown(numbers)} is beyond any physics", example)
     if not deviation > 0:
         raise section.error(name, f"a standard deviation of {shown(numbers[1])} is not positive", example)
     return Prior(mean, deviation)
@@ -205,5 +209,6 @@ def _checksums(files: Sequence[Path], folder: Path | None = None) -> Mapping[str
     for path in files:
         inside = folder is not None and path.is_relative_to(folder)
         name = path.relative_to(folder).as_posix() if inside and folder is not None else path.name
-        sums[name] = hashlib.sha256(path.read_bytes()).hexdigest()
+        with open(path, "rb") as file:
+            sums[name] = hashlib.file_digest(file, "sha256").hexdigest()
     return MappingProxyType(sums)

@@ -12,6 +12,7 @@ from ident.units import FREQUENCY, LENGTH, MASS, TIME, VOLTAGE, Dimension, find_
 
 from .device import Device, Oscillator
 from .document import Section, shown
+from .opening import check_file, exists
 
 _TRACE_ROLES = ("time", "drive", "response")
 _SWEEP_ROLES = ("frequency", "level", "amplitude", "phase", "direction")
@@ -57,8 +58,9 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
     if not file:
         raise UserError("a [[record]] without a file", where=section.where(), do='add file = "a.csv"')
     path = folder / file
-    if "\0" in file or not path.is_file():
+    if "\0" in file or not exists(path):
         raise section.error("file", f'there is no file "{file}" in {folder}', "correct the name")
+    check_file(path, f"{section.where('file')}: {file}")
     (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device)
     kind = section.choice("kind", ("trace", "sweep"), "") if "kind" in section.values else ""
     section.used.add("kind")

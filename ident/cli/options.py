@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -14,6 +15,22 @@ run_argument: Decorator = click.argument("run", metavar="RUN")
 force_option: Decorator = click.option("--force", is_flag=True, help="Overwrite what is there.")
 json_option: Decorator = click.option(
     "--json", "as_json", is_flag=True, help="Print what the JSON file of the run folder holds, and nothing else."
+)
+
+
+def _trust(_: click.Context, __: click.Parameter, asked: bool) -> None:
+    if asked or "ident.campaign.trust" in sys.modules:
+        from ident.campaign.trust import trust_what_runs
+
+        trust_what_runs(asked)
+
+
+trust_option: Decorator = click.option(
+    "--trust",
+    is_flag=True,
+    expose_value=False,
+    callback=_trust,
+    help="Run effect files that have not run here before; remembered until they change.",
 )
 
 
