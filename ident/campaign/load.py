@@ -11,12 +11,14 @@ import numpy as np
 from ident.errors import UserError
 from ident.units import NUMBER, find_unit
 
+from .added_drive import with_drive
 from .binary_table import READERS
 from .checks import check_drive, check_plausible, check_response, check_sampling, uniform_time
 from .columns import match_columns, sweep_roles, trace_roles
 from .device import Device, Oscillator
 from .drive import find_period
 from .guess import guess_kind
+from .instrument_files import INSTRUMENT_READERS
 from .noise import noise_floor
 from .record import Channel, NoiseFloor, Record, Sweep, Trace
 from .spec import SWEEP_NAMES, RecordSpec, signal_units
@@ -27,7 +29,8 @@ from .text_table import read_text_table
 
 def read_table(path: Path, name: str, own_units: tuple[str, ...] = ()) -> Table:
     """The table in a data file of any known kind."""
-    reader = READERS.get(path.suffix.lower())
+    suffix = path.suffix.lower()
+    reader = READERS.get(suffix) or INSTRUMENT_READERS.get(suffix)
     if reader is not None:
         return reader(path, name)
     own = next((unit for unit in own_units if find_unit(unit) is None), "")
@@ -36,6 +39,8 @@ def read_table(path: Path, name: str, own_units: tuple[str, ...] = ()) -> Table:
 
 def load_record(spec: RecordSpec, table: Table, device: Device) -> tuple[Record, list[str]]:
     """The record and the notes on it."""
+    (unit, dimension), _ = signal_units(device)
+    table = with_drive(spec, table, read_table, unit, dimension)
     kind = spec.kind or guess_kind(table)
     notes = list(table.notes)
     if not spec.kind and kind == "sweep":

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import click
 
-from .options import campaign_argument, json_option
+from .options import campaign_argument, columns_option, json_option
 from .output import say, say_json, say_sheet
 
 
 @click.command("check", short_help="Read and judge the data of a campaign alone.")
 @campaign_argument
+@columns_option
 @json_option
-def command(campaign: tuple[str, ...], as_json: bool) -> None:
+def command(campaign: tuple[str, ...], columns: dict[str, str | int], as_json: bool) -> None:
     """Read CAMPAIGN and judge its data: units, sampling, clipping, drift, noise floor, purity of the drive, and what
     these records can and cannot tell apart. Nothing is fitted and nothing is written.
 
@@ -24,7 +25,7 @@ def command(campaign: tuple[str, ...], as_json: bool) -> None:
     from ident.campaign import read_campaign
     from ident.report.data_judgement import about, judgement_dict, judgement_sheet, remarks, what_the_records_tell
 
-    data = read_campaign(campaign)
+    data = read_campaign(campaign, columns)
     if as_json:
         say_json(judgement_dict(data))
         return

@@ -34,6 +34,28 @@ trust_option: Decorator = click.option(
 )
 
 
+def columns(_: click.Context, __: click.Parameter, value: str | None) -> dict[str, str | int]:
+    """ "time=t,drive=CH1,response=3" as {"time": "t", "drive": "CH1", "response": 3}."""
+    found: dict[str, str | int] = {}
+    for part in (value or "").split(","):
+        role, equals, column = (word.strip() for word in part.partition("="))
+        if not part.strip():
+            continue
+        if role not in _ROLES or not equals or not column:
+            raise click.BadParameter(f"{part.strip()!r} is not ROLE=COLUMN, where ROLE is one of {', '.join(_ROLES)}")
+        found[role] = int(column) if column.isascii() and column.isdigit() else column
+    return found
+
+
+_ROLES = ("time", "drive", "response", "frequency", "level", "amplitude", "phase", "direction")
+columns_option: Decorator = click.option(
+    "--columns",
+    callback=columns,
+    metavar="ROLE=COLUMN,…",
+    help="Which column is which, by name or number: time=t,drive=CH1,response=CH2.",
+)
+
+
 def names(_: click.Context, __: click.Parameter, value: str | None) -> tuple[str, ...] | None:
     """ "a,b" as ("a", "b"); an empty text as (), which is the plain linear model."""
     return None if value is None else tuple(name for name in (part.strip() for part in value.split(",")) if name)
