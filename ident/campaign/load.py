@@ -20,6 +20,7 @@ from .drive import find_period
 from .guess import guess_kind
 from .instrument_files import INSTRUMENT_READERS
 from .noise import noise_floor
+from .outliers import find_outliers, without_outliers
 from .record import Channel, NoiseFloor, Record, Sweep, Trace
 from .spec import SWEEP_NAMES, RecordSpec, signal_units
 from .sweep_noise import sweep_noise_floor
@@ -94,6 +95,13 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         time = uniform_time(columns["time"], channel.factor, notes)
     check_plausible(time, drive, response, columns, device, notes)
     check_response(columns["response"], response, notes)
+    outliers = find_outliers(response)
+    if len(outliers):
+        shown = ", ".join(f"{time[k]:.6g} s" for k in outliers[:5]) + (" …" if len(outliers) > 5 else "")
+        many = f"{len(outliers)} samples leave" if len(outliers) > 1 else "one sample leaves"
+        what = f"{many} the curve of the response (at {shown})"
+        notes.append(f"{spec.file}: {what}; what the neighbours say takes their place.")
+        response = without_outliers(response, outliers)
     start = spec.start or "unknown"
     check_drive(spec.file, drive, response, start, notes)
     period = find_period(drive)
@@ -118,6 +126,7 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         load=spec.load,
         skip=skip,
         period=period,
+        outliers=tuple(int(k) for k in outliers),
     )
     return trace, notes
 

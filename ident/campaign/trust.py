@@ -46,6 +46,11 @@ def trust(*files: str | os.PathLike[str]) -> tuple[str, ...]:
     return sums
 
 
+def is_trusted(file: Path) -> bool:
+    """Whether an effect file would run as it is."""
+    return _known(checksum(read_bytes(file, str(file))))
+
+
 def check_trusted(contents: Iterable[tuple[Path, bytes]]) -> None:
     """**Raises:** UserError that lists the files, if any of them was never trusted."""
     strange = [str(file) for file, content in contents if not _known(checksum(content))]

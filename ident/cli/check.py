@@ -23,9 +23,15 @@ def command(campaign: tuple[str, ...], columns: dict[str, str | int], as_json: b
       ident check data/platform_317hz
     """
     from ident.campaign import read_campaign
+    from ident.campaign.trust import is_trusted
     from ident.report.data_judgement import about, judgement_dict, judgement_sheet, remarks, what_the_records_tell
 
     data = read_campaign(campaign, columns)
+    strange = [path for path in data.effect_files if not is_trusted(path)]
+    if not strange and (data.effects or data.settings or data.priors or data.effect_files):
+        from ident.model import build_model
+
+        build_model(data)  # what a fit would refuse about the model is refused here
     if as_json:
         say_json(judgement_dict(data))
         return
@@ -40,6 +46,10 @@ def command(campaign: tuple[str, ...], columns: dict[str, str | int], as_json: b
         say("\nAssumed and found")
         for note in data.notes:
             say(f"  {note}")
+    for path in strange:
+        say(f"  ! {path} has not run here: a fit needs --trust, and whether it is right was not checked")
+    if not data.fitted:
+        say("  ! a fit needs at least one trace that is not held out")
     say("\nWhat these records tell apart")
     for sentence in what_the_records_tell(data):
         say(f"  {sentence}")
