@@ -23,6 +23,7 @@ def command(campaign: tuple[str, ...], columns: dict[str, str | int], as_json: b
       ident check data/platform_317hz
     """
     from ident.campaign import read_campaign
+    from ident.campaign.suspect import suspects_by_data
     from ident.campaign.trust import is_trusted
     from ident.report.data_judgement import about, judgement_dict, judgement_sheet, remarks, what_the_records_tell
 
@@ -48,6 +49,8 @@ def command(campaign: tuple[str, ...], columns: dict[str, str | int], as_json: b
             say(f"  {note}")
     for path in strange:
         say(f"  ! {path} has not run here: a fit needs --trust, and whether it is right was not checked")
+    for suspect in suspects_by_data(data):
+        say(f"  ! {suspect.sentence}")
     if not data.fitted:
         say("  ! a fit needs at least one trace that is not held out")
     say("\nWhat these records tell apart")
