@@ -58,9 +58,13 @@ def _delay(measured: np.ndarray, predicted: np.ndarray, sigma: float, skip: int,
     def error(delay: float) -> float:
         return rms(measured[counted] - curve(index[counted] - delay), sigma)
 
-    coarse = min(range(-most, most + 1), key=mismatch)
-    best = minimize_scalar(error, bounds=(coarse - 1, coarse + 1), method="bounded")
-    return Nuisance("delay", float(best.x), "samples", float(best.fun))
+    whole = np.array([mismatch(delay) for delay in range(-most, most + 1)])
+    dips = [k for k in range(1, len(whole) - 1) if whole[k] <= min(whole[k - 1], whole[k + 1])] or [int(whole.argmin())]
+    found = []
+    for k in sorted(dips, key=lambda k: whole[k])[:4]:  # of a sine they lie a period apart, and only the rest differs
+        best = minimize_scalar(error, bounds=(k - most - 1, k - most + 1), method="bounded")
+        found.append(Nuisance("delay", float(best.x), "samples", float(best.fun)))
+    return min(found, key=lambda one: one.error)
 
 
 def _dropped(measured: np.ndarray, predicted: np.ndarray, sigma: float, skip: int) -> Nuisance:
