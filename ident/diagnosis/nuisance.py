@@ -5,7 +5,7 @@ A record (n,) is compared with what the model predicts for it, (n,), once the nu
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -62,7 +62,7 @@ def _delay(measured: np.ndarray, predicted: np.ndarray, sigma: float, skip: int,
     dips = [k for k in range(1, len(whole) - 1) if whole[k] <= min(whole[k - 1], whole[k + 1])] or [int(whole.argmin())]
     found = []
     for k in sorted(dips, key=lambda k: whole[k])[:4]:  # of a sine they lie a period apart, and only the rest differs
-        best = minimize_scalar(error, bounds=(k - most - 1, k - most + 1), method="bounded")
+        best: Any = minimize_scalar(error, bounds=(k - most - 1, k - most + 1), method="bounded")
         found.append(Nuisance("delay", float(best.x), "samples", float(best.fun)))
     return min(found, key=lambda one: one.error)
 
