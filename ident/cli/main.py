@@ -96,6 +96,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
     _prepare(debug)
     try:
         code = ident.main(args=None if arguments is None else list(arguments), prog_name="ident", standalone_mode=False)
+        if debug:
+            _say_counts()
         return code if isinstance(code, int) else 0
     except click.exceptions.NoArgsIsHelpError as error:
         click.echo(error.message, err=True)
@@ -124,6 +126,14 @@ def run(arguments: Sequence[str] | None = None) -> int:
             raise
         cause = " ".join(f"{type(error).__name__}: {error}".split())[:300]
         return _fail(f"something went wrong inside ident ({cause}); {_DEBUG}=1 shows where", 1)
+
+
+def _say_counts() -> None:
+    """How many programs the command compiled, and how many it found compiled; nothing if it needed none."""
+    programs = sys.modules.get("ident.programs")
+    if programs is not None:
+        counts = programs.COUNTS
+        click.echo(f"programs: {counts['traced']} traced and compiled, {counts['loaded']} loaded", err=True)
 
 
 def _usage(error: click.ClickException) -> str:

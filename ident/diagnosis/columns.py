@@ -28,7 +28,7 @@ from ..response.memory import Seen, memory_along
 from ..response.system import Block, System, assemble
 from ..response.tape import BLOCK, BLOCKS, Chunk
 
-_COLUMNS = 32  # solved together: one compiled program serves any number of them
+_COLUMNS = (4, 12, 32)  # solved together: three programs serve any number of them
 _SETS = 4  # rows of terms are computed in multiples of this
 
 
@@ -244,17 +244,18 @@ def push_columns(tape: Tape, dynamics: Sequence[Dynamics], pushes: Sequence[np.n
 
     **Returns:** (d, samples), m.
     """
-    columns = []
-    for first in range(0, len(pushes[0]), _COLUMNS):
-        carry, found = (np.zeros(_COLUMNS),) * 2, []
+    columns, count = [], len(pushes[0])
+    width = next((w for w in _COLUMNS if w >= count), _COLUMNS[-1])
+    for first in range(0, count, width):
+        carry, found = (np.zeros(width),) * 2, []
         for chunk, along, push in zip(tape.chunks, dynamics, pushes, strict=True):
-            part = push[first : first + _COLUMNS]
-            filled = np.zeros((BLOCKS, 2 * BLOCK + 1, _COLUMNS))
+            part = push[first : first + width]
+            filled = np.zeros((BLOCKS, 2 * BLOCK + 1, width))
             filled[..., : len(part)] = np.moveaxis(part, 0, -1)
             carry, rows = answer(None, filled, along, carry, chunk.step, chunk.first, chunk.count)
             found.append(rows)
         columns.append(tape.at_samples(found))
-    return np.concatenate(columns)[: len(pushes[0])]
+    return np.concatenate(columns)[:count]
 
 
 @program

@@ -106,7 +106,7 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
     first = bench.instead_of or bench
     while True:
         report(f"scoring {len(library) - len(current.model.names)} effects")
-        candidates = score(bench, library)
+        candidates = score(bench, library, report)
         if not bench.credible:
             if not worth_a_name(bench.chi2 - bench.n, first):
                 break  # shapes are not worth a refit of every effect

@@ -26,7 +26,8 @@ def by_refits(
     the slope at the fit.
     """
     report(f"scores cannot be believed here: refitting {min(len(candidates), _REFITTED)} effects instead")
-    found = at_once(lambda one: _refitted(bench, one, library[one.name]), candidates[:_REFITTED])
+    few = candidates[:_REFITTED]
+    found = at_once(lambda one: _refitted(bench, one, library[one.name]), few, report, "refits")
     order = sorted(found, key=lambda c: -(c.drop - c.dof * np.log(bench.n)))
     return [*order, *candidates[_REFITTED:]]
 

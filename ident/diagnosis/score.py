@@ -23,6 +23,7 @@ from ..campaign.device import Platform
 from ..effects.effect import AbstractEffect
 from ..fit import Fit
 from ..model import Model, make_effect
+from ..pulse import Report
 from ..response import Equation
 from .columns import Terms, contributions, push_columns
 from .side_by_side import at_once
@@ -206,10 +207,12 @@ def _orthonormal(rows: np.ndarray, like: np.ndarray | None = None) -> np.ndarray
     return u[:, s > _ABSORBED * (1.0 if like is not None else 1e-4)]
 
 
-def score(bench: Bench, library: Mapping[str, type[AbstractEffect]]) -> list[Candidate]:
+def score(
+    bench: Bench, library: Mapping[str, type[AbstractEffect]], report: Report = lambda _: None
+) -> list[Candidate]:
     """Every candidate of the library that the model does not have, best first."""
     missing = [effect for effect in library.values() if effect.name not in bench.fit.model.names]
-    found = at_once(lambda effect: _score_one(bench, effect), missing)
+    found = at_once(lambda effect: _score_one(bench, effect), missing, report, "scores")
     return sorted((c for c in found if c is not None), key=lambda c: -(c.drop - c.dof * np.log(bench.n)))
 
 

@@ -1,5 +1,4 @@
-"""Two pieces of work at a time: most of each is tracing, which one thread does at a time, and compiling, which needs
-no more than one core."""
+"""Two pieces of work at a time: what is not compiled code runs in one thread at a time, but that is the lesser part."""
 
 from __future__ import annotations
 
@@ -7,11 +6,21 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
+from ..pulse import Pulse, Report
+
 A = TypeVar("A")
 B = TypeVar("B")
 
 
-def at_once(work: Callable[[A], B], items: Iterable[A]) -> list[B]:
-    """The work on each item, in their order."""
+def at_once(work: Callable[[A], B], items: Iterable[A], report: Report = lambda _: None, what: str = "") -> list[B]:
+    """The work on each item, in their order; `report`ed under the name of `what` it is, if it takes long."""
+    items = list(items)
+    pulse = Pulse(report, what, len(items))
+
+    def one(item: A) -> B:
+        found = work(item)
+        pulse.beat()
+        return found
+
     with ThreadPoolExecutor(2) as pool:
-        return list(pool.map(work, items))
+        return list(pool.map(one, items))

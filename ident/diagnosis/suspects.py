@@ -30,8 +30,8 @@ _BACK = 1.5  # times as bad as the others agree, up to which a corrected record 
 _MOST = 8  # records that are left out in turn, the worst first: a refit each
 _STEPS = 40
 _SURE, _LIKELY = 0.95, 0.9
-"""Of suspects that settle everything down to the noise, and of the others. In experiments/faulty_records 21 of 21 and 17
-of 18 were right; by the rule of succession that is 0.96 and 0.9, of campaigns half of which have a fault."""
+"""Of suspects that settle everything down to the noise, and of the others. In experiments/faulty_records 21 of 21 and
+17 of 18 were right; by the rule of succession that is 0.96 and 0.9, of campaigns half of which have a fault."""
 _SCALES = (0.5, 2.0, 0.1, 10.0, 0.9, 1.1, 0.95, 1.05, 0.98, 1.02, 0.99, 1.01)
 
 
