@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .campaign import Sweep as Sweep
     from .campaign import Trace as Trace
     from .campaign import read_campaign as read_campaign
+    from .campaign.trust import trust as trust
     from .effects import AbstractEffect as AbstractEffect
     from .effects import amplitude as amplitude
     from .effects import choice as choice
@@ -41,6 +42,7 @@ _STORY = {
     "UserError": ("errors", "UserError"),
     "read_campaign": ("campaign", "read_campaign"),
     "Campaign": ("campaign", "Campaign"),
+    "trust": ("campaign.trust", "trust"),
     "Trace": ("campaign", "Trace"),
     "Sweep": ("campaign", "Sweep"),
     "Platform": ("campaign", "Platform"),

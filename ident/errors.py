@@ -3,6 +3,13 @@
 from __future__ import annotations
 
 
+def visible(text: str) -> str:
+    """A text without what would steer a terminal: control and invisible characters as their numbers, lines kept."""
+    if text.isascii() and text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c == "\n" else "    " if c == "\t" else f"\\x{ord(c):02x}" for c in text)
+
+
 class UserError(Exception):
     """Unusable input. The command line prints it as one line and exits with 2.
 
@@ -17,4 +24,4 @@ class UserError(Exception):
         self.what, self.where, self.do = what, where, do
         place = f"{where}: " if where else ""
         advice = f" — {do}" if do else ""
-        super().__init__(" ".join(f"{place}{what}{advice}".split()))
+        super().__init__(visible(" ".join(f"{place}{what}{advice}".split())))

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import importlib
+import struct
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -13,21 +15,24 @@ import numpy as np
 
 from ident.errors import UserError
 
+from .opening import check_unfolded
 from .table import Column, Table, split_header, with_unit_row
 
 Pair = tuple[str, np.ndarray, str]
 """Name, values, unit ("" if the file states none)."""
 
 
-def _library(module: str, name: str) -> Any:
+def library(module: str, name: str, extra: str = "files") -> Any:
+    """An optional library. **Raises:** UserError that says how to install it."""
     try:
         return importlib.import_module(module)
     except ImportError:
-        do = 'install the extra: pip install "ident[files]" (or export the record as CSV)'
+        do = f'install the extra: pip install "ident[{extra}]" (or export the record as CSV)'
         raise UserError(f"this kind of file needs the library {module.split('.')[0]}", where=name, do=do) from None
 
 
-def _unreadable(name: str, kind: str, error: Exception) -> UserError:
+def unreadable(name: str, kind: str, error: Exception) -> UserError:
+    """What a reader's own error means to the user."""
     return UserError(f"not a readable {kind} file ({error})"[:200], where=name, do="export the record again, or as CSV")
 
 
@@ -39,7 +44,8 @@ def _numeric(values: Any) -> np.ndarray | None:
     return array if array.ndim in (1, 2) else None
 
 
-def _columns(name: str, values: Any, unit: str = "") -> Iterator[Pair]:
+def numeric_columns(name: str, values: Any, unit: str = "") -> Iterator[Pair]:
+    """An array of numbers as columns; nothing for anything else."""
     array = _numeric(values)
     if array is None:
         return
@@ -51,7 +57,7 @@ def _columns(name: str, values: Any, unit: str = "") -> Iterator[Pair]:
         yield f"{name}:{k + 1}", array[:, k], unit
 
 
-def _table(name: str, pairs: list[Pair]) -> Table:
+def table_of(name: str, pairs: list[Pair]) -> Table:
     """The columns of the most common length; the others cannot belong to the record."""
     lengths = [len(values) for _, values, _ in pairs]
     if not lengths:
@@ -77,6 +83,8 @@ def read_mat(path: Path, name: str) -> Table:
     from scipy.io import loadmat
     from scipy.io.matlab import MatReadError
 
+    for count in _mat_promises(path):
+        check_unfolded(count, name)
     try:
         content = loadmat(path, squeeze_me=True, struct_as_record=False)
     except (
@@ -88,15 +96,35 @@ def read_mat(path: Path, name: str) -> Table:
         KeyError,
         IndexError,
         zlib.error,
+        struct.error,
     ) as error:
-        raise _unreadable(name, "MATLAB", error) from None
+        raise unreadable(name, "MATLAB", error) from None
     except (EOFError, MemoryError, OverflowError, AttributeError, UnicodeDecodeError, AssertionError) as error:
-        raise _unreadable(name, "MATLAB", error) from None
+        raise unreadable(name, "MATLAB", error) from None
     pairs: list[Pair] = []
     for key, value in content.items():
         if not key.startswith("__"):
             pairs += _mat_value(key, value, 0)
-    return _table(name, pairs)
+    return table_of(name, pairs)
+
+
+def _mat_promises(path: Path) -> Iterator[int]:
+    """Bytes that each compressed variable of a MATLAB 5 file says to unfold to.
+
+    Source: MathWorks, MAT-File Format, "Level 5 MAT-File Format": a tag of type and size before each element, and
+    inside an element of type 15, once it is inflated, the same again.
+    """
+    with open(path, "rb") as file:
+        order = "<" if file.read(128)[126:128] == b"IM" else ">"
+        while len(tag := file.read(8)) == 8:
+            kind, size = struct.unpack(order + "II", tag)
+            if kind == 15:
+                with suppress(zlib.error, struct.error):
+                    inner = zlib.decompressobj().decompress(file.read(min(size, 64)), 8)
+                    yield struct.unpack(order + "II", inner)[1]
+                file.seek(max(size - 64, 0), 1)
+            elif size > 0 and kind >> 16 == 0:
+                file.seek(size + -size % 8, 1)
 
 
 def _mat_value(key: str, value: Any, depth: int) -> Iterator[Pair]:
@@ -105,65 +133,73 @@ def _mat_value(key: str, value: Any, depth: int) -> Iterator[Pair]:
         for one in fields:
             yield from _mat_value(one, getattr(value, one), depth + 1)
     elif isinstance(value, np.ndarray):
-        yield from _columns(key, value)
+        yield from numeric_columns(key, value)
 
 
 def read_hdf(path: Path, name: str) -> Table:
     """HDF5 and netCDF-4: every data set of numbers, with its "units" attribute."""
-    h5py = _library("h5py", name)
+    h5py = library("h5py", name)
     pairs: list[Pair] = []
+    promised = [0]
 
     def visit(key: str, item: Any) -> None:
         if isinstance(item, h5py.Dataset) and not key.startswith("#"):
             unit = item.attrs.get("units", item.attrs.get("unit", ""))
             unit = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else unit
-            pairs.extend(_columns(key, item[()], unit if isinstance(unit, str) else ""))
+            promised[0] += int(item.size or 0) * item.dtype.itemsize
+            check_unfolded(promised[0], name)
+            pairs.extend(numeric_columns(key, item[()], unit if isinstance(unit, str) else ""))
 
     try:
         with h5py.File(path, "r") as file:
             file.visititems(visit)
     except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:
-        raise _unreadable(name, "HDF5", error) from None
-    return _table(name, pairs)
+        raise unreadable(name, "HDF5", error) from None
+    return table_of(name, pairs)
 
 
 def read_parquet(path: Path, name: str) -> Table:
     """Apache Parquet, by pyarrow; a field's metadata may hold its "unit"."""
-    parquet, arrow = _library("pyarrow.parquet", name), _library("pyarrow", name)
+    parquet, arrow = library("pyarrow.parquet", name), library("pyarrow", name)
     try:
+        told = parquet.read_metadata(path)
+        check_unfolded(8 * told.num_rows * told.num_columns, name)
         content = parquet.read_table(path)
         pairs: list[Pair] = []
         for index, header in enumerate(content.column_names):
             metadata = content.schema.field(index).metadata or {}
             unit = metadata.get(b"unit", metadata.get(b"units", b"")).decode("utf-8", "replace")
-            pairs += _columns(header, content.column(index).to_numpy(), unit)
+            pairs += numeric_columns(header, content.column(index).to_numpy(), unit)
     except (arrow.ArrowException, OSError, ValueError, TypeError, NotImplementedError) as error:
-        raise _unreadable(name, "Parquet", error) from None
-    return _table(name, pairs)
+        raise unreadable(name, "Parquet", error) from None
+    return table_of(name, pairs)
 
 
 def read_tdms(path: Path, name: str) -> Table:
     """LabVIEW TDMS, by npTDMS; time from the waveform properties where there is no time channel."""
-    nptdms = _library("nptdms", name)
+    nptdms = library("nptdms", name)
     pairs: list[Pair] = []
     increment = None
     try:
+        told = nptdms.TdmsFile.read_metadata(path)
+        if any(len(channel) > path.stat().st_size for group in told.groups() for channel in group.channels()):
+            raise ValueError("it promises more values than it has bytes")
         for group in nptdms.TdmsFile.read(path).groups():
             for channel in group.channels():
                 properties = channel.properties
                 unit = properties.get("unit_string", properties.get("NI_UnitDescription", ""))
-                pairs += _columns(channel.name, channel[:], unit if isinstance(unit, str) else "")
+                pairs += numeric_columns(channel.name, channel[:], unit if isinstance(unit, str) else "")
                 increment = properties.get("wf_increment", increment)
     except (OSError, ValueError, TypeError, KeyError, IndexError, EOFError, AttributeError, OverflowError) as error:
-        raise _unreadable(name, "TDMS", error) from None
-    except (MemoryError, NotImplementedError, zipfile.BadZipFile, AssertionError) as error:
-        raise _unreadable(name, "TDMS", error) from None
+        raise unreadable(name, "TDMS", error) from None
+    except (MemoryError, NotImplementedError, zipfile.BadZipFile, AssertionError, struct.error) as error:
+        raise unreadable(name, "TDMS", error) from None
     has_time = any(
         header.lower().startswith(("time", "t_", "t ", "t(")) or header.lower() == "t" for header, _, _ in pairs
     )
     if increment and not has_time and pairs:
         pairs.insert(0, ("time", float(increment) * np.arange(len(pairs[0][1])), "s"))
-    return _table(name, pairs)
+    return table_of(name, pairs)
 
 
 READERS: dict[str, Callable[[Path, str], Table]] = {

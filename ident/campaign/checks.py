@@ -79,7 +79,7 @@ def _resolution(column: Column) -> float:
 
     The longest number tells how many digits are printed; printers that drop trailing zeros hide it in the others.
     """
-    cells = column.cells
+    cells = column.printed or column.cells
     if isinstance(cells, np.ndarray):
         return float(np.max(np.abs(cells))) * float(np.finfo(cells.dtype).eps) if cells.dtype.kind == "f" else 0.0
     texts = [cell.strip().lower().partition("e")[0] for cell in cells[:: max(1, len(cells) // 500)]]

@@ -12,6 +12,7 @@ from ident.units import FREQUENCY, LENGTH, MASS, NUMBER, PRESSURE, VOLTAGE, base
 
 from .device import Device, Oscillator, Platform
 from .document import Section, read_document, shown
+from .opening import exists
 
 _DIMENSIONS = {
     "silicon_modulus": PRESSURE,
@@ -46,7 +47,7 @@ def read_device(campaign: Section, folder: Path) -> tuple[Device | None, Path | 
     if isinstance(value, dict):
         return parse_device(campaign.inside("device", value)), None
     path = folder / value
-    if "\0" in value or not path.is_file():
+    if "\0" in value or not exists(path):
         raise campaign.error("device", f'there is no file "{value}" in {folder}', "correct the name of the device file")
     document = read_document(path, value)
     inner = document.values.get("device")

@@ -13,6 +13,7 @@ from typing import Any
 from ident.errors import UserError
 from ident.units import Dimension, parse_quantity
 
+from .opening import read_bytes
 from .text_table import decode
 
 
@@ -119,7 +120,7 @@ def shown(value: Any) -> str:
 
 def read_document(path: Path, name: str) -> Section:
     """A TOML file; a `UserError` with line and column where its syntax is broken."""
-    text = decode(path.read_bytes(), name, "write it as plain text (UTF-8)")
+    text = decode(read_bytes(path, name), name, "write it as plain text (UTF-8)")
     try:
         values = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -136,9 +137,13 @@ def read_document(path: Path, name: str) -> Section:
 def record_sections(campaign: Section) -> Iterator[Section]:
     """The `[[record]]` tables, each knowing its line."""
     records = campaign.get("record", list, "a list of [[record]] tables", [])
+    common = campaign.section("defaults").values
+    if own := next((key for key in ("file", "drive_file") if key in common), None):
+        raise campaign.section("defaults").error(own, "belongs to one record", "write it under [[record]]")
     starts = [k for k, line in enumerate(campaign.lines, 1) if re.match(r"\s*\[\[\s*record\s*\]\]", line)]
     for index, values in enumerate(records):
         if not isinstance(values, dict):
             raise campaign.error("record", f"{shown(values)} is not a table", "write each record under [[record]]")
         start = starts[index] if index < len(starts) else 0
+        values = {**common, **values}
         yield Section(values, campaign.file, campaign.lines, "[[record]]", start)

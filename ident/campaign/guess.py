@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from ident.errors import UserError
@@ -37,6 +38,16 @@ def match_any(table: Table, roles: tuple) -> dict:
         return match_columns(table, roles, {}, {})
     except UserError:
         return {}
+
+
+def renamed(table: Table, chosen: Mapping[str, str | int], units: Mapping[str, str] | None = None) -> Table:
+    """The table with its chosen columns (role: header or number) called by their roles, in the units given."""
+    roles = {name: role for role, name in chosen.items()}
+    columns = []
+    for column in table.columns:
+        role = roles.get(column.header, roles.get(column.stem, roles.get(column.position, column.stem)))
+        columns.append(replace(column, stem=role, unit=(units or {}).get(role, column.unit)))
+    return replace(table, columns=tuple(columns))
 
 
 def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:

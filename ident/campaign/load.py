@@ -11,13 +11,16 @@ import numpy as np
 from ident.errors import UserError
 from ident.units import NUMBER, find_unit
 
+from .added_drive import with_drive
 from .binary_table import READERS
 from .checks import check_drive, check_plausible, check_response, check_sampling, uniform_time
 from .columns import match_columns, sweep_roles, trace_roles
 from .device import Device, Oscillator
 from .drive import find_period
 from .guess import guess_kind
+from .instrument_files import INSTRUMENT_READERS
 from .noise import noise_floor
+from .outliers import find_outliers, without_outliers
 from .record import Channel, NoiseFloor, Record, Sweep, Trace
 from .spec import SWEEP_NAMES, RecordSpec, signal_units
 from .sweep_noise import sweep_noise_floor
@@ -27,7 +30,8 @@ from .text_table import read_text_table
 
 def read_table(path: Path, name: str, own_units: tuple[str, ...] = ()) -> Table:
     """The table in a data file of any known kind."""
-    reader = READERS.get(path.suffix.lower())
+    suffix = path.suffix.lower()
+    reader = READERS.get(suffix) or INSTRUMENT_READERS.get(suffix)
     if reader is not None:
         return reader(path, name)
     own = next((unit for unit in own_units if find_unit(unit) is None), "")
@@ -36,6 +40,8 @@ def read_table(path: Path, name: str, own_units: tuple[str, ...] = ()) -> Table:
 
 def load_record(spec: RecordSpec, table: Table, device: Device) -> tuple[Record, list[str]]:
     """The record and the notes on it."""
+    (unit, dimension), _ = signal_units(device)
+    table = with_drive(spec, table, read_table, unit, dimension)
     kind = spec.kind or guess_kind(table)
     notes = list(table.notes)
     if not spec.kind and kind == "sweep":
@@ -89,13 +95,20 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         time = uniform_time(columns["time"], channel.factor, notes)
     check_plausible(time, drive, response, columns, device, notes)
     check_response(columns["response"], response, notes)
+    outliers = find_outliers(response)
+    if len(outliers):
+        shown = ", ".join(f"{time[k]:.6g} s" for k in outliers[:5]) + (" …" if len(outliers) > 5 else "")
+        many = f"{len(outliers)} samples leave" if len(outliers) > 1 else "one sample leaves"
+        what = f"{many} the curve of the response (at {shown})"
+        notes.append(f"{spec.file}: {what}; what the neighbours say takes their place.")
+        response = without_outliers(response, outliers)
     start = spec.start or "unknown"
     check_drive(spec.file, drive, response, start, notes)
     period = find_period(drive)
     check_sampling(spec.file, time, drive, period, notes)
     skip = _skip_samples(spec, time)
     if spec.noise is not None:
-        noise = NoiseFloor(spec.noise, method="given in the campaign")
+        noise = NoiseFloor(_plausible_noise(spec, float(np.std(response))), method="given in the campaign")
     else:
         noise = noise_floor(time, drive, response, period)
     if not spec.start:
@@ -113,8 +126,18 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         load=spec.load,
         skip=skip,
         period=period,
+        outliers=tuple(int(k) for k in outliers),
     )
     return trace, notes
+
+
+def _plausible_noise(spec: RecordSpec, size: float) -> float:
+    """The noise given, if numbers of 16 digits can be weighed with it."""
+    assert spec.noise is not None
+    if 1e-12 * size <= spec.noise <= 1e6 * size:
+        return spec.noise
+    what = f"a noise of {spec.noise:.3g} cannot be right where the response has {size:.3g} rms (SI units)"
+    raise UserError(what, where=f"{spec.where}: noise of {spec.file}", do="correct it, or leave it out")
 
 
 def _skip_samples(spec: RecordSpec, time: np.ndarray) -> int:
@@ -170,7 +193,8 @@ def _sweep(spec: RecordSpec, table: Table, device: Device) -> tuple[Sweep, list[
     if "phase" in columns:
         phase = _phase(columns["phase"], notes)
     up = _directions(spec, columns.get("direction"), frequency, level, notes)
-    noise = NoiseFloor(spec.noise, method="given in the campaign") if spec.noise is not None else None
+    given_noise = None if spec.noise is None else _plausible_noise(spec, float(np.max(amplitude)))
+    noise = None if given_noise is None else NoiseFloor(given_noise, method="given in the campaign")
     noise = noise or sweep_noise_floor(frequency, level, amplitude, up)
     quantity = spec.quantity
     sweep = Sweep(

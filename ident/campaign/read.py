@@ -14,23 +14,28 @@ from typing import Any
 from ident.errors import UserError
 from ident.units import looks_like_quantity, parse_quantity, to_si
 
+from .binary_table import READERS
 from .campaign import Campaign, Prior
 from .device import Oscillator, Platform
 from .device_file import read_device
 from .document import Section, read_document, record_sections, shown
-from .guess import guess_device
+from .guess import guess_device, renamed
+from .instrument_files import INSTRUMENT_READERS
 from .load import load_record, read_table
 from .noise_pool import pooled
+from .opening import MOST_TEXT, check_file, exists
 from .record import Record, Trace
 from .spec import RecordSpec, parse_record
 
 PathLike = str | os.PathLike[str]
 
-DATA_SUFFIXES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".lvm", ".mat", ".h5", ".hdf5", ".nc", ".parquet", ".tdms")
+DATA_SUFFIXES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".lvm", *READERS, *INSTRUMENT_READERS)
 
 
-def read_campaign(path: PathLike | Sequence[PathLike]) -> Campaign:
+def read_campaign(path: PathLike | Sequence[PathLike], columns: Mapping[str, str | int] | None = None) -> Campaign:
     """The campaign in a TOML file, in a folder with a `campaign.toml`, or in one or more data files.
+
+    `columns` says for data files which column is which ({"drive": "CH1"}); a campaign says so itself.
 
     All numbers of the result are SI. What was assumed, and what the data checks found, is in `Campaign.notes`.
     Anything unusable raises one `UserError` that says where it is and what to do.
@@ -39,14 +44,14 @@ def read_campaign(path: PathLike | Sequence[PathLike]) -> Campaign:
     if not paths:
         raise UserError("no campaign given", do="name a campaign.toml, a folder that holds one, or CSV files")
     for one in paths:
-        if "\0" in str(one) or not one.exists():
+        if "\0" in str(one) or not exists(one):
             raise UserError("there is no such file or folder", where=str(one), do="correct the path")
     try:
         if len(paths) == 1 and paths[0].is_dir():
-            return _from_toml(_in_folder(paths[0]))
+            return _from_toml(_in_folder(paths[0]), columns)
         if len(paths) == 1 and paths[0].suffix.lower() == ".toml":
-            return _from_toml(paths[0])
-        return _from_files(paths)
+            return _from_toml(paths[0], columns)
+        return _from_files(paths, columns or {})
     except OSError as error:
         where = str(error.filename or paths[0])
         raise UserError(error.strerror or "cannot be read", where=where, do="check that the file can be read") from None
@@ -54,23 +59,24 @@ def read_campaign(path: PathLike | Sequence[PathLike]) -> Campaign:
 
 def _in_folder(folder: Path) -> Path:
     path = folder / "campaign.toml"
-    if path.is_file():
+    if path.exists():
         return path
     data = sorted(one.name for one in folder.iterdir() if one.suffix.lower() in DATA_SUFFIXES)
     do = f"add one, or name the data files themselves ({', '.join(data[:3])})" if data else "name another folder"
     raise UserError("the folder has no campaign.toml", where=str(folder), do=do)
 
 
-def _from_files(paths: list[Path]) -> Campaign:
+def _from_files(paths: list[Path], columns: Mapping[str, str | int]) -> Campaign:
     for path in paths:
         if path.is_dir() or path.suffix.lower() == ".toml":
             what = f"a {'folder' if path.is_dir() else 'campaign file'} cannot be mixed with data files"
             raise UserError(what, where=str(path), do="name either one campaign or data files only")
+        check_file(path, path.name)
     tables = [read_table(path, path.name) for path in paths]
-    device, notes = guess_device(tables)
+    device, notes = guess_device([renamed(table, columns) for table in tables])
     records: list[Record] = []
     for path, table in zip(paths, tables, strict=True):
-        record, found = load_record(RecordSpec(file=path.name, path=path), table, device)
+        record, found = load_record(RecordSpec(file=path.name, path=path, columns=columns), table, device)
         records.append(record)
         notes += found
     return Campaign(
@@ -83,7 +89,10 @@ def _from_files(paths: list[Path]) -> Campaign:
     )
 
 
-def _from_toml(path: Path) -> Campaign:
+def _from_toml(path: Path, columns: Mapping[str, str | int] | None) -> Campaign:
+    if columns:
+        do = "write columns = { … } under its [[record]] or [defaults]"
+        raise UserError("a campaign file says itself which column is which", where=path.name, do=do)
     document, folder = read_document(path, path.name), path.parent
     title = document.text("title", folder.resolve().name)
     given, device_path = read_device(document, folder)
@@ -105,6 +114,7 @@ def _from_toml(path: Path) -> Campaign:
         records.append(record)
         notes += found
     files = [path, *([device_path] if device_path else []), *effect_files, *(spec.path for spec in specs)]
+    files += [spec.drive_file for spec in specs if spec.drive_file is not None]
     return Campaign(
         title,
         _with_common_noise(records),
@@ -132,9 +142,9 @@ def _with_common_noise(records: list[Record]) -> tuple[Record, ...]:
 
 def _effect_file(model: Section, folder: Path, name: str) -> Path:
     path = folder / name
-    if "\0" in name or not path.is_file():
+    if "\0" in name or not exists(path):
         raise model.error("effect_files", f'there is no file "{name}" in {folder}', "correct the name")
-    return path
+    return check_file(path, f"{model.where('effect_files')}: {name}", MOST_TEXT)
 
 
 def _settings(section: Section) -> Mapping[str, Mapping[str, Any]]:
@@ -195,6 +205,8 @@ def _prior(section: Section, name: str, value: Any) -> Prior:
         raise section.error(name, f"normal = {shown(numbers)} is not a mean and a standard deviation", example)
     where = section.where(name)
     mean, deviation = (to_si(_float(section, name, one), unit, where=where) for one in numbers)
+    if max(abs(mean), deviation) > 1e100 or 0 < deviation < 1e-100:  # their squares are numbers no more
+        raise section.error(name, f"normal = {shown(numbers)} is beyond any physics", example)
     if not deviation > 0:
         raise section.error(name, f"a standard deviation of {shown(numbers[1])} is not positive", example)
     return Prior(mean, deviation)
@@ -205,5 +217,6 @@ def _checksums(files: Sequence[Path], folder: Path | None = None) -> Mapping[str
     for path in files:
         inside = folder is not None and path.is_relative_to(folder)
         name = path.relative_to(folder).as_posix() if inside and folder is not None else path.name
-        sums[name] = hashlib.sha256(path.read_bytes()).hexdigest()
+        with open(path, "rb") as file:
+            sums[name] = hashlib.file_digest(file, "sha256").hexdigest()
     return MappingProxyType(sums)

@@ -55,6 +55,7 @@ class Trace:
     - `load`: extra mass on the stage, kg.
     - `skip`: number of leading samples that are simulated but not counted.
     - `noise`: the noise floor; `period`: samples per period if the drive is periodic over the record, else None.
+    - `outliers`: samples of the file that left the curve; in `response` the curve takes their place.
     - `excerpt`: a stretch of a longer record, cut out to compare models on it; no estimate is reported from it.
     """
 
@@ -71,6 +72,7 @@ class Trace:
     skip: int = 0
     period: float | None = None
     excerpt: bool = False
+    outliers: tuple[int, ...] = ()
 
     @property
     def step(self) -> float:

@@ -12,6 +12,7 @@ from ident.units import FREQUENCY, LENGTH, MASS, TIME, VOLTAGE, Dimension, find_
 
 from .device import Device, Oscillator
 from .document import Section, shown
+from .opening import check_file, exists
 
 _TRACE_ROLES = ("time", "drive", "response")
 _SWEEP_ROLES = ("frequency", "level", "amplitude", "phase", "direction")
@@ -21,7 +22,9 @@ SWEEP_NAMES = {"drive": "level", "response": "amplitude"}
 
 @dataclass(frozen=True)
 class RecordSpec:
-    """One `[[record]]`. `noise` and `level` are SI, `skip` is seconds (float) or samples (int), `rate` is Hz."""
+    """One `[[record]]`; `sine`: what `drive` tells instead of a column.
+
+    `noise` and `level` are SI, `skip` is seconds (float) or samples (int), `rate` is Hz."""
 
     file: str
     path: Path
@@ -38,6 +41,8 @@ class RecordSpec:
     quantity: Literal["fundamental", "half-peak-to-peak"] = "fundamental"
     columns: Mapping[str, str | int] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
+    sine: str = ""
+    drive_file: Path | None = None
 
 
 def signal_units(device: Device) -> tuple[tuple[str, Dimension | None], tuple[str, Dimension | None]]:
@@ -57,8 +62,9 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
     if not file:
         raise UserError("a [[record]] without a file", where=section.where(), do='add file = "a.csv"')
     path = folder / file
-    if "\0" in file or not path.is_file():
+    if "\0" in file or not exists(path):
         raise section.error("file", f'there is no file "{file}" in {folder}', "correct the name")
+    check_file(path, f"{section.where('file')}: {file}")
     (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device)
     kind = section.choice("kind", ("trace", "sweep"), "") if "kind" in section.values else ""
     section.used.add("kind")
@@ -80,6 +86,8 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
         quantity=section.choice("quantity", ("fundamental", "half-peak-to-peak"), "fundamental"),  # type: ignore[arg-type]
         columns=_columns(section, kind),
         units=_units(section, device),
+        sine=_sine(section),
+        drive_file=_drive_file(section, folder),
     )
     section.check_keys()
     for key in ("direction", "quantity", "level") if kind == "trace" else ():
@@ -87,7 +95,7 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
             raise section.error(
                 key, "belongs to a sweep, and this record is a trace", 'remove it, or write kind = "sweep"'
             )
-    for key in ("start", "skip", "rate") if kind == "sweep" else ():
+    for key in ("start", "skip", "rate", "drive", "drive_file") if kind == "sweep" else ():
         if key in section.values:
             raise section.error(
                 key, "belongs to a trace, and this record is a sweep", 'remove it, or write kind = "trace"'
@@ -119,6 +127,26 @@ def _amount(section: Section, key: str, unit: str, dimension: Dimension | None, 
     if not value > 0:
         raise section.error(key, f'"{text}" is not positive', f'write for example "{example}"')
     return value
+
+
+def _sine(section: Section) -> str:
+    """What `drive` tells instead of a column."""
+    value = section.text("drive")
+    if value and not value.lower().startswith("sine"):
+        do = 'write drive = "sine 8 V 317 Hz", or columns = { drive = "…" } to name the column of the drive'
+        raise section.error("drive", f'"{value}" is not a drive', do)
+    return value
+
+
+def _drive_file(section: Section, folder: Path) -> Path | None:
+    name = section.text("drive_file")
+    if not name:
+        return None
+    if "drive" in section.values:
+        raise section.error("drive_file", "drive says already what the drive is", "remove one of them")
+    if "\0" in name or not exists(folder / name):
+        raise section.error("drive_file", f'there is no file "{name}" in {folder}', "correct the name")
+    return check_file(folder / name, f"{section.where('drive_file')}: {name}")
 
 
 def _skip(section: Section) -> float | int:

@@ -21,7 +21,8 @@ class Column:
 
     - `header`: as written in the file; `stem`: the header without its unit; `unit`: None if none is stated.
     - `doubtful`: what stands in brackets in the header but is no unit.
-    - `position`: 1 for the first column; `cells`: (n,) texts or numbers; `lines`: (n,) line of each cell in the file.
+    - `position`: 1 for the first column; `cells`: (n,) texts or numbers; `lines`: (n,) line of each cell in the file;
+      `printed`: some of the cells as they were printed, where `cells` are numbers.
     """
 
     file: str
@@ -33,6 +34,7 @@ class Column:
     lines: Sequence[int] = ()
     decimal: str = "."
     doubtful: str = ""
+    printed: Sequence[str] = ()
 
     def place(self, row: int) -> str:
         """Where a cell is, for an error message."""
@@ -45,11 +47,10 @@ class Column:
             values = np.asarray(self.cells, dtype=float)
         else:
             cells = self.cells if self.decimal == "." else [cell.replace(",", ".") for cell in self.cells]
-            try:
-                values = np.array([float(cell) for cell in cells])
-            except ValueError:
-                row = next(row for row, cell in enumerate(cells) if not is_number(cell))
-                raise self._bad_cell(row) from None
+            row = next((row for row, cell in enumerate(cells) if not is_number(cell)), None)
+            if row is not None and str(cells[row]).strip().lower().lstrip("+-") not in ("nan", "inf", "infinity"):
+                raise self._bad_cell(row)
+            values = np.array([float(cell) for cell in cells])
         bad = np.flatnonzero(~np.isfinite(values))
         if len(bad):
             raise self._bad_cell(int(bad[0]), len(bad))
@@ -81,9 +82,9 @@ class Table:
 
 
 def is_number(cell: str) -> bool:
-    """Whether a text is a number as Python reads it."""
+    """Whether a text is a number as instruments print it: digits of this script, no underscores."""
     try:
-        return not math.isnan(float(cell))
+        return not math.isnan(float(cell)) and cell.isascii() and "_" not in cell
     except ValueError:
         return False
 

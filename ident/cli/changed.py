@@ -11,6 +11,7 @@ from .output import progress, say, say_fit, say_json, say_sheet
 
 def change(run: str, effect: str, output: str | None, *, adding: bool, force: bool, as_json: bool) -> None:
     """Load the run, change its model, refit, write the new run and print what it brought."""
+    from ident.campaign.trust import trust
     from ident.report.run_folder import check_target, load_run, read_lineage, read_run, write_run
 
     name = Path(effect).stem.replace("_", "-") if effect.endswith(".py") else effect
@@ -25,6 +26,7 @@ def change(run: str, effect: str, output: str | None, *, adding: bool, force: bo
     from ident.report.story import change_sheet, staircase_section
 
     if adding and effect.endswith(".py"):
+        trust(effect)  # named at the command line: that is to ask for it
         files = (*parent.campaign.effect_files, Path(effect))
         fresh = set(registry(files)) - set(registry(parent.campaign.effect_files))
         parent = replace(parent, campaign=replace(parent.campaign, effect_files=files))

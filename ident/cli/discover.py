@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .options import campaign_argument, effects_option, force_option, json_option
+from .options import campaign_argument, effects_option, force_option, json_option, trust_option
 
 
 @click.command("discover", short_help="Find the missing effects one by one, until the noise floor.")
@@ -15,6 +15,7 @@ from .options import campaign_argument, effects_option, force_option, json_optio
 @click.option("-o", "--output", metavar="RUN", help="Run folder to write; runs/NAME if not given.")
 @force_option
 @json_option
+@trust_option
 def command(
     campaign: tuple[str, ...], effects: tuple[str, ...] | None, output: str | None, force: bool, as_json: bool
 ) -> None:

@@ -26,8 +26,10 @@ def command(name: str | None, files: tuple[str, ...], as_json: bool) -> None:
     Example:
       ident effects cubic-stiffness
     """
+    from ident.campaign.trust import trust
     from ident.effects.registry import find, registry
 
+    trust(*files)  # named at the command line: that is to ask for them
     known = registry([Path(file) for file in files])
     chosen = [find(name, known)] if name else list(known.values())
     if as_json:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .options import campaign_argument, effects_option, force_option, json_option
+from .options import campaign_argument, effects_option, force_option, json_option, trust_option
 from .output import progress, say, say_fit, say_json
 
 
@@ -27,6 +27,7 @@ from .output import progress, say, say_fit, say_json
 @click.option("--profile", "profiles", multiple=True, metavar="NAME", help="Profile one parameter; may be repeated.")
 @force_option
 @json_option
+@trust_option
 def command(
     campaign: tuple[str, ...],
     effects: tuple[str, ...] | None,

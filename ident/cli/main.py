@@ -13,13 +13,15 @@ import importlib.util
 import io
 import logging
 import os
+import signal
 import sys
 import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 
 import click
 
-from ident.errors import UserError
+from ident.errors import UserError, visible
 
 COMMANDS = (
     "new",
@@ -111,6 +113,14 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # `ident effects | head`: the reader has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as error:
+        if debug:
+            raise
+        place = str(error.filename or "")
+        place = f"{place[:60]}…" if len(place) > 200 else place
+        return _fail(f"{place}: {error.strerror or error} — check that it can be read and written", 2)
+    except MemoryError:
+        return _fail("there is not enough memory for these records; thin them out, or fit fewer", 1)
     except Exception as error:  # the last resort of the program: whatever it is, the user gets one line
         if debug:
             raise
@@ -134,7 +144,7 @@ def _usage(error: click.ClickException) -> str:
 
 
 def _fail(message: str, code: int) -> int:
-    click.echo(f"ident: {message}", err=True)
+    click.echo(visible(f"ident: {message}"), err=True)
     return code
 
 
@@ -154,7 +164,13 @@ def _prepare(debug: bool) -> None:
 
 def main() -> None:
     """The console entry point."""
+    with suppress(ValueError):  # not in the main thread: then whoever started it ends it
+        signal.signal(signal.SIGTERM, _interrupt)  # a batch system asks like Ctrl-C, and gets the same order
     sys.exit(run())
+
+
+def _interrupt(*_: object) -> None:
+    raise KeyboardInterrupt
 
 
 if __name__ == "__main__":

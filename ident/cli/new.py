@@ -1,4 +1,4 @@
-"""`ident new`: a starter campaign with an example effect file."""
+"""`ident new`: a campaign from your files, or a starter campaign with an example effect file."""
 
 from __future__ import annotations
 
@@ -6,37 +6,68 @@ from pathlib import Path
 
 import click
 
-from .options import force_option
+from .options import columns_option, force_option
 from .output import progress, say
 
 
-@click.command("new", short_help="Write a starter campaign with an example effect.")
+@click.command("new", short_help="Write a campaign from your files, or one to start from.")
 @click.argument("folder", metavar="FOLDER")
+@click.argument("files", nargs=-1, metavar="[FILE…]")
+@columns_option
 @force_option
-def command(folder: str, force: bool) -> None:
-    """Write a campaign to start from into FOLDER: campaign.toml with comments, two small records, and my_effect.py, an
-    effect of your own that explains them. Replace the records by yours.
+def command(folder: str, files: tuple[str, ...], columns: dict[str, str | int], force: bool) -> None:
+    """Write a campaign into FOLDER. With FILES: the campaign.toml that describes them, whatever instrument wrote them:
+    columns found, settings guessed, one record held out, every doubt as a comment. The files stay where they are.
+
+    Without FILES, a campaign to start from: campaign.toml with comments, two small records, and my_effect.py, an effect
+    of your own that explains them.
 
     \b
     Example:
+      ident new mine measured/*.csv
+      ident new mine scope.csv --columns time=TIME,drive=CH1,response=CH2
       ident new mine
-      ident fit mine
     """
+    from ident.campaign.opening import exists
     from ident.errors import UserError
 
     target = Path(folder)
-    if target.exists() and not (target.is_dir() and (force or not any(target.iterdir()))):
+    theirs = (target / "campaign.toml") if files and target.is_dir() else target
+    if exists(theirs) and not (theirs.is_dir() and (force or not any(theirs.iterdir()))) and not (files and force):
         do = "choose another name" + (", or --force to write into it" if target.is_dir() else "")
-        raise UserError("this exists already", where=folder, do=do)
+        raise UserError("this exists already", where=str(theirs), do=do)
+    try:
+        if files:
+            _from_files(target, files, columns)
+        elif columns:
+            raise UserError("--columns is for data files", do="name the files after the folder")
+        else:
+            _starter(target)
+    except OSError as error:
+        raise UserError(error.strerror or "cannot be written", where=folder, do="choose another folder") from None
 
+
+def _from_files(target: Path, files: tuple[str, ...], columns: dict[str, str | int]) -> None:
+    from ident.campaign.propose import propose
+
+    progress(f"reading {len(files)} file{'s' if len(files) > 1 else ''}")
+    text = propose([Path(file) for file in files], target, columns)
+    target.mkdir(parents=True, exist_ok=True)
+    path = target / "campaign.toml"
+    beside = path.with_name(path.name + ".part")
+    beside.write_text(text, encoding="utf-8")
+    beside.replace(path)
+    say(text)
+    say(f"{path} is written. Look at what is guessed and at the doubts, then:")
+    say(f"      ident check {target}")
+    say(f"      ident fit {target}")
+
+
+def _starter(target: Path) -> None:
     from .starter import write_starter
 
     progress("compiling the model and simulating two records")
-    try:
-        files = write_starter(target)
-    except OSError as error:
-        raise UserError(error.strerror or "cannot be written", where=folder, do="choose another folder") from None
-    for file in files:
+    for file in write_starter(target):
         say(str(file))
-    say(f"\nNext: ident fit {folder}")
+    say(f"\nNext: ident fit {target}")
     say(f"      ident effects gas-drag --file {target / 'my_effect.py'}   the example effect, as the tool sees it")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -14,6 +15,44 @@ run_argument: Decorator = click.argument("run", metavar="RUN")
 force_option: Decorator = click.option("--force", is_flag=True, help="Overwrite what is there.")
 json_option: Decorator = click.option(
     "--json", "as_json", is_flag=True, help="Print what the JSON file of the run folder holds, and nothing else."
+)
+
+
+def _trust(_: click.Context, __: click.Parameter, asked: bool) -> None:
+    if asked or "ident.campaign.trust" in sys.modules:
+        from ident.campaign.trust import trust_what_runs
+
+        trust_what_runs(asked)
+
+
+trust_option: Decorator = click.option(
+    "--trust",
+    is_flag=True,
+    expose_value=False,
+    callback=_trust,
+    help="Run effect files that have not run here before; remembered until they change.",
+)
+
+
+def columns(_: click.Context, __: click.Parameter, value: str | None) -> dict[str, str | int]:
+    """ "time=t,drive=CH1,response=3" as {"time": "t", "drive": "CH1", "response": 3}."""
+    found: dict[str, str | int] = {}
+    for part in (value or "").split(","):
+        role, equals, column = (word.strip() for word in part.partition("="))
+        if not part.strip():
+            continue
+        if role not in _ROLES or not equals or not column:
+            raise click.BadParameter(f"{part.strip()!r} is not ROLE=COLUMN, where ROLE is one of {', '.join(_ROLES)}")
+        found[role] = int(column) if column.isascii() and column.isdigit() else column
+    return found
+
+
+_ROLES = ("time", "drive", "response", "frequency", "level", "amplitude", "phase", "direction")
+columns_option: Decorator = click.option(
+    "--columns",
+    callback=columns,
+    metavar="ROLE=COLUMN,…",
+    help="Which column is which, by name or number: time=t,drive=CH1,response=CH2.",
 )
 
 

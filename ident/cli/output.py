@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ident.errors import visible
+
 if TYPE_CHECKING:
     from ident.fit import Fit
     from ident.report.sheet import Sheet
@@ -16,12 +18,12 @@ if TYPE_CHECKING:
 
 def progress(text: str) -> None:
     """One line of progress."""
-    click.echo(f"{text}…", err=True)
+    click.echo(visible(f"{text}…"), err=True)
 
 
 def say(text: str = "") -> None:
     """One line or block of results."""
-    click.echo(text)
+    click.echo(visible(text))
 
 
 def say_json(document: Mapping[str, Any]) -> None:
@@ -46,7 +48,7 @@ def say_sheet(sheet: Sheet) -> None:
 
         Console().print(rich_table(sheet))
     else:
-        click.echo(sheet_text(sheet, width()))
+        click.echo(visible(sheet_text(sheet, width())))
 
 
 def say_fit(fit: Fit) -> None:
@@ -54,11 +56,11 @@ def say_fit(fit: Fit) -> None:
     from ident.report.terminal import fit_text, fit_view
 
     for note in fit.campaign.notes:
-        click.echo(f"note: {note}")
+        click.echo(visible(f"note: {note}"))
     click.echo()
     if sys.stdout.isatty():
         from rich.console import Console
 
         Console().print(fit_view(fit))
     else:
-        click.echo(fit_text(fit, width()))
+        click.echo(visible(fit_text(fit, width())))

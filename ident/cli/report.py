@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import click
 
-from .options import run_argument
+from .options import run_argument, trust_option
 from .output import progress, say
 
 
 @click.command("report", short_help="Make the HTML report of a run again.")
 @run_argument
+@trust_option
 def command(run: str) -> None:
     """Make report.html and the figures of RUN again, from its numbers and the campaign's files. Nothing is fitted.
 
@@ -17,14 +18,10 @@ def command(run: str) -> None:
     Example:
       ident report runs/first
     """
-    from pathlib import Path
-
-    from ident.report.html import write_report
-    from ident.report.run_folder import load_run, read_run
+    from ident.report.run_folder import load_run, read_run, renew_report
 
     told = read_run(run)
     progress("reading the campaign and compiling the model")
     fit = load_run(run)
     progress("writing the report")
-    write_report(fit, Path(run), {"command": told["command"]})
-    say(str(Path(run) / "report.html"))
+    say(str(renew_report(fit, run, {"command": told["command"]})))

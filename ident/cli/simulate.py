@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .options import effects_option, force_option
+from .options import effects_option, force_option, trust_option
 from .output import progress, say, say_json
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 @click.option("-o", "--output", required=True, metavar="FILE.csv", help="File to write.")
 @force_option
 @click.option("--json", "as_json", is_flag=True, help="Print the parameters and records as JSON.")
+@trust_option
 def command(
     source: tuple[str, ...],
     effects: tuple[str, ...] | None,
@@ -110,6 +111,7 @@ def _changed(model: Model, values: Any, settings: tuple[str, ...]) -> np.ndarray
 
     import numpy as np
 
+    from ident.campaign.table import is_number
     from ident.errors import UserError
     from ident.units import parse_quantity, unit
 
@@ -123,9 +125,9 @@ def _changed(model: Model, values: Any, settings: tuple[str, ...]) -> np.ndarray
             near = difflib.get_close_matches(name, index, 1, 0.4)
             do = f"did you mean {near[0]}?" if near else f"the parameters are {', '.join(index)}"
             raise UserError(f"the model has no parameter {name!r}", where="--set", do=do)
-        try:
+        if is_number(text):
             value = float(text)
-        except ValueError:
+        else:
             value = parse_quantity(text, unit(model.parameters[index[name]].unit).dimension, where=f"--set {name}")
         if not math.isfinite(value) or (model.parameters[index[name]].positive and value < 0):
             raise UserError(

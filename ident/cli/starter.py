@@ -67,11 +67,14 @@ _TRUTH = {"platform.quality": 35.0, "platform.d31": 30e-12, "gas-drag.c": 4e-3}
 
 def write_starter(folder: Path) -> tuple[Path, ...]:
     """Write the starter campaign into a folder, and return the files."""
+    from ident.campaign.trust import trust
+
     tables = _tables()
     folder.mkdir(parents=True, exist_ok=True)
     files = {"campaign.toml": CAMPAIGN.format(folder=folder.as_posix()), "my_effect.py": EFFECT, **tables}
     for name, text in files.items():
         (folder / name).write_text(text, encoding="utf-8")
+    trust(folder / "my_effect.py")  # our own words
     return tuple(folder / name for name in files)
 
 
@@ -81,6 +84,7 @@ def _tables() -> dict[str, str]:
     import numpy as np
 
     from ident.campaign import Channel, NoiseFloor, Platform, Trace
+    from ident.campaign.trust import trust
     from ident.effects.registry import registry
     from ident.fit.reading import read
     from ident.model import Model
@@ -88,6 +92,7 @@ def _tables() -> dict[str, str]:
     with tempfile.TemporaryDirectory() as folder:  # the file that the user gets is the one that makes the records
         file = Path(folder) / "my_effect.py"
         file.write_text(EFFECT, encoding="utf-8")
+        trust(file)
         model = Model(Platform(), (registry([file])["gas-drag"](),))
     values = np.array([_TRUTH.get(p.name, p.value) for p in model.parameters])
     time = np.arange(_SAMPLES) / _RATE

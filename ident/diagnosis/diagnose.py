@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
+from ..campaign.suspect import Suspect
 from ..effects.effect import AbstractEffect
 from ..fit import Fit
 from .beyond import free_name, go_beyond
@@ -16,12 +17,15 @@ from .experiments import NextExperiment, next_experiments, rank_experiments
 from .locate import Where, locate
 from .score import Bench, prepare
 from .shorten import is_long, working
+from .suspects import find_suspects
 from .ties import Unseen, unseen
 from .unknown import Unknown, find_unknown
 from .where_words import summary
 
 Report = Callable[[str], None]
 _EXPERIMENTS = 3
+BY_OTHERS = ("delay", "gain", "sign", "time-scale", "wrong-record")
+"""What a record can have that an effect may be mistaken for: beside such a suspect no name is sure."""
 _NEARLY = 0.05  # of the first misfit: if named effects leave less, they are kept and the rest is looked for
 
 
@@ -31,7 +35,8 @@ class Diagnosis:
 
     **Arguments:** `where`: where the fit fails; `unknown`: what the library lacks, if it lacks something, and
     `effect_file`, where that was written; `next_experiments`: records that would separate what ties; `unseen`: effects
-    of which these records cannot say anything.
+    of which these records cannot say anything; `suspects`: records that something is wrong with. If they alone explain
+    the misfit, the walk has no steps.
     """
 
     discovery: Discovery
@@ -40,6 +45,7 @@ class Diagnosis:
     effect_file: Path | None = None
     next_experiments: tuple[NextExperiment, ...] = ()
     unseen: tuple[Unseen, ...] = ()
+    suspects: tuple[Suspect, ...] = ()
 
     @property
     def summary(self) -> str:
@@ -63,8 +69,14 @@ def diagnose(
     report("locating the misfit")
     bench = prepare(working(fitted))
     where = locate(bench)
+    suspects = find_suspects(fitted, report)
+    if any(suspect.settles for suspect in suspects):
+        nothing = Discovery("ambiguous", fitted, (), (), {}, (), bench)
+        return Diagnosis(nothing, where, suspects=suspects)
     found = continue_from(fitted, library, report)
-    answer = partial(Diagnosis, found, where, unseen=unseen(bench, found.ranking, library))
+    if found.verdict == "identified" and any(one.kind in BY_OTHERS for one in suspects):
+        found = replace(found, verdict="ambiguous")
+    answer = partial(Diagnosis, found, where, unseen=unseen(bench, found.ranking, library), suspects=suspects)
     if found.verdict != "not-in-library":
         unknown = _instead(bench, report) if found.lacking else None
         return answer(unknown, next_experiments=measure_next(found, library, report))

@@ -37,6 +37,7 @@ def diagnosis_dict(diagnosis: Diagnosis) -> dict[str, Any]:
             {"record": e.record, "separates": list(e.separates), "expected_delta_chi2": e.expected_delta_chi2}
             for e in diagnosis.next_experiments
         ],
+        "records": [suspect.as_json() for suspect in diagnosis.suspects],
         "summary": diagnosis.summary,
     }
     if diagnosis.unknown is not None:

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 from typing import NamedTuple
 
+from ..campaign.trust import trust
 from ..errors import UserError
 from .formula import Formula
 from .splines import UNITS
@@ -44,6 +45,7 @@ def write_effect(unknown: Unknown, path: Path, name: str = "unknown-effect") -> 
         raise UserError("this file exists already", where=str(path), do="choose another name, or move it away")
     path.parent.mkdir(parents=True, exist_ok=True)  # beside a run folder that is not there yet
     path.write_text(effect_source(unknown.written, name, unknown.sentences[0]), encoding="utf-8")
+    trust(path)  # our own words
 
 
 def effect_source(formula: Formula, name: str, found: str = "") -> str:
@@ -71,6 +73,7 @@ def effect_source(formula: Formula, name: str, found: str = "") -> str:
     plays = "from ident.effects.memory import dragged\n" if "dragged(" in whole else ""
     sharp = next((n for mark, n in (("tanh", 250), ("dragged(", 120), ("maximum(", 120)) if mark in whole), 0)
     fine = f"    steps_per_period = {sharp}\n" if sharp else ""
+    found = found.replace("\\", "/").replace('"', "'")  # a unit of the user's own stands in it
     head = f'"""{found or "What a fit could not explain, as a formula."}\n\nEdit it as you learn what it is."""\n\n'
     title = "".join(word.capitalize() for word in name.split("-"))
     text = formula.text if len(formula.text) < 90 else f"{len(formula.terms)} terms in {', '.join(names)}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import importlib
-import importlib.util
+import linecache
 import pkgutil
 import traceback
 from collections.abc import Iterable, Mapping
@@ -12,6 +12,8 @@ from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 
+from ..campaign.opening import read_bytes
+from ..campaign.trust import check_trusted
 from ..errors import UserError
 from .dimensions import check_units
 from .effect import AbstractEffect
@@ -31,12 +33,14 @@ def built_in() -> Registry:
 def registry(files: Iterable[Path] = ()) -> Registry:
     """The library and the effects defined in the user's files.
 
-    **Raises:** UserError, naming file and line, if a file cannot be run, defines no effect, takes a name that exists,
-    or defines one whose units do not match.
+    **Raises:** UserError, naming file and line, if a file was never trusted (see `trust`), cannot be run, defines no
+    effect, takes a name that exists, or defines one whose units do not match.
     """
     found = dict(built_in())
-    for file in files:
-        for effect in _load(Path(file)):
+    contents = [(Path(file), _content(Path(file))) for file in files]
+    check_trusted(contents)
+    for file, content in contents:
+        for effect in _load(file, content):
             if effect.name in found:
                 raise UserError(
                     f"the name {effect.name!r} is taken", where=_place(effect, file), do="give the effect another name"
@@ -63,18 +67,30 @@ def _effects_of(module: ModuleType) -> list[type[AbstractEffect]]:
     ]  # fmt: skip
 
 
-def _load(file: Path) -> list[type[AbstractEffect]]:
-    if not file.is_file():
+def _content(file: Path) -> bytes:
+    if not file.exists():
         raise UserError("this effect file does not exist", where=str(file), do="check effect_files in the campaign")
-    spec = importlib.util.spec_from_file_location(f"ident_user_effect_{file.stem}", file)
-    assert spec is not None and spec.loader is not None  # a .py path always has a loader
-    module = importlib.util.module_from_spec(spec)
+    return read_bytes(file, str(file))
+
+
+def _load(file: Path, content: bytes) -> list[type[AbstractEffect]]:
+    """The effects of a file, from the very bytes that were found to be trusted."""
+    name = f"ident_user_effect_{file.stem}"
+    module = ModuleType(name)
+    module.__file__ = str(file)
     try:
-        spec.loader.exec_module(module)
+        linecache.cache[str(file)] = (len(content), None, content.decode("utf-8").splitlines(True), str(file))
+        exec(compile(content, str(file), "exec", dont_inherit=True), vars(module))  # noqa: S102 (trusted above)
+    except UnicodeDecodeError:
+        raise UserError("this is no text in UTF-8", where=str(file), do="an effect file is a Python file") from None
     except SyntaxError as error:
         raise UserError(f"not valid Python: {error.msg}", where=f"{file}, line {error.lineno}") from error
     except Exception as error:  # whatever a user's file does wrong, it is answered with its place in that file
         raise _failure(error, file) from error
+    except SystemExit as error:
+        raise UserError(
+            "this effect file ends the program", where=str(file), do="an effect file only defines"
+        ) from error
     effects = _effects_of(module)
     if not effects:
         raise UserError(
@@ -93,7 +109,7 @@ def _load(file: Path) -> list[type[AbstractEffect]]:
 
 
 def _place(effect: type[AbstractEffect], file: Path) -> str:
-    lines = file.read_text(encoding="utf-8").splitlines()
+    lines = read_bytes(file, str(file)).decode("utf-8", "replace").splitlines()
     number = next((i for i, line in enumerate(lines, 1) if line.startswith(f"class {effect.__name__}")), 1)
     return f"{file}, line {number}"
 

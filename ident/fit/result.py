@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
@@ -12,12 +12,16 @@ from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
 from ..model import Model
 from ..response import lay_out
+from . import access
 from .guess import DataScales
 from .identifiability import Combination
 from .judge import RecordScore, Score, combine
 from .problem import Data, Evaluation, Static, Unknowns, readings
 from .reading import read
 from .uncertainty import Covariance, Linearisation
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 SigmaChoice = Literal["known", "scaled", "fitted"]
 _TRUSTED = 1.1  # error over noise floor above which error bars are said to be untrustworthy
@@ -41,6 +45,11 @@ class Estimate(NamedTuple):
     unit: str
     fitted: bool
     flags: tuple[str, ...]
+
+    @property
+    def error(self) -> float | None:
+        """The standard error."""
+        return self.standard_error
 
 
 class Solved(NamedTuple):
@@ -130,6 +139,30 @@ class Fit:
     def value(self, name: str) -> float:
         """Value of one parameter by its full name, SI."""
         return float(self.values[[p.name for p in self.model.parameters].index(name)])
+
+    def __getitem__(self, name: str) -> Estimate:
+        """The estimate of one parameter: `fit["quality"].value`, `.error`, `.unit`."""
+        return access.by_name(self.estimates, name)
+
+    def __repr__(self) -> str:
+        return access.line(self)
+
+    def _repr_html_(self) -> str:
+        return access.html(self)
+
+    def to_dataframe(self) -> DataFrame:
+        """Every parameter with its value, error, unit and flags, as a pandas table."""
+        return access.parameters_frame(self)
+
+    @property
+    def labelled_covariance(self) -> DataFrame:
+        """Covariance of the fitted parameters (SI) as a pandas table with their names."""
+        return access.covariance_frame(self)
+
+    @property
+    def residuals(self) -> dict[str, np.ndarray]:
+        """Per record (n,) measured − model, SI."""
+        return access.residuals(self)
 
     def predict(self, record: Trace) -> np.ndarray:
         """Reading of the fitted model for any record, (n,) m; the initial state is fitted unless it starts at rest."""

@@ -18,7 +18,8 @@ from .quantity import Scale, scale, show_in, significant
 from .sheet import Column, Mark, Sheet
 
 _CLIPPED = 1e-3
-_SAME = 1.05  # ratio of two levels, frequencies or loads up to which they count as one
+_SAME = 1.05  # ratio of two levels or loads up to which they count as one
+_SAME_FREQUENCY = 1.01  # a third of the half-width of a resonance of quality 15: nearer ones tell it no better
 
 
 def what_the_records_tell(campaign: Campaign) -> tuple[str, ...]:
@@ -62,7 +63,7 @@ def one_frequency(records: Sequence[Trace]) -> float | None:
     """The frequency (Hz) at which all records were driven, if it is one."""
     found = [only_frequency(record) for record in records]
     known = [frequency for frequency in found if frequency]
-    return known[0] if known and len(known) == len(found) and max(known) <= _SAME * min(known) else None
+    return known[0] if known and len(known) == len(found) and max(known) <= _SAME_FREQUENCY * min(known) else None
 
 
 def _level(record: Trace) -> float:
@@ -70,11 +71,13 @@ def _level(record: Trace) -> float:
 
 
 def _differs(record: Trace, others: tuple[Trace, ...]) -> bool:
-    def far(a: float, b: float) -> bool:
-        return max(a, b) > _SAME * min(a, b)
+    def far(a: float, b: float, same: float = _SAME) -> bool:
+        return max(a, b) > same * min(a, b)
 
     return all(
-        far(_level(record), _level(o)) or far(drive_frequency(record), drive_frequency(o)) or record.load != o.load
+        far(_level(record), _level(o))
+        or far(drive_frequency(record), drive_frequency(o), _SAME_FREQUENCY)
+        or record.load != o.load
         for o in others
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..campaign.device import Device
 from ..diagnosis.beyond import NAME
-from ..diagnosis.diagnose import Diagnosis
+from ..diagnosis.diagnose import BY_OTHERS, Diagnosis
 from ..diagnosis.discover import Discovery, Step
 from ..diagnosis.enough import ANOTHER_LAW, adequate
 from ..diagnosis.score import Candidate
@@ -25,6 +25,9 @@ def verdict_words(found: Diagnosis) -> str:
     """The verdict in one or two sentences."""
     loop = found.discovery
     final = loop.final
+    settled = [suspect.file for suspect in found.suspects if suspect.settles]
+    if settled:
+        return f"No physics is named before {listed(settled)} is corrected or left out: that alone explains the misfit."
     error = f"error over noise {ratio_text(final.fitted.error_over_noise)}"
     if loop.verdict == "adequate":
         return f"The model is adequate: {error}, and no effect of the library would lower it beyond chance."
@@ -50,7 +53,8 @@ def verdict_words(found: Diagnosis) -> str:
         )
     if loop.verdict == "ambiguous":
         ties = [f"{s.added} cannot be told from {' or '.join(s.tie_set[1:])}" for s in named if len(s.tie_set) > 1]
-        return f"Missing was {names}{refined}, {error}; but in these records {'; '.join(ties)}."
+        doubt = [f"{s.file} is suspect" for s in found.suspects if s.kind in BY_OTHERS]
+        return f"Missing was {names}{refined}, {error}; but in these records {'; '.join(ties + doubt)}."
     return _not_in_library(loop, [s for s in named if not s.added.startswith(NAME)], named)
 
 
@@ -115,7 +119,8 @@ def _size(candidate: Candidate, fitted: Fit) -> str:
 
 def advice(found: Diagnosis) -> list[str]:
     """What ties, what is unknown, and what to measure next, one sentence each."""
-    sentences = _scored_from(found.discovery)
+    sentences = [f"Suspect record: {suspect.sentence}" for suspect in found.suspects]
+    sentences += _scored_from(found.discovery)
     sentences += [reason for step in found.discovery.steps if step.role == "effect" for reason in step.reasons]
     for experiment in found.next_experiments[:1]:
         pair = " from ".join(" or ".join(group) for group in experiment.groups)
@@ -161,6 +166,8 @@ def sections(found: Diagnosis, lineage: list[dict]) -> list[Section]:
     device = found.discovery.start.model.device
     where = Picture("Error over noise by record, time, motion, phase and harmonic", png(where_figure(found.where)))
     parts = [Section("Where the first model fails", (), (), (where,))]
+    if found.suspects and not found.discovery.ranking:
+        parts.append(Section("Which record is suspect", (verdict_words(found), *advice(found))))
     if found.discovery.ranking:
         words = (verdict_words(found), *advice(found))
         parts.append(Section("Which effect is missing", words, (ranking_sheet(found),)))

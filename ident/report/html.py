@@ -97,7 +97,7 @@ def write_report(fit: Fit, folder: Path, extra: Mapping[str, Any] | None = None)
         checksums=sorted(fit.campaign.checksums.items()),
     )
     path = folder / "report.html"
-    path.write_text(page, encoding="utf-8")
+    path.write_text(page, encoding="utf-8", errors="backslashreplace")
     return path
 
 

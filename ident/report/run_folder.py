@@ -10,24 +10,25 @@ from __future__ import annotations
 import json
 import math
 import os
-import shutil
-import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+import re
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..campaign import Campaign
+from ..campaign.opening import MOST_DATA, exists, read_bytes
 from ..errors import UserError
 from ..fit import Fit
 from ..model import Model
 from .html import write_report
+from .new_folder import OWN, link_or_copy, new_folder
 from .run_json import run_dict
 from .run_state import origin, rebuild, restore, state, versions
 
 FORMAT = 1
+_LONGEST_NAME = 255  # bytes, on every file system in use
 PathLike = str | os.PathLike[str]
 
 
@@ -61,20 +62,32 @@ def write_run(
         "options": dict(options or {}),
         "state": state(fit),
     }
-    with _new_folder(target, force) as temporary:
+    with new_folder(target) as temporary:
         write_json(temporary / "run.json", document)
         write_json(temporary / "lineage.json", list(lineage))
         for name, content in (documents or {}).items():
             write_json(temporary / name, content)
         report("writing the report")
         write_report(fit, temporary, {"command": command, **(extra or {})} if command else extra)
+        check_target(target, force)
     return target
+
+
+def renew_report(fit: Fit, folder: PathLike, extra: Mapping[str, Any] | None = None) -> Path:
+    """Write report.html and figures/ of a run anew; whoever looks finds the old pair or the new one."""
+    target = Path(folder)
+    with new_folder(target) as temporary:
+        for entry in target.iterdir():
+            if entry.name in OWN - {"report.html", "figures"}:
+                link_or_copy(entry, temporary / entry.name)
+        write_report(fit, temporary, extra)
+    return target / "report.html"
 
 
 def read_run(folder: PathLike) -> dict[str, Any]:
     """What `run.json` of a run folder holds. **Raises:** UserError if there is none, or none that can be read."""
     path = Path(folder) / "run.json"
-    if not path.is_file():
+    if not exists(path):
         do = "name the folder that `ident fit … -o FOLDER` wrote"
         raise UserError("this is no run folder: it has no run.json", where=str(folder), do=do)
     document = _read_json(path)
@@ -100,7 +113,7 @@ def load_state(folder: PathLike) -> tuple[Model, Campaign, np.ndarray]:
 def read_lineage(folder: PathLike) -> list[dict[str, Any]]:
     """The ancestors of a run, oldest first."""
     path = Path(folder) / "lineage.json"
-    return _read_json(path) if path.is_file() else []
+    return _read_json(path) if exists(path) else []
 
 
 def write_json(path: Path, document: Any) -> None:
@@ -112,11 +125,21 @@ def write_json(path: Path, document: Any) -> None:
 
 def json_text(document: Any) -> str:
     """A document as JSON; a number that is not finite becomes null."""
-    return json.dumps(_plain(document), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    text = json.dumps(_plain(document), indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    return re.sub(r"[\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]", _escaped, text)
+
+
+def _escaped(found: re.Match[str]) -> str:
+    """What would steer a terminal, or is no text at all, in the writing of JSON."""
+    return f"\\u{ord(found[0]):04x}"
 
 
 def check_target(target: Path, force: bool) -> None:
     """Whether a run may be written there; asked before a fit, so that no work is lost."""
+    if len(os.fsencode(target.name)) > _LONGEST_NAME:
+        raise UserError("this name is too long", where=f"{target.name[:40]}…", do="choose a shorter one")
+    if not target.name or not _can_write(target.parent):
+        raise UserError("nothing can be written there", where=str(target), do="choose another folder")
     if target.exists() and not (target.is_dir() and not any(target.iterdir())):
         if not force:
             raise UserError(
@@ -127,10 +150,17 @@ def check_target(target: Path, force: bool) -> None:
             raise UserError(what, where=str(target), do="choose another name")
 
 
+def _can_write(folder: Path) -> bool:
+    """Whether a folder, or the nearest one above it that is there, takes new entries."""
+    while not exists(folder):
+        folder = folder.parent
+    return folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)
+
+
 def _read_json(path: Path) -> Any:
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+        return json.loads(read_bytes(path, str(path), MOST_DATA).decode("utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
         raise UserError(f"cannot be read: {error}", where=str(path), do="fit the campaign again") from None
 
 
@@ -144,30 +174,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, np.generic):
         return _plain(value.item())
     return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-@contextmanager
-def _new_folder(target: Path, force: bool) -> Iterator[Path]:
-    """A folder that takes its final name only if all goes well; what was there goes last."""
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        temporary = Path(tempfile.mkdtemp(prefix=f".{target.name}-", dir=target.parent))
-    except OSError as error:
-        raise UserError(error.strerror or "cannot be written", where=str(target), do="choose another folder") from None
-    try:
-        temporary.chmod(0o777 & ~_mask())
-        yield temporary
-        check_target(target, force)
-        old = temporary.with_name(temporary.name + "-old")
-        if target.exists():
-            target.rename(old)
-        temporary.rename(target)
-        shutil.rmtree(old, ignore_errors=True)
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
-
-
-def _mask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

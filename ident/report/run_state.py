@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 
 from ..campaign import Campaign, NoiseFloor, read_campaign
+from ..campaign.opening import read_bytes
+from ..campaign.trust import checksum
 from ..effects.registry import find, registry
 from ..errors import UserError
 from ..fit import Fit
@@ -41,6 +43,9 @@ def origin(campaign: Campaign, folder: Path) -> dict[str, Any]:
         "files": [_relative(path, folder) for path in campaign.files],
         "effect_files": [_relative(path, folder) for path in campaign.effect_files],
         "checksums": dict(campaign.checksums),
+        "effect_checksums": {
+            _relative(path, folder): checksum(read_bytes(path, str(path))) for path in campaign.effect_files
+        },
     }
 
 
@@ -72,6 +77,10 @@ def restore(document: dict[str, Any], folder: Path) -> tuple[Model, Campaign, np
     kept = document["state"]
     campaign = _campaign(document["campaign"], folder)
     told = [(folder / file).resolve() for file in document["campaign"].get("effect_files", ())]
+    for file, told_sum in document["campaign"].get("effect_checksums", {}).items():
+        if checksum(read_bytes(folder / file, str(folder / file))) != told_sum:
+            what, do = "has changed since this run, so it is not run", "restore it, or fit the campaign again"
+            raise UserError(what, where=str(folder / file), do=do)
     known_files = {path.resolve() for path in campaign.effect_files}
     added = tuple(path for path in told if path not in known_files)
     campaign = replace(campaign, effect_files=(*campaign.effect_files, *added))
@@ -105,8 +114,8 @@ def _number(told: float | None) -> float:
 
 def _campaign(told: dict[str, Any], folder: Path) -> Campaign:
     campaign = read_campaign([folder / file for file in told["files"]])
-    for file, checksum in told["checksums"].items():
-        if campaign.checksums.get(file) != checksum:
+    for file, told_sum in told["checksums"].items():
+        if campaign.checksums.get(file) != told_sum:
             word = "has changed since this run" if file in campaign.checksums else "is no longer part of the campaign"
             raise UserError(f"{word}, so its result no longer stands", where=file, do="fit the campaign again")
     for file in campaign.checksums:

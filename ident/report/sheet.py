@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
+from ..errors import visible
+
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -39,7 +41,7 @@ def rich_table(sheet: Sheet) -> Table:
     from rich.table import Table
 
     table = Table(
-        title=escape(sheet.title), title_justify="left", title_style="bold", box=box.SIMPLE_HEAD,
+        title=escape(visible(sheet.title)), title_justify="left", title_style="bold", box=box.SIMPLE_HEAD,
         pad_edge=False, padding=(0, 1), header_style="", show_edge=False,
     )  # fmt: skip
     for column in sheet.columns:
@@ -52,5 +54,5 @@ def rich_table(sheet: Sheet) -> Table:
         if sheet.mark(i) == "total" and not total and i:
             table.add_section()
             total = True
-        table.add_row(*(escape(cell) for cell in row), style=_STYLE[sheet.mark(i)])
+        table.add_row(*(escape(visible(cell)) for cell in row), style=_STYLE[sheet.mark(i)])
     return table

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..errors import visible
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -84,6 +86,10 @@ def key(figure: Figure, right: float, y: float, *entries: tuple[str, str]) -> No
 
 def png(figure: Figure) -> bytes:
     """The figure as PNG."""
+    from matplotlib.text import Text
+
+    for text in figure.findobj(Text):
+        text.set_parse_math(False)  # type: ignore[attr-defined]  # "$" is a sign in names of files, not a formula
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=DPI, pil_kwargs={"compress_level": 2})
     return buffer.getvalue()
@@ -91,7 +97,7 @@ def png(figure: Figure) -> bytes:
 
 def shortened(name: str, most: int) -> str:
     """A file's name in at most so many characters: its middle is left out, for records differ at the ends."""
-    name = name.rsplit("/", 1)[-1].removesuffix(".csv")
+    name = visible(name.rsplit("/", 1)[-1].removesuffix(".csv"))
     return name if len(name) <= most else f"{name[: most // 2 - 1]}…{name[most // 2 - most :]}"
 
 

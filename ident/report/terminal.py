@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..errors import visible
 from ..fit.result import Fit
 from .offset_table import offset_sheets
 from .sentences import sentences, verdict
@@ -52,7 +53,7 @@ def _paragraph(text: str) -> RenderableType:
     from rich.padding import Padding
     from rich.text import Text
 
-    return Padding(Text(text), (0, 0, 1, 0))
+    return Padding(Text(visible(text)), (0, 0, 1, 0))
 
 
 def _table(sheet: Sheet) -> RenderableType:
@@ -76,5 +77,7 @@ def _list(title: str, items: tuple[str, ...]) -> list[RenderableType]:
     grid.add_column(overflow="fold")
     for item in items:
         warning = item.startswith("! ")
-        grid.add_row("!" if warning else "·", Text(item[2:] if warning else item), style="yellow" if warning else "")
+        grid.add_row(
+            "!" if warning else "·", Text(visible(item[2:] if warning else item)), style="yellow" if warning else ""
+        )
     return [Text(title, style="bold"), Padding(grid, (0, 0, 1, 0))]

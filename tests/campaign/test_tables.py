@@ -236,3 +236,15 @@ def test_a_missing_library_says_what_to_install(suffix, tmp_path, monkeypatch):
     path.write_bytes(b"x")
     with pytest.raises(UserError, match=r'pip install "ident\[files\]"'):
         read_table(path, path.name)
+
+
+@pytest.mark.parametrize("style", STYLES)
+def test_pandas_and_the_hand_read_the_same(style, monkeypatch):
+    tables = []
+    for least in (1 << 30, 0):
+        monkeypatch.setattr("ident.campaign.text_table.LEAST_FOR_PANDAS", least)
+        tables.append(parse_text_table(decode(STYLES[style].encode("utf-8"), "x.csv"), "x.csv").columns)
+    by_hand, by_pandas = tables
+    assert [(c.header, c.unit, c.position) for c in by_hand] == [(c.header, c.unit, c.position) for c in by_pandas]
+    for one, other in zip(by_hand, by_pandas, strict=True):
+        np.testing.assert_array_equal(one.numbers(), other.numbers())

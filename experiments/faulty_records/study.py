@@ -1,0 +1,118 @@
+"""Is a faulty record named, and named before physics?  `python -m experiments.faulty_records.study --seeds 0-1`
+
+Devices of the independent simulator of `experiments.hidden_effects`, with nothing or one effect hidden, and one of
+twelve faults in one record; campaigns without a fault show how often a sound record is suspected. Each case is fitted
+by the plain linear model and asked for its suspects. Finished cases are kept in `results.jsonl`, one line each.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import argparse
+import json
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ident import runtime
+
+runtime.configure()
+
+from experiments.hidden_effects.campaigns import campaign_of  # noqa: E402  (JAX must be configured first)
+from experiments.hidden_effects.generator import draw  # noqa: E402
+from ident.campaign import Campaign  # noqa: E402
+from ident.campaign.outliers import find_outliers, without_outliers  # noqa: E402
+from ident.diagnosis.suspects import find_suspects  # noqa: E402
+from ident.fit import fit  # noqa: E402
+from ident.model import build_model  # noqa: E402
+
+from .faults import EXPECTED, FAULTS, spoil  # noqa: E402
+
+RESULTS = Path(__file__).with_name("results.jsonl")
+HIDDEN = ("cubic-stiffness", "coulomb-friction", "pzt-hysteresis", "squeeze-film-damping", "quadratic-stiffness")
+_BY_OTHERS = ("delay", "gain", "sign", "time-scale", "wrong-record")
+
+
+def run(seed: int, fault: str, hidden: bool) -> dict[str, Any]:
+    """One campaign, its suspects, and whether the first of them is the fault."""
+    effects = (HIDDEN[seed % len(HIDDEN)],) if hidden else ()
+    case = draw(seed, effects, size=0.02, noise=0.003)
+    records, faulty = (case.records, "") if fault == "none" else spoil(case, fault, seed)
+    campaign = _as_read(campaign_of(replace(case, records=records)))
+    began = time.process_time()
+    found = fit(build_model(campaign), campaign)
+    suspects = find_suspects(found)
+    named = [s for s in suspects if s.kind in _BY_OTHERS or s.kind in EXPECTED.get(fault, ()) or fault == "none"]
+    right = any(s.file == f"{faulty}.csv" and s.kind in EXPECTED.get(fault, ()) for s in named)
+    return {
+        "key": f"{fault}/{int(hidden)}/{seed}", "fault": fault, "hidden": hidden, "seed": seed,
+        "record": f"{faulty}.csv", "right": right, "record_named": any(s.file == f"{faulty}.csv" for s in suspects),
+        "wrong": sum(s.file != f"{faulty}.csv" for s in suspects),
+        "suspects": [[s.file, s.kind, round(s.size, 4), s.probability, s.settles] for s in suspects],
+        "error": round(found.fitted.error_over_noise, 3), "seconds": round(time.process_time() - began, 1),
+    }  # fmt: skip
+
+
+def _as_read(campaign: Campaign) -> Campaign:
+    """With the outliers taken out, as reading the files would."""
+    from ident.campaign.noise import noise_floor
+
+    records = []
+    for trace in campaign.traces:
+        outliers = find_outliers(trace.response)
+        if len(outliers):
+            response = without_outliers(trace.response, outliers)
+            noise = noise_floor(trace.time, trace.drive, response, trace.period)
+            trace = replace(trace, response=response, noise=noise, outliers=tuple(int(k) for k in outliers))
+        records.append(trace)
+    return replace(campaign, records=tuple(records))
+
+
+def table(rows: list[dict[str, Any]]) -> str:
+    """The result in words and numbers."""
+    lines = ["fault        hidden   cases  record named  kind right  other records suspected"]
+    for fault in ("none", *FAULTS):
+        for hidden in (False, True):
+            some = [row for row in rows if row["fault"] == fault and row["hidden"] == hidden]
+            if some:
+                share = [100 * float(np.mean([row[key] for row in some])) for key in ("record_named", "right")]
+                wrong = sum(row["wrong"] for row in some)
+                lines.append(
+                    f"{fault:12} {'one' if hidden else 'none':7} {len(some):6}  {share[0]:10.0f} %  {share[1]:8.0f} %  "
+                    f"{wrong:10}"
+                )
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Run the study from the command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seeds", default="0-1", help='"3" or "0-19"')
+    parser.add_argument("--faults", default=",".join(("none", *FAULTS)))
+    parser.add_argument("--hidden", choices=["none", "one", "both"], default="both")
+    parser.add_argument("--minutes", type=float, default=1e9, help="of wall clock, after which no case is begun")
+    told = parser.parse_args()
+    first, _, last = told.seeds.partition("-")
+    rows = [json.loads(line) for line in RESULTS.read_text().splitlines()] if RESULTS.exists() else []
+    done, began = {row["key"] for row in rows}, time.monotonic()
+    with RESULTS.open("a", encoding="utf-8") as file:
+        for seed in range(int(first), int(last or first) + 1):
+            for fault in told.faults.split(","):
+                for hidden in {"none": (False,), "one": (True,), "both": (False, True)}[told.hidden]:
+                    late = time.monotonic() - began > 60 * told.minutes
+                    if late or f"{fault}/{int(hidden)}/{seed}" in done:
+                        continue
+                    rows.append(run(seed, fault, hidden))
+                    file.write(json.dumps(rows[-1]) + "\n")
+                    file.flush()
+    print(table(rows))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,100 @@
+"""A drive that is no column of the record's file: another file holds it, or a sentence tells it."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ident.errors import UserError
+from ident.units import FREQUENCY, LENGTH, VOLTAGE, Dimension, find_unit, parse_quantity
+
+from .columns import trace_roles
+from .guess import match_any
+from .spec import RecordSpec
+from .table import Column, Table
+
+_SINE = re.compile(r"sine\s+(\S+\s*[^\d\s]\S*)\s+(\S+\s*[^\d\s]\S*?)\s*", re.IGNORECASE)
+_TIME = trace_roles(VOLTAGE, LENGTH)[:1]
+
+
+def with_drive(spec: RecordSpec, table: Table, read: Callable[[Path, str], Table], unit: str, kind: Dimension | None):
+    """The table with the drive that the record's `drive_file` or `drive` adds to it, as a column called "drive".
+
+    **Arguments:** `read`: reads the table in a file; `unit`, `kind`: the drive's base unit and its dimension.
+    """
+    if spec.drive_file is not None:
+        return _joined(table, read(spec.drive_file, spec.drive_file.name), spec)
+    if spec.sine:
+        return _with_sine(table, spec, unit, kind)
+    return table
+
+
+def parse_sine(text: str, kind: Dimension | None, where: str) -> tuple[float, float]:
+    """(amplitude in the base unit of the drive, frequency in Hz) of "sine 8 V 317 Hz"; "8 Vpp" has half of it."""
+    match = _SINE.fullmatch(text.strip())
+    if match is None:
+        do = 'write drive = "sine 8 V 317 Hz", or columns = { drive = "…" } to name a column'
+        raise UserError(f'"{text}" is no drive', where=where, do=do)
+    level = re.fullmatch(r"(\S+?)\s*([A-Za-zµ]+?)(pp|rms)?", match[1])
+    words, factor = (match[1], 1.0) if level is None else (f"{level[1]} {level[2]}", _PEAKS[level[3] or ""])
+    amplitude = factor * parse_quantity(words, kind, where=where)
+    frequency = parse_quantity(match[2], FREQUENCY, where=where)
+    if not (amplitude > 0 and frequency > 0):
+        raise UserError(f'"{text}" has no positive amplitude and frequency', where=where, do="correct the numbers")
+    return amplitude, frequency
+
+
+_PEAKS = {"": 1.0, "pp": 0.5, "rms": math.sqrt(2.0)}
+
+
+def _time_of(table: Table, spec: RecordSpec) -> tuple[Column, np.ndarray]:
+    given = spec.columns.get("time")
+    own = [c for c in table.columns if given in (c.header, c.stem, c.position)]
+    column = own[0] if own else match_any(table, _TIME).get("time")
+    if column is None:
+        do = 'say which with columns = { time = "…" }'
+        raise UserError(f"no time column among {table.found}", where=table.name, do=do)
+    unit = find_unit(spec.units.get("time", column.unit or "s"))
+    return column, column.numbers() * (unit.factor if unit else 1.0)
+
+
+def _with_sine(table: Table, spec: RecordSpec, unit: str, kind: Dimension | None) -> Table:
+    amplitude, frequency = parse_sine(spec.sine, kind, spec.where)
+    _, time = _time_of(table, spec)
+    drive = amplitude * np.sin(2 * np.pi * frequency * time)
+    others = tuple(c for c in table.columns if c.stem.lower() != "drive")
+    column = Column(table.name, f"drive ({unit})", "drive", unit, len(table.columns) + 1, drive)
+    note = f'{table.name}: the drive is "{spec.sine}", a sine that passes zero upwards at time 0.'
+    return Table(table.name, (*others, column), (*table.notes, note))
+
+
+def _joined(table: Table, drive: Table, spec: RecordSpec) -> Table:
+    """The response's table with the one other column of the drive's, sampled at the same times."""
+    named = spec.columns.get("drive")
+    _, time = _time_of(table, spec)
+    time_column, drive_time = _time_of(drive, replace(spec, columns={}))
+    others = [
+        c
+        for c in drive.columns
+        if c.position != time_column.position and (named in (None, c.header, c.stem, c.position))
+    ]
+    numbers = [c for c in others if isinstance(c.cells, np.ndarray) or c.unit is not None or len(others) == 1]
+    if len(numbers) != 1:
+        do = 'say which with columns = { drive = "…" }'
+        raise UserError(f"the drive can be any of {drive.found}", where=drive.name, do=do)
+    values = numbers[0].numbers()
+    step = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
+    if len(time) != len(drive_time) or np.max(np.abs(time - drive_time)) > 0.5 * abs(step):
+        what = f"its {len(drive_time)} samples are not taken at the times of the {len(time)} of {table.name}"
+        raise UserError(what, where=drive.name, do="give the two files of one recording, or resample one of them")
+    unit = spec.units.get("drive", numbers[0].unit)
+    column = replace(
+        numbers[0], header="drive", stem="drive", unit=unit, position=len(table.columns) + 1, cells=values, lines=()
+    )
+    kept = tuple(c for c in table.columns if c.stem.lower() != "drive")
+    return Table(table.name, (*kept, column), (*table.notes, f"{table.name}: the drive comes from {drive.name}."))

@@ -1,0 +1,253 @@
+"""A campaign file written from data files alone: what was found, what was guessed, and every doubt as a comment."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ident.errors import UserError
+from ident.units import LENGTH, VOLTAGE
+
+from .added_drive import with_drive
+from .columns import trace_roles
+from .device import Oscillator, Platform
+from .drive import drive_frequency
+from .guess import guess_device, guess_kind, match_any, renamed
+from .load import load_record, read_table
+from .opening import check_file
+from .record import Record, Trace
+from .spec import RecordSpec
+from .table import Column, Table
+
+_ONE_OF_TWO = re.compile(
+    r"(?i)(?<![a-z])(ch(?:annel)?[ _-]?[1-8]|c[1-8](?=trace|[^a-z]|$)|"
+    r"drive|input|excitation|command|response|output|displacement|disp|z)"
+    r"(?![a-su-z])"
+)
+_DRIVING = re.compile(r"(?i)drive|input|excitation|command|1$")
+_LOAD = re.compile(r"(?i)(\d+(?:[.,p]\d+)?)[ _]?(mg|ug)(?![a-z])")
+
+
+@dataclass(frozen=True)
+class _Proposal:
+    """One record to be: its settings as TOML lines, the record as it reads with them, and the doubts."""
+
+    lines: tuple[str, ...]
+    record: Record | None
+    doubts: tuple[str, ...]
+
+
+def propose(paths: Sequence[Path], folder: Path, columns: Mapping[str, str | int] | None = None) -> str:
+    """The text of a campaign.toml in `folder` for these data files, which stay where they are.
+
+    **Arguments:** `columns`: which column is which, where the user says so.
+
+    **Raises:** UserError for a file in which no table can be read at all.
+    """
+    for path in paths:
+        check_file(path, str(path))
+    tables = {path: read_table(path, path.name) for path in paths}
+    pairs = _pairs(tables)
+    second = set(pairs.values())
+    alone = [path for path in paths if path not in second]
+    joined = {path: _joined(path, tables[path], pairs.get(path), columns or {}) for path in alone}
+    chosen = {path: (dict(columns), "") if columns else _columns_by_content(joined[path]) for path in alone}
+    units = {path: _units(renamed(joined[path], chosen[path][0])) for path in alone}
+    device, device_notes = guess_device([renamed(joined[path], chosen[path][0], units[path]) for path in alone])
+    proposals = [
+        _record(path, tables[path], pairs.get(path), device, (*chosen[path], units[path]), columns, folder)
+        for path in alone
+    ]
+    held = _held_out([p.record for p in proposals])
+    parts = [f"title = {_text(folder.resolve().name)}"]
+    if isinstance(device, Oscillator):
+        parts.append(
+            f'device = {{ kind = "oscillator", output = {_text(device.output)}, input = {_text(device.input)} }}'
+        )
+    else:
+        parts.append('# device = "device.toml"        # geometry and materials; without it the nominal platform')
+    parts += [f"# guessed: {note}" for note in device_notes]
+    parts += ["", "[model]", "effects = []                     # where to start: the plain linear device", ""]
+    if columns:
+        told = ", ".join(f"{role} = {_value(name)}" for role, name in columns.items())
+        parts += ["[defaults]                       # for every record", f"columns = {{ {told} }}", ""]
+    for k, proposal in enumerate(proposals):
+        parts += ["[[record]]", *proposal.lines]
+        if k == held:
+            parts.append("holdout = true                   # suggested: never fitted, only used to judge")
+        parts += [f"# doubt: {doubt}" for doubt in proposal.doubts] + [""]
+    if held is None:
+        parts.append("# Nothing is held out: a record taken under other conditions, with holdout = true, would judge.")
+    return "\n".join(_line(part) for part in parts).rstrip() + "\n"
+
+
+def _joined(path: Path, table: Table, drive: Path | None, told: Mapping[str, str | int]) -> Table:
+    spec = RecordSpec(file=path.name, path=path, columns=told, drive_file=drive)
+    return with_drive(spec, table, read_table, "V", None)
+
+
+def _line(text: str) -> str:
+    return text if text.isprintable() else "".join(c if c.isprintable() else "?" for c in text)
+
+
+def _text(value: str) -> str:
+    """A TOML text; JSON writes them alike."""
+    return json.dumps(value, ensure_ascii=not value.isprintable())
+
+
+def _value(value: str | int) -> str:
+    return str(value) if isinstance(value, int) else _text(value)
+
+
+def _record(
+    path: Path,
+    table: Table,
+    drive: Path | None,
+    device: Platform | Oscillator,
+    chosen: tuple[Mapping[str, str | int], str, Mapping[str, str]],
+    told: Mapping[str, str | int] | None,
+    folder: Path,
+) -> _Proposal:
+    lines = [f"file = {_text(_relative(path, folder))}"]
+    if drive is not None:
+        lines.append(f"drive_file = {_text(_relative(drive, folder))}")
+    kind = guess_kind(table)
+    lines.append(f'kind = "{kind}"')
+    given, why, units = chosen
+    given = {role: name for role, name in given.items() if told or drive is None or role != "drive"}
+    spec = RecordSpec(file=path.name, path=path, kind=kind, columns=given, drive_file=drive, units=units)  # type: ignore[arg-type]
+    if given and not told:
+        lines.append("columns = { " + ", ".join(f"{r} = {_value(n)}" for r, n in given.items()) + " }")
+    doubts = [why] if why else []
+    if units:
+        lines.append("units = { " + ", ".join(f"{r} = {_text(u)}" for r, u in units.items()) + " }")
+        doubts.append(
+            "no unit is stated, and the response is too large for a displacement in metres; volts are assumed"
+        )
+    if load := _LOAD.search(path.stem):
+        lines.append(f'load = "{load[1].replace(",", ".").replace("p", ".")} {load[2]}"')
+        doubts.append("the load is read from the name of the file")
+    try:
+        record, notes = load_record(spec, table, device)
+    except UserError as error:
+        return _Proposal(tuple(lines), None, (*doubts, f"as it stands it cannot be read: {error}"))
+    doubts += [note.removeprefix(f"{path.name}: ") for note in notes if "start is not given" not in note]
+    if isinstance(record, Trace):
+        start, why = _start(record)
+        lines.append(f'start = "{start}"' + " " * max(1, 24 - len(start)) + f"# {why}")
+    return _Proposal(tuple(lines), record, tuple(doubts))
+
+
+def _relative(path: Path, folder: Path) -> str:
+    try:
+        return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
+    except ValueError:  # another drive
+        return path.resolve().as_posix()
+
+
+def _columns_by_content(table: Table) -> tuple[dict[str, str | int], str]:
+    """Columns for a table whose names do not tell: of two alike, the one with less noise for its size is the drive."""
+    if guess_kind(table) == "sweep":
+        return {}, ""
+    roles = [replace(role, dimension=None, needed=False) for role in trace_roles(VOLTAGE, LENGTH)]
+    found = match_any(table, tuple(roles))
+    if len(found) == 3:
+        return {}, ""
+    time = found.get("time") or next((c for c in table.columns if _is_time(c)), None)
+    drive = match_any(table, (roles[1],)).get("drive")
+    same = drive is not None and time is not None and drive.position == time.position  # "Source" heads a time
+    drive = drive if len(table.columns) > 2 and not same else None
+    taken = [c.position for c in (time, drive) if c is not None]
+    others = [c for c in table.columns if c.position not in taken and _varies(c)]
+    if time is None or len(others) != (2 if drive is None else 1):
+        return {}, ""
+    why = ""
+    if drive is None:
+        others.sort(key=lambda c: _roughness(c.numbers()))
+        drive = others.pop(0)
+        why = f'which of "{drive.header}" and "{others[0].header}" is the drive is not said; the smoother is taken'
+    chosen = {"time": time, "drive": drive, "response": others[0]}
+    return {role: _name(column, table) for role, column in chosen.items()}, why
+
+
+def _units(table: Table) -> dict[str, str]:
+    """Volts, for a response without a unit whose numbers no platform can have in metres."""
+    found = match_any(table, tuple(replace(role, needed=False) for role in trace_roles(VOLTAGE, LENGTH)))
+    response = found.get("response")
+    if response is None or response.unit is not None or not _varies(response):
+        return {}
+    return {"response": "V"} if float(np.ptp(response.numbers())) > 1e-3 else {}
+
+
+def _name(column: Column, table: Table) -> str | int:
+    """The header, or the number of the column if another is called the same."""
+    return column.header if sum(c.header == column.header for c in table.columns) == 1 else column.position
+
+
+def _is_time(column: Column) -> bool:
+    try:
+        steps = np.diff(column.numbers())
+    except UserError:
+        return False
+    return len(steps) > 10 and bool(np.all(steps > 0)) and float(np.ptp(steps)) < 0.6 * float(np.mean(steps))
+
+
+def _varies(column: Column) -> bool:
+    try:
+        return float(np.ptp(column.numbers())) > 0
+    except UserError:
+        return False
+
+
+def _roughness(values: np.ndarray) -> float:
+    """Noise over size, from sixth differences, which a vibration hardly has (924: their gain of noise)."""
+    return float(np.sqrt(np.mean(np.diff(values, 6) ** 2) / 924.0) / max(float(np.std(values)), 1e-300))
+
+
+def _start(record: Trace) -> tuple[str, str]:
+    """How the record begins, and by what it was told: at rest if drive and response begin near zero and still."""
+    response, drive, sigma = record.response, record.drive, record.noise.sigma
+    size, step = float(np.max(np.abs(response))), float(np.sqrt(np.mean(np.diff(response) ** 2)))
+    still = abs(float(np.mean(response[:3]))) < 3 * sigma + 0.02 * size
+    still = still and float(np.max(np.abs(np.diff(response[:4])))) < 4 * sigma + 0.3 * step
+    if np.ptp(drive) > 0 and still and abs(float(drive[0])) < 0.2 * float(np.max(np.abs(drive))):
+        return "rest", "guessed: it begins near zero, and still"
+    return "unknown", "the initial state is fitted"
+
+
+def _held_out(records: Sequence[Record | None]) -> int | None:
+    """A record to judge with: within what the others span, but driven as none of them."""
+    traces = [(k, r) for k, r in enumerate(records) if isinstance(r, Trace) and np.ptp(r.drive) > 0]
+    if len(traces) < 3:
+        return None
+    level = {k: float(np.std(r.drive)) for k, r in traces}
+    rate = {k: drive_frequency(r) for k, r in traces}
+    inner = sorted(level, key=lambda k: (level[k], rate[k]))[1:-1]
+
+    def distance(k: int) -> float:
+        others = [j for j in level if j != k]
+        return min(abs(np.log(level[k] / level[j])) + abs(np.log(rate[k] / rate[j])) for j in others)
+
+    return max(inner, key=distance)
+
+
+def _pairs(tables: Mapping[Path, Table]) -> dict[Path, Path]:
+    """Response file: drive file, of recordings whose channels lie in a file each, told by their names."""
+    groups: dict[tuple[Path, str], list[Path]] = {}
+    for path, table in tables.items():
+        if len(table.columns) == 2 and _ONE_OF_TWO.search(path.stem):
+            groups.setdefault((path.parent, _ONE_OF_TWO.sub("", path.stem)), []).append(path)
+    found = {}
+    for group in groups.values():
+        if len(group) == 2:
+            words = [_ONE_OF_TWO.findall(path.stem)[-1] for path in group]
+            drives = [bool(_DRIVING.search(word)) for word in words]
+            if drives.count(True) == 1:
+                found[group[drives.index(False)]] = group[drives.index(True)]
+    return found

@@ -1,0 +1,88 @@
+"""Records that something is wrong with, as far as the data alone can tell: listed twice, clipped, outliers, drift."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from .campaign import Campaign
+from .checks import clipped_fraction
+from .judge import judge
+from .record import Trace
+
+Kind = Literal["delay", "gain", "sign", "time-scale", "wrong-record", "clipping", "spikes", "drift", "duplicate"]
+_CLIPPED = 1e-3  # of the samples
+
+ADVICE: dict[Kind, str] = {
+    "delay": "is its trigger that of the others? Correct the times, or leave the record out",
+    "gain": "was a range or a probe switched? Correct the unit or the column, or leave the record out",
+    "sign": "is a probe reversed? Turn the sign of the column, or leave the record out",
+    "time-scale": "is the unit of its time, or its sampling rate, right? Correct it, or leave the record out",
+    "wrong-record": "does this file belong to this drive, device and load? Find the right one, or leave the record out",
+    "clipping": "measure again in a wider range, or leave the record out",
+    "spikes": "what the neighbours say took their place; look at the sensor if there are many",
+    "drift": "let it settle, or take the drift out before; a model would need sensor-drift",
+    "duplicate": "list it once: twice makes error bars too small",
+}
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """A record that disagrees in a way that no device explains.
+
+    **Arguments:** `size` in `unit`; `probability` that the record is faulty; `says`: the finding in words, without the
+    name of the file; `settles`: whether the records agree to their noise once this is corrected.
+    """
+
+    file: str
+    kind: Kind
+    size: float
+    unit: str
+    probability: float
+    says: str
+    settles: bool = False
+
+    @property
+    def sentence(self) -> str:
+        """What is wrong and what to do."""
+        return f"{self.file}: {self.says} ({100 * self.probability:.0f} %): {ADVICE[self.kind]}."
+
+    def as_json(self) -> dict[str, Any]:
+        """As it stands in diagnosis.json under "records"."""
+        return {"file": self.file, "suspect": self.kind, "size": self.size, "unit": self.unit,
+                "probability": self.probability, "words": self.sentence}  # fmt: skip
+
+
+def suspects_by_data(campaign: Campaign) -> tuple[Suspect, ...]:
+    """What the records alone tell, without any model."""
+    found: list[Suspect] = []
+    traces = campaign.traces
+    for k, record in enumerate(traces):
+        twin = next((other for other in traces[:k] if _same(other, record)), None)
+        if twin is not None:
+            says = f"the response is sample by sample that of {twin.name}"
+            found.append(Suspect(record.name, "duplicate", 1.0, "records", 1.0, says))
+        clipped = clipped_fraction(record.response)
+        if clipped > _CLIPPED:
+            says = f"{clipped:.1%} of the response sticks to a limit"
+            found.append(Suspect(record.name, "clipping", 100 * clipped, "%", 0.99, says))
+        if record.outliers:
+            count = len(record.outliers)
+            says = f"{count} sample{'s leave' if count > 1 else ' leaves'} the curve"
+            found.append(Suspect(record.name, "spikes", float(count), "samples", 0.99, says))
+        judged = judge(record)
+        if any("drifts" in remark for remark in judged.remarks):
+            share = 100 * abs(judged.drift) / judged.size
+            says = f"the mean moves by {share:.0f} % of the rms response"
+            found.append(Suspect(record.name, "drift", share, "% of rms", 0.5, says))
+    return tuple(found)
+
+
+def _same(one: Trace, other: Trace) -> bool:
+    """Whether two responses are one recording: noise never repeats."""
+    if len(one.response) != len(other.response):
+        return False
+    size = float(np.std(one.response))
+    return float(np.max(np.abs(one.response - other.response))) <= 1e-9 * size
