@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..campaign.record import NoiseFloor, Trace
-from .drive_words import DriveSine, drive_sine
+from ..campaign.drive_sine import DriveSine, drive_sine
 
 _HARMONICS = 10
 _DRAWS = 200
