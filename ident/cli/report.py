@@ -22,9 +22,11 @@ def command(run: str) -> None:
     from ident.report.html import write_report
     from ident.report.run_folder import load_run, read_run
 
+    from .sections import drawn_sections
+
     told = read_run(run)
     progress("reading the campaign and compiling the model")
     fit = load_run(run)
     progress("writing the report")
-    write_report(fit, Path(run), {"command": told["command"]})
+    write_report(fit, Path(run), {"command": told["command"], "sections": drawn_sections(Path(run), fit)})
     say(str(Path(run) / "report.html"))

@@ -34,7 +34,7 @@ from ..runtime import compiler_options
 from .noise_model import Noise, group_noise, log_likelihood, precision, whiten
 from .priors import Prior, PriorTable, choose_prior, log_prior, table
 
-BATCH = 32
+BATCH = 16
 """Points evaluated at once, always: one compiled program, and a point's density never depends on its neighbours."""
 
 _START_SPREAD = 3.0  # b, in units of the largest displacement and velocity of the group: an initial state is no larger
@@ -123,6 +123,11 @@ class Density:
         noise = self.material.noises[group]
         return float(noise.freedom[lane]), float(noise.count[lane])
 
+    def log_sigma_of(self, record: int) -> float:
+        """ln of the standard deviation of a record's innovations, SI."""
+        group, lane, _ = self.layout.places[record]
+        return float(self.material.noises[group].log_sigma[lane])
+
     def _batched(self, program: Any, *points: np.ndarray) -> list[Any]:
         """A compiled program over points in batches of one size, the last one filled up."""
         k, parts = len(points[0]), []
@@ -172,6 +177,10 @@ class Density:
         data = data._replace(anchor=anchor, scale=np.asarray(data.scale if scale is None else scale))
         kept = self.material.starts if starts is None else tuple(starts)
         return replace(self, material=self.material._replace(data=data, starts=kept))
+
+    def with_noise(self, noises: Sequence[Noise]) -> Density:
+        """The same density with other noise, one per group."""
+        return replace(self, material=self.material._replace(noises=tuple(noises)))
 
     def frame(self) -> dict[str, np.ndarray]:
         """Origin and units of x, and the initial states, from which `framed` makes the same density again."""

@@ -40,7 +40,7 @@ def find_peak(density: Density) -> Laplace:
     for _ in range(_MOST):
         linear = density.linearise()
         slope, bend = density.prior_slope()
-        covariance = _inverse(linear.matrix + bend)
+        covariance = inverse(linear.matrix + bend)
         step = -covariance @ (linear.gradient + slope)
         size = float(np.sqrt(max(step @ (linear.gradient + slope) * -1.0, 0.0)))
         share = 1.0
@@ -56,10 +56,10 @@ def find_peak(density: Density) -> Laplace:
         if size < _STILL:
             break
     linear = density.linearise()
-    return Laplace(density, best, _inverse(linear.matrix + density.prior_slope()[1]))
+    return Laplace(density, best, inverse(linear.matrix + density.prior_slope()[1]))
 
 
-def _inverse(matrix: np.ndarray) -> np.ndarray:
+def inverse(matrix: np.ndarray) -> np.ndarray:
     """Inverse of a Hessian; a direction along which it does not rise is given the width one, that of a data unit."""
     matrix = (matrix + matrix.T) / 2
     lengths = np.sqrt(np.maximum(np.diag(matrix), 1e-12))
