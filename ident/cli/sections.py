@@ -12,7 +12,8 @@ if TYPE_CHECKING:
 
 def drawn_sections(folder: Path, fit: Fit) -> list[Section]:
     """The posterior and the attribution, where they were drawn."""
+    from ident.report.attribution_view import attribution_section
     from ident.report.posterior_view import posterior_section
 
-    found = [posterior_section(folder, fit.model.device)]
+    found = [posterior_section(folder, fit.model.device), attribution_section(folder)]
     return [section for section in found if section is not None]
