@@ -273,7 +273,8 @@ def _densities(static: Static, material: Material, points: Any) -> tuple[Any, li
             chi2 = jnp.sum(w**2, axis=1) + start_cost - jnp.sum(pull * solved, axis=1)
             occam = -0.5 * jnp.linalg.slogdet(inner)[1] - 2.0 * jnp.log(_START_SPREAD)
             likelihoods.append(log_likelihood(noise, chi2) + occam)
-        return log_prior(material.priors, x * data.scale + data.anchor, data.lower, data.upper), likelihoods
+        prior = log_prior(material.priors, x * data.scale + data.anchor, data.lower, data.upper)
+        return prior + jnp.sum(jnp.log(jnp.asarray(data.scale))), likelihoods  # a density in x
 
     return jax.vmap(density)(points)
 
