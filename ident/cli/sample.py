@@ -29,7 +29,7 @@ def command(run: str, resume: bool, minutes: float | None, seed: int, force: boo
     from pathlib import Path
 
     from ident.errors import UserError
-    from ident.posterior.chain_file import need_h5py
+    from ident.posterior.chain_file import need_h5py, read_chain
     from ident.posterior.container import need_arviz_base, write_container
     from ident.report.run_folder import load_run, read_run, write_json
 
@@ -43,6 +43,8 @@ def command(run: str, resume: bool, minutes: float | None, seed: int, force: boo
     if chain_file.exists() and not resume and not force:
         what = "this run has a chain already"
         raise UserError(what, where=str(chain_file), do="--resume goes on with it, --force begins again")
+    if resume:
+        read_chain(chain_file)  # a damaged one is answered before anything is compiled
     progress("reading the run")
     fit = load_run(folder)
 

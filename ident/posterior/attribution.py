@@ -17,13 +17,16 @@ from ..fit.result import Fit
 from .density import Density, make_density
 from .evidence import log_evidence
 from .misfit import misfit
-from .offset import MEASURES, Measure, Offset, fold, offsets
+from .offset import Measure, Measured, Offset, fold, offsets
 from .pareto import TRUSTED
 from .shapley import shapley, subsets
 
 Verdict = Literal["one mechanism", "several", "undecided"]
 MINOR = 0.1
-"""Share below which a mechanism is called minor: it modulates the offset (a weaker drive moves less) without causing it."""
+"""Share below which what a mechanism makes by itself is called minor."""
+MODULATES = 0.25
+"""Shapley share up to which a mechanism that makes nothing by itself only modulates what others make: a drive weakened by
+a tenth changes an offset, which goes with the square of the motion, by a fifth."""
 _DRAWS = 128
 _MOST = 8  # mechanisms; 256 subsets of each draw
 _SEEN = 3.0  # standard errors from zero beyond which a record has an offset at all, and beyond which a model misses it
@@ -40,6 +43,16 @@ class Share(NamedTuple):
     high: float
     alone: float
 
+    @property
+    def innocent(self) -> bool:
+        """Whether it surely makes no offset by itself and hardly changes that of others."""
+        return abs(self.alone) < MINOR and -MODULATES < self.low and self.high < MODULATES
+
+    @property
+    def guilty(self) -> bool:
+        """Whether it surely makes part of the offset, by itself or together with others."""
+        return self.low > (MINOR if abs(self.alone) >= MINOR else MODULATES)
+
 
 class Attributed(NamedTuple):
     """One measure of one record: `offset`, data and model; `shares`, none where there is nothing to share; `counts`,
@@ -54,6 +67,22 @@ class Attributed(NamedTuple):
         return self.offset.measure
 
 
+class _Parts(NamedTuple):
+    """Per draw: part of each mechanism along the whole (m, k), the same alone, and the whole's square (k,); in units of
+    the measure's error."""
+
+    along: np.ndarray
+    alone: np.ndarray
+    size: np.ndarray
+
+    def shares(self, names: tuple[str, ...]) -> tuple[Share, ...]:
+        found = []
+        for name, part, alone in zip(names, self.along / self.size, self.alone / self.size, strict=True):
+            low, middle, high = np.quantile(part, [0.05, 0.5, 0.95])
+            found.append(Share(name, float(middle), float(low), float(high), float(np.median(alone))))
+        return tuple(found)
+
+
 class RecordAttribution(NamedTuple):
     """All measures of one record."""
 
@@ -63,13 +92,15 @@ class RecordAttribution(NamedTuple):
 
 class Attribution(NamedTuple):
     """`verdict`, in `words`; `reasons` why it is undecided although shares could be computed; `mechanisms`; `leading`,
-    those that explain something."""
+    those that explain something; `overall`, shares of all measures of all records that count taken together, each in
+    units of its error."""
 
     verdict: Verdict
     words: str
     reasons: tuple[str, ...]
     mechanisms: tuple[str, ...]
     leading: tuple[str, ...]
+    overall: tuple[Share, ...]
     records: tuple[RecordAttribution, ...]
 
 
@@ -101,16 +132,19 @@ def attribute(fit: Fit, draws: np.ndarray | None = None, *, seed: int = 0) -> At
     wrong = misfit(density)
     if wrong.reasons:
         reasons.append(f"the model does not describe the records ({wrong.reasons[0]}): ask `ident diagnose`")
-    records = _share(fit, make_density(fit, periodic), periodic, draws)
-    return _judge(names, records, reasons)
+    records, parts = _share(fit, make_density(fit, periodic), periodic, draws)
+    overall = _Parts(*(np.sum(a, axis=0) for a in zip(*parts, strict=True))).shares(names) if parts else ()
+    return _judge(names, records, overall, reasons)
 
 
-def _share(fit: Fit, density: Density, records: tuple[Trace, ...], draws: np.ndarray) -> tuple[RecordAttribution, ...]:
+def _share(
+    fit: Fit, density: Density, records: tuple[Trace, ...], draws: np.ndarray
+) -> tuple[tuple[RecordAttribution, ...], list[_Parts]]:
     names, chosen = fit.model.names, subsets(len(fit.model.names))
     switched = np.concatenate([_with_only(fit, draws, {names[i] for i in s}) for s in chosen])
     readings = density.readings(switched)
     at_fit = dict(zip((r.name for r in fit.campaign.traces), fit.readings, strict=True))
-    found = []
+    found, counted = [], []
     for record, reading in zip(records, readings, strict=True):
         folded = fold(record, reading)
         told = offsets(record, at_fit[record.name])
@@ -120,12 +154,15 @@ def _share(fit: Fit, density: Density, records: tuple[Trace, ...], draws: np.nda
         measures = []
         for i, offset in enumerate(told):
             values = second if i == 1 else by_subset(folded.measures[:, i : i + 1])
-            shares = () if offset.measure.unit == "rad" else _shares(names, values, offset)
-            explained = abs(offset.difference.value) <= _SEEN * offset.difference.error
-            seen = abs(offset.data.value) > _SEEN * offset.data.error
-            measures.append(Attributed(offset, shares, bool(i in _EVEN and shares and seen and explained)))
+            parts = None if offset.measure.unit == "rad" else _parts(len(names), values, offset)
+            explained = not _stands_out(offset.difference)
+            seen = _stands_out(offset.data)
+            counts = bool(i in _EVEN and parts is not None and seen and explained)
+            measures.append(Attributed(offset, () if parts is None else parts.shares(names), counts))
+            if counts and parts is not None:
+                counted.append(parts)
         found.append(RecordAttribution(record, tuple(measures)))
-    return tuple(found)
+    return tuple(found), counted
 
 
 def _with_only(fit: Fit, draws: np.ndarray, on: set[str]) -> np.ndarray:
@@ -136,56 +173,60 @@ def _with_only(fit: Fit, draws: np.ndarray, on: set[str]) -> np.ndarray:
     return changed
 
 
-def _shares(names: tuple[str, ...], values: dict[tuple[int, ...], np.ndarray], offset: Offset) -> tuple[Share, ...]:
-    """Shares of v(all) − v(none), values (k, d) being scalars or vectors; none where that is lost in the noise."""
-    count = len(names)
+def _parts(count: int, values: dict[tuple[int, ...], np.ndarray], offset: Offset) -> _Parts | None:
+    """Parts of v(all) − v(none), values (k, d) being scalars or vectors; none where that is lost in the noise."""
+    error = offset.data.error or 1.0
+    values = {chosen: value / error for chosen, value in values.items()}
     whole = values[tuple(range(count))] - values[()]
     size = np.sum(whole**2, axis=1)
-    if not np.all(np.isfinite(size)) or np.median(np.sqrt(size)) <= _SEEN * offset.data.error:
-        return ()
-    along = lambda part: np.sum(part * whole, axis=1) / size
-    found = []
-    for i, part in enumerate(shapley(values, count)):
-        share = along(part)
-        if not np.all(np.isfinite(share)):
-            return ()
-        low, middle, high = np.quantile(share, [0.05, 0.5, 0.95])
-        alone = float(np.median(along(values[(i,)] - values[()])))
-        found.append(Share(names[i], float(middle), float(low), float(high), alone))
-    return tuple(found)
+    if not np.all(np.isfinite(size)) or np.median(np.sqrt(size)) <= _SEEN:
+        return None
+    along = np.sum(shapley(values, count) * whole, axis=2)
+    alone = np.array([np.sum((values[(i,)] - values[()]) * whole, axis=1) for i in range(count)])
+    return _Parts(along, alone, size) if np.all(np.isfinite(along)) else None
 
 
-def _judge(names: tuple[str, ...], records: tuple[RecordAttribution, ...], reasons: list[str]) -> Attribution:
-    counted = [m for r in records for m in r.measures if m.counts]
+def _judge(
+    names: tuple[str, ...], records: tuple[RecordAttribution, ...], overall: tuple[Share, ...], reasons: list[str]
+) -> Attribution:
     missed = [
         (r.record.name, m.measure.name)
         for r in records
         for i, m in enumerate(r.measures)
-        if i in _EVEN and abs(m.offset.difference.value) > _SEEN * m.offset.difference.error
-        and abs(m.offset.data.value) > _SEEN * m.offset.data.error
-    ]  # fmt: skip
+        if i in _EVEN and _stands_out(m.offset.difference) and _stands_out(m.offset.data)
+    ]
+    counted = sum(m.counts for r in records for m in r.measures)
     if not counted and not missed:
         words = "No record has an offset that stands out of its noise: there is nothing to attribute."
-        return Attribution("undecided", words, tuple(reasons), names, (), records)
-    if len(missed) > len(counted):
+        return Attribution("undecided", words, tuple(reasons), names, (), overall, records)
+    if len(missed) > counted:
         reasons.append(f"the model misses the {missed[0][1]} of {missed[0][0]} by more than three standard errors")
-    large, unsure = [], []
-    for name in names:
-        own = [s for m in counted for s in m.shares if s.mechanism == name]
-        if any(s.low > MINOR for s in own):
-            large.append(name)
-        elif not all(-MINOR < s.low and s.high < MINOR for s in own):
-            unsure.append(name)
+    large = tuple(s.mechanism for s in overall if s.guilty)
+    unsure = [s.mechanism for s in overall if not s.guilty and not s.innocent]
+    verdict: Verdict = "undecided"
     if reasons:
         words = f"Undecided: {'; '.join(reasons)}."
-        return Attribution("undecided", words, tuple(reasons), names, tuple(large), records)
-    if len(large) == 1 and not unsure:
-        others = [s for m in counted for s in m.shares if s.mechanism != large[0]]
-        most = max((max(abs(s.low), abs(s.high)) for s in others), default=0.0)
-        words = f"{large[0]} explains the offset; every other mechanism explains less than {max(100 * most, 1):.0f} %."
-        return Attribution("one mechanism", words, (), names, tuple(large), records)
-    if len(large) > 1:
-        words = f"Several mechanisms explain the offset: {', '.join(large)} each explain more than {100 * MINOR:.0f} % of a measure."
-        return Attribution("several", words, (), names, tuple(large), records)
-    words = f"Undecided: the records do not tell how much {', '.join(unsure or names)} explains."
-    return Attribution("undecided", words, (), names, tuple(large), records)
+    elif len(large) > 1:
+        verdict, words = "several", f"Several mechanisms explain the offset: {_each(overall, large)}."
+    elif len(large) == 1 and not unsure:
+        verdict = "one mechanism"
+        others = tuple(name for name in names if name != large[0])
+        beside = f"; beside it {_each(overall, others)}" if others else ""
+        words = f"One mechanism explains the offset: {_each(overall, large)}{beside}."
+    else:
+        words = f"Undecided: the records do not tell how much {', '.join(unsure or names)} explains."
+    return Attribution(verdict, words, tuple(reasons), names, large, overall, records)
+
+
+def _stands_out(measured: Measured) -> bool:
+    return abs(measured.value) > _SEEN * measured.error
+
+
+def _each(overall: tuple[Share, ...], names: tuple[str, ...]) -> str:
+    """ "residual-stress 102 % (101 … 103)"."""
+    parts = []
+    for share in overall:
+        if share.mechanism in names:
+            middle, low, high = (f"{round(100 * x) + 0:d}" for x in (share.share, share.low, share.high))
+            parts.append(f"{share.mechanism} {middle} %" + ("" if low == high else f" ({low} … {high})"))
+    return ", ".join(parts)

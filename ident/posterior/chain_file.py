@@ -71,8 +71,9 @@ def write_chain(path: Path, chain: Chain) -> None:
     beside.replace(path)
 
 
-def read_chain(path: Path, key: str) -> Chain:
-    """The chain of a file. **Raises:** UserError if it is missing, damaged, or belongs to another run."""
+def read_chain(path: Path, key: str | None = None) -> Chain:
+    """The chain of a file, of whatever run if no `key` is given. **Raises:** UserError if it is missing, damaged, or
+    belongs to another run."""
     if not path.is_file():
         raise UserError("there is no chain to go on with", where=str(path), do="sample without --resume")
     h5py = need_h5py()
@@ -80,7 +81,7 @@ def read_chain(path: Path, key: str) -> Chain:
         with h5py.File(path, "r") as file:
             if int(file.attrs["format"]) != FORMAT:
                 raise UserError("the chain is of another version of ident", where=str(path), do=_AGAIN)
-            if file.attrs["key"] != key:
+            if key is not None and file.attrs["key"] != key:
                 what = "the chain belongs to another run: its model, data, noise or seed are not those of this folder"
                 raise UserError(what, where=str(path), do=_AGAIN)
             groups = [file[f"ensemble_{e}"] for e in range(sum(name.startswith("ensemble_") for name in file))]
@@ -91,7 +92,7 @@ def read_chain(path: Path, key: str) -> Chain:
                 tuple(_generator(g.attrs) for g in groups),
                 tuple(float(t) for t in file.attrs["taus"]),
                 {name: file["frame"][name][()] for name in file["frame"]},
-                key,
+                str(file.attrs["key"]),
             )
     except (OSError, KeyError, ValueError, RuntimeError):
         raise UserError("the chain file is cut short or damaged", where=str(path), do=_AGAIN) from None

@@ -24,7 +24,7 @@ from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
 from ..errors import UserError
 from ..fit.assemble import assemble, begin
-from ..fit.coordinates import to_values
+from ..fit.coordinates import to_coordinates, to_values
 from ..fit.problem import Data, Static, Unknowns, evaluate, predict
 from ..fit.reading import fit_starts
 from ..fit.result import Fit
@@ -166,9 +166,24 @@ class Density:
         return Linear(matrix, gradient, tuple(starts), np.sqrt(squares))
 
     def prior_slope(self) -> tuple[np.ndarray, np.ndarray]:
-        """Gradient (p,) and Hessian (p, p) of −ln prior at the centre."""
-        gradient, hessian = _prior_slope(self.material, np.zeros(self.size))
-        return np.asarray(gradient), np.asarray(hessian)
+        """Gradient (p,) and Hessian (p, p) of −ln prior at the centre; where the prior of a logarithm flattens out
+        towards a limit, the Hessian is that of its standard deviation, for no posterior is broader."""
+        gradient, hessian = (np.array(a) for a in _prior_slope(self.material, np.zeros(self.size)))
+        scale = np.asarray(self.material.data.scale)
+        floor = [0.0 if p.kind == "normal" else (s / p.deviation) ** 2 for p, s in zip(self.priors, scale, strict=True)]
+        hessian[np.diag_indices_from(hessian)] = np.maximum(np.diag(hessian), floor)
+        return gradient, hessian
+
+    def likely(self) -> Density | None:
+        """The same density centred where parameters that the fit left far outside their priors stand at the middle of
+        these; None if there are none. Least squares knows no prior, and goes far where the records leave it free."""
+        values = self._free_values(np.zeros((1, self.size)))[0]
+        moved = np.array([_likely(p, float(v)) for p, v in zip(self.priors, values, strict=True)])
+        if np.array_equal(moved, values):
+            return None
+        data = self.material.data
+        anchor = to_coordinates(moved, np.asarray(data.lower), np.asarray(data.upper))
+        return self.moved((anchor - np.asarray(data.anchor)) / np.asarray(data.scale))
 
     def moved(self, x: np.ndarray, starts: Sequence[np.ndarray] | None = None, scale: np.ndarray | None = None) -> Density:
         """The same density with x = 0 at the point `x`, other initial states, coordinates in other units."""
@@ -230,6 +245,19 @@ def make_density(fit: Fit, records: Sequence[Trace] | None = None) -> Density:
     )
     data = data._replace(scale=1.0 / np.where(columns > 0, columns, 1.0 / np.asarray(data.scale)))
     return replace(bare, material=Material(data, starts, noises, table(priors)), priors=priors)
+
+
+_FAR = 3.0  # prior standard deviations
+
+
+def _likely(prior: Prior, value: float) -> float:
+    """The value, or the middle of the prior where it is far outside."""
+    if prior.kind == "normal":
+        return value if abs(value - prior.centre) < _FAR * prior.spread else prior.centre
+    middle = np.sqrt(prior.lower * prior.upper) if prior.kind == "log-uniform" else prior.centre
+    # Of a uniform logarithm the outer hundredths are "far": a fit that ends there met a limit.
+    far = 0.49 * np.sqrt(12.0) if prior.kind == "log-uniform" else _FAR
+    return value if abs(np.log(value / middle)) < far * prior.deviation else float(middle)
 
 
 def _one(static: Static, material: Material, x: Any) -> list[tuple[Any, Any, Any, Any]]:

@@ -14,9 +14,9 @@ from scipy.special import gammaln
 
 from .density import Density
 
-_MOST = 30
-_STILL = 1e-3  # standard errors
-_LEAST_STEP = 1e-4
+_MOST = 60
+_STILL = 1e-6  # nats that a step still promises
+_LEAST_DAMPING, _MOST_DAMPING = 1e-4, 1e6  # shares of the Hessian's diagonal
 _FREEDOM = 8.0  # of the Student t around the peak: tails heavier than those of any posterior met
 
 
@@ -34,33 +34,42 @@ class Laplace(NamedTuple):
 
 
 def find_peak(density: Density) -> Laplace:
-    """Gauss–Newton from the fit to the peak of the posterior, which noise colour and priors have moved a little."""
-    best = float(density.log_posterior(np.zeros((1, density.size)))[0])
-    covariance = np.eye(density.size)
+    """The highest peak that damped Gauss–Newton reaches from the fit, and from the fit with unlikely values mended.
+
+    Noise colour and priors have moved it a little from the least-squares minimum, or far, where the records leave a
+    direction free.
+    """
+    likely = density.likely()
+    found = [_climb(start) for start in (density, likely) if start is not None]
+    return max(found, key=lambda peak: peak.peak)
+
+
+def _climb(density: Density) -> Laplace:
+    origin = np.zeros((1, density.size))
+    best = float(density.log_posterior(origin)[0])
+    damping = 0.0
     for _ in range(_MOST):
-        linear = density.linearise()
-        slope, bend = density.prior_slope()
-        covariance = inverse(linear.matrix + bend)
-        step = -covariance @ (linear.gradient + slope)
-        size = float(np.sqrt(max(step @ (linear.gradient + slope) * -1.0, 0.0)))
-        share = 1.0
-        while share > _LEAST_STEP:
-            trial = density.moved(share * step, linear.starts)
-            found = float(trial.log_posterior(np.zeros((1, density.size)))[0])
-            if found > best or (size < _STILL and found > best - _STILL):
+        linear, (slope, bend) = density.linearise(), density.prior_slope()
+        matrix, gradient = linear.matrix + bend, linear.gradient + slope
+        while True:
+            step = -inverse(matrix + damping * np.diag(np.diag(matrix))) @ gradient
+            gain = float(-0.5 * step @ gradient)
+            trial = density.moved(step, linear.starts)
+            found = float(trial.log_posterior(origin)[0])
+            if found >= best or damping > _MOST_DAMPING:
                 break
-            share *= 0.3
-        else:
+            damping = max(10.0 * damping, _LEAST_DAMPING)
+        if found < best:
             break
         density, best = trial, found
-        if size < _STILL:
+        damping = 0.0 if damping <= _LEAST_DAMPING else damping / 10.0
+        if gain < _STILL:
             break
-    linear = density.linearise()
-    return Laplace(density, best, inverse(linear.matrix + density.prior_slope()[1]))
+    return Laplace(density, best, inverse(density.linearise().matrix + density.prior_slope()[1]))
 
 
 def inverse(matrix: np.ndarray) -> np.ndarray:
-    """Inverse of a Hessian; a direction along which it does not rise is given the width one, that of a data unit."""
+    """Inverse of a Hessian, singular directions bounded by rounding; priors keep it from having any."""
     matrix = (matrix + matrix.T) / 2
     lengths = np.sqrt(np.maximum(np.diag(matrix), 1e-12))
     sizes, axes = np.linalg.eigh(matrix / np.outer(lengths, lengths))

@@ -25,7 +25,9 @@ class Smoothed(NamedTuple):
 
 
 def smooth(log_weights: np.ndarray) -> Smoothed:
-    """Pareto-smoothed importance weights."""
+    """Pareto-smoothed importance weights; where no draw hit the target, none that could be used."""
+    if not np.isfinite(np.max(log_weights)):
+        return Smoothed(np.full(len(log_weights), -np.log(len(log_weights))), np.inf, 1.0 / len(log_weights))
     weights = log_weights - np.max(log_weights)
     k = len(weights)
     tail = int(np.ceil(min(0.2 * k, 3.0 * np.sqrt(k))))

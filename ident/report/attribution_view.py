@@ -11,11 +11,11 @@ import numpy as np
 
 from ..campaign.device import Device
 from ..campaign.record import Trace
-from ..posterior.attribution import Attributed, Attribution
+from ..posterior.attribution import Attributed, Attribution, Share
 from .drive_words import drive_words
 from .html import Picture, Section
 from .quantity import Scale, show_in
-from .sheet import Column, Sheet
+from .sheet import Column, Mark, Sheet
 from .style import FAINT, HELDOUT, INK, MODEL, RESIDUAL, new_axes, new_figure, png, shortened
 
 if TYPE_CHECKING:
@@ -38,6 +38,7 @@ def attribution_dict(found: Attribution, device: Device) -> dict[str, Any]:
         "reasons": list(found.reasons),
         "mechanisms": list(found.mechanisms),
         "leading": list(found.leading),
+        "overall": [_share(s) for s in found.overall],
         "records": [
             {
                 "file": r.record.name,
@@ -62,10 +63,16 @@ def _measure(one: Attributed, record: Trace) -> dict[str, Any]:
         "data_error": data.error / unit.factor,
         "model": model.value / unit.factor,
         "counts": one.counts,
-        "shares": [
-            {"mechanism": s.mechanism, "share": s.share, "interval90": [s.low, s.high], "alone": s.alone}
-            for s in one.shares
-        ],
+        "shares": [_share(s) for s in one.shares],
+    }
+
+
+def _share(share: Share) -> dict[str, Any]:
+    return {
+        "mechanism": share.mechanism,
+        "share": share.share,
+        "interval90": [share.low, share.high],
+        "alone": share.alone,
     }
 
 
@@ -80,14 +87,17 @@ def attribution_sheet(document: Mapping[str, Any]) -> Sheet:
                 shares = {s["mechanism"]: s for s in one["shares"]}
                 rows.append((record["file"], one["measure"], f"{value.value} ± {value.error} {unit}",
                              *(_percent(shares[name]) for name in names)))  # fmt: skip
+    if document["overall"]:
+        rows.append(("all together", "", "", *(_percent(s) for s in document["overall"])))
+    marks: list[Mark] = ["total" if row[0] == "all together" else "" for row in rows]
     columns = (Column("record", wraps=True), Column("measure"), Column("data", True), *(Column(n, True) for n in names))
     note = "Share of each mechanism with its 90 % interval; shares of a measure add up to 100 %."
-    return Sheet("Which mechanism explains the offset", columns, tuple(rows), (), note)
+    return Sheet("Which mechanism explains the offset", columns, tuple(rows), tuple(marks), note)
 
 
 def _percent(share: Mapping[str, Any]) -> str:
     low, high = share["interval90"]
-    middle = f"{100 * share['share']:.0f} %"
+    middle = f"{round(100 * share['share']):d} %"
     return middle if high - low < 0.01 else f"{middle} ({100 * low:.0f} … {100 * high:.0f})"
 
 
@@ -104,9 +114,11 @@ def attribution_figure(document: Mapping[str, Any]) -> Figure:
     figure.text(0.012, 1 - 0.24 / height, heading[document["verdict"]], fontsize=12, weight="bold", va="center",
                 color=INK if sure else RESIDUAL)  # fmt: skip
     at = 0.012
+    overall = {s["mechanism"]: f"  {round(100 * s['share']):d} %" for s in document["overall"]}
     for name, colour in zip(names, _COLOURS, strict=False):
-        figure.text(at, 1 - 0.55 / height, f"■ {name}", fontsize=10.5, weight="bold", color=colour, va="center")
-        at += 0.03 + 0.0098 * len(name)
+        words = f"■ {name}{overall.get(name, '')}"
+        figure.text(at, 1 - 0.55 / height, words, fontsize=10.5, weight="bold", color=colour, va="center")
+        at += 0.012 + 0.0098 * len(words)
     for column, measure in enumerate(_SHOWN):
         left = 0.21 + 0.198 * column
         figure.text(left, 1 - 0.92 / height, measure, fontsize=9.5, weight="bold", color=INK, va="center")
