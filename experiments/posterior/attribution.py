@@ -1,4 +1,4 @@
-"""Does the attribution find what causes the offset, whatever it is? Campaigns of known cause from the independent simulator.
+"""Does the attribution find what causes the offset? Campaigns of known cause from the independent simulator.
 
     python -m experiments.posterior.attribution --seeds 8 --results runs/attribution.jsonl
 
@@ -57,8 +57,8 @@ def one(cause: str, seed: int, condition: str) -> dict[str, Any]:
         told = attribute(found)
     except UserError as error:
         return line | {"verdict": "refused", "words": str(error), "outcome": "undecided"}
-    line |= {"verdict": told.verdict, "leading": list(told.leading), "words": told.words,
-             "error_over_noise": round(found.fitted.error_over_noise, 3), "cpu": round(time.process_time() - begun, 1)}  # fmt: skip
+    line |= {"verdict": told.verdict, "leading": list(told.leading), "words": told.words}
+    line |= {"error_over_noise": round(found.fitted.error_over_noise, 3), "cpu": round(time.process_time() - begun, 1)}
     return line | {"outcome": _outcome(told.verdict, set(told.leading), hidden)}
 
 

@@ -15,8 +15,8 @@ from .options import force_option, json_option, run_argument
 @force_option
 @json_option
 def command(run: str, resume: bool, minutes: float | None, seed: int, force: bool, as_json: bool) -> None:
-    """Draw the posterior of RUN with emcee, until it can be trusted: parameters with 90 % intervals, the prior each began
-    with, the evidence of the model. Intervals of a model that does not describe the records are called not final.
+    """Draw the posterior of RUN with emcee, until it can be trusted: parameters with 90 % intervals, the prior each
+    began with, the evidence of the model. Intervals of a model that does not describe the records are called not final.
 
     RUN gets posterior.json, posterior.nc (ArviZ), chain.h5 (emcee) and a new report. Ctrl-C and even kill -9 leave a
     chain; --resume goes on with it, bit by bit as if nothing had happened.

@@ -1,8 +1,8 @@
 """Which mechanism explains the zero-point offset, and how sure that is.
 
 At draws of the posterior every subset of the model's effects is switched on and the rest off (amplitudes zero), each
-record is simulated, and each measure of the offset is shared among the effects by its Shapley value. The second harmonic
-is shared as a vector: a share is the part of it that points along the whole.
+record is simulated, and each measure of the offset is shared among the effects by its Shapley value. The second
+harmonic is shared as a vector: a share is the part of it that points along the whole.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ Verdict = Literal["one mechanism", "several", "undecided"]
 MINOR = 0.1
 """Share below which what a mechanism makes by itself is called minor."""
 MODULATES = 0.25
-"""Shapley share up to which a mechanism that makes nothing by itself only modulates what others make: a drive weakened by
-a tenth changes an offset, which goes with the square of the motion, by a fifth."""
+"""Shapley share up to which a mechanism that makes nothing by itself only modulates what others make: a drive weakened
+by a tenth changes an offset, which goes with the square of the motion, by a fifth."""
 _DRAWS = 128
 _MOST = 8  # mechanisms; 256 subsets of each draw
 _SEEN = 3.0  # standard errors from zero beyond which a record has an offset at all, and beyond which a model misses it
@@ -46,7 +46,7 @@ class Share(NamedTuple):
     @property
     def innocent(self) -> bool:
         """Whether it surely makes no offset by itself and hardly changes that of others."""
-        return abs(self.alone) < MINOR and -MODULATES < self.low and self.high < MODULATES
+        return abs(self.alone) < MINOR and self.low > -MODULATES and self.high < MODULATES
 
     @property
     def guilty(self) -> bool:
@@ -128,7 +128,9 @@ def attribute(fit: Fit, draws: np.ndarray | None = None, *, seed: int = 0) -> At
         density, draws = evidence.density, evidence.density.values(evidence.resampled(_DRAWS, seed))
         if not evidence.trusted:
             k = evidence.shape
-            reasons.append(f"the posterior is not described by one peak (Pareto k {k:.2f} > {TRUSTED}): sample it first")
+            reasons.append(
+                f"the posterior is not described by one peak (Pareto k {k:.2f} > {TRUSTED}): sample it first"
+            )
     wrong = misfit(density)
     if wrong.reasons:
         reasons.append(f"the model does not describe the records ({wrong.reasons[0]}): ask `ident diagnose`")

@@ -12,12 +12,12 @@ from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy.special import logsumexp
 
 from ..errors import UserError
 from ..fit.result import Fit
 from .evidence import Evidence, log_evidence
 from .leave_out import LeaveOut, heldout_score, leave_out
+from .log_sum import log_sum
 from .misfit import Misfit, misfit
 
 DECISIVE = 5.0
@@ -60,7 +60,7 @@ def compare(fits: Sequence[tuple[str, Fit]]) -> Comparison:
     _same_records(fits)
     evidences = [log_evidence(fit) for _, fit in fits]
     values = np.array([e.value for e in evidences])
-    shares = np.exp(values - logsumexp(values))
+    shares = np.exp(values - log_sum(values))
     models = []
     for (name, fit), evidence, share in zip(fits, evidences, shares, strict=True):
         draws = evidence.resampled(_DRAWS)
@@ -100,7 +100,10 @@ def _judge(models: tuple[Weighed, ...]) -> Comparison:
     odds = f"{np.exp(min(lead, 13.8)):.2g}" if lead < 13.8 else "more than a million"
     difference = first.left_out.by_block - second.left_out.by_block
     elpd, elpd_error = float(difference.sum()), float(np.sqrt(len(difference) * np.var(difference, ddof=1)))
-    parts = [f"ln Z of [{names[0]}] exceeds that of [{names[1]}] by {lead:.1f} ± {error:.1f}: odds of {odds} to 1, {strength}."]
+    parts = [
+        f"ln Z of [{names[0]}] exceeds that of [{names[1]}] by {lead:.1f} ± {error:.1f}: "
+        f"odds of {odds} to 1, {strength}."
+    ]
     parts.append(f"Left-out stretches of time prefer it by {elpd:.1f} ± {elpd_error:.1f} nats.")
     if first.fit.holdout is not None and second.fit.holdout is not None:
         ratios = (m.fit.holdout.error_over_noise for m in (first, second) if m.fit.holdout is not None)
@@ -113,8 +116,8 @@ def _judge(models: tuple[Weighed, ...]) -> Comparison:
         parts.append("The records cannot separate them.")
     if first.misfit.reasons:
         parts.append(
-            f"Even the best does not describe the records ({first.misfit.reasons[0]}): the right model is not among them; "
-            "`ident diagnose` says what is missing."
+            f"Even the best does not describe the records ({first.misfit.reasons[0]}): the right model is not among "
+            "them; `ident diagnose` says what is missing."
         )
     return Comparison(models, order[0], lead, error, "decided" if decided else "undecided", " ".join(parts))
 

@@ -15,14 +15,15 @@ import numpy as np
 from scipy.stats import norm, rankdata
 
 ENOUGH = 50.0
-"""Steps per autocorrelation time below which its own estimate is not to be trusted (Goodman & Weare; emcee's manual)."""
+"""Steps per autocorrelation time below which its own estimate is not to be trusted (emcee's manual)."""
 _STABLE = 0.1  # relative change of τ between two checks; its own standard error at N = 50 τ is about that
 _MIXED = 1.01  # R̂; Vehtari et al. 2021, §4
 
 
 class Convergence(NamedTuple):
-    """State of a sample: per parameter (p,) `tau` in steps, `ess`, `rhat`, and `error`, the Monte-Carlo standard error of
-    the mean in units of x; `steps` kept of each ensemble after `burned` ones; `stable`: τ agreed at the last checks."""
+    """State of a sample: per parameter (p,) `tau` in steps, `ess`, `rhat`, and `error`, the Monte-Carlo standard error
+    of the mean in units of x; `steps` kept of each ensemble after `burned` ones; `stable`: τ agreed at the last
+    checks."""
 
     tau: np.ndarray
     ess: np.ndarray

@@ -102,7 +102,7 @@ class Density:
         return np.asarray(to_values(np.asarray(x) * data.scale + data.anchor, data.lower, data.upper))
 
     def readings(self, values: np.ndarray) -> list[np.ndarray]:
-        """Readings (k, n) of each record at parameter values (k, m) SI, fitted or not, at the centre's initial states."""
+        """Readings (k, n) of each record at parameter values (k, m) SI, at the centre's initial states."""
         (groups,) = self._batched(_readings, values)
         return [groups[g][:, lane, :n] for g, lane, n in self.layout.places]
 
@@ -185,7 +185,9 @@ class Density:
         anchor = to_coordinates(moved, np.asarray(data.lower), np.asarray(data.upper))
         return self.moved((anchor - np.asarray(data.anchor)) / np.asarray(data.scale))
 
-    def moved(self, x: np.ndarray, starts: Sequence[np.ndarray] | None = None, scale: np.ndarray | None = None) -> Density:
+    def moved(
+        self, x: np.ndarray, starts: Sequence[np.ndarray] | None = None, scale: np.ndarray | None = None
+    ) -> Density:
         """The same density with x = 0 at the point `x`, other initial states, coordinates in other units."""
         data = self.material.data
         anchor = np.asarray(data.anchor) + np.asarray(x) * np.asarray(data.scale)
@@ -261,7 +263,7 @@ def _likely(prior: Prior, value: float) -> float:
 
 
 def _one(static: Static, material: Material, x: Any) -> list[tuple[Any, Any, Any, Any]]:
-    """Per group: whitened residual w₀ (lanes, n), J (lanes, n, 2), M⁻¹'s Cholesky input M (lanes, 2, 2), g (lanes, 2)."""
+    """Per group: whitened residual w₀ (lanes, n), J (lanes, n, 2), M (lanes, 2, 2), g (lanes, 2)."""
     data, found = material.data, []
 
     def white(starts: tuple[Any, ...]) -> tuple[Any, ...]:

@@ -11,11 +11,11 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import logsumexp
 
 from ..fit.result import Fit
 from .density import Density, make_density
 from .laplace import Laplace, find_peak, proposal
+from .log_sum import log_sum
 from .mixture import fit_mixture
 from .pareto import TRUSTED, Smoothed, smooth
 
@@ -82,7 +82,7 @@ def _importance(laplace: Laplace, target: Any, count: int, random: np.random.Gen
     x = target.draw(random, count)
     raw = laplace.density.log_posterior(x) - target.log_density(x)
     found: Smoothed = smooth(raw)
-    value = float(logsumexp(raw) - np.log(count))
+    value = float(log_sum(raw) - np.log(count))
     error = float(np.sqrt(max(1.0 / found.efficiency - 1.0, 0.0) / count))
     return Evidence(
         value, error, method, found.shape, found.efficiency, laplace.log_evidence, laplace.density, x, found.log_weights
@@ -108,10 +108,10 @@ def bridge(laplace: Laplace, draws: np.ndarray, *, seed: int = 0, tau: float = 1
     for _ in range(1000):
         upper = of_proposal - np.logaddexp(share[0] + of_proposal, share[1] + value)
         lower = -np.logaddexp(share[0] + of_posterior, share[1] + value)
-        new = float(logsumexp(upper) - np.log(len(upper)) - logsumexp(lower) + np.log(len(lower)))
+        new = float(log_sum(upper) - np.log(len(upper)) - log_sum(lower) + np.log(len(lower)))
         if abs(new - value) < 1e-9:
             break
         value = new
-    spread = lambda logs: float(np.var(np.exp(logs - logsumexp(logs) + np.log(len(logs)))))
+    spread = lambda logs: float(np.var(np.exp(logs - log_sum(logs) + np.log(len(logs)))))
     error = np.sqrt(spread(upper) / len(upper) + spread(lower) / effective)
     return value, float(error)

@@ -10,16 +10,16 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import logsumexp
 
 from .block_likelihood import block_likelihood
 from .density import Density, make_density
+from .log_sum import log_sum
 from .pareto import TRUSTED, smooth
 
 
 class LeaveOut(NamedTuple):
-    """`by_block` (blocks,) ln predictive densities, `elpd` their sum with standard `error`; `bad`, blocks whose Pareto k̂
-    is above 0.7."""
+    """`by_block` (blocks,) ln predictive densities, `elpd` their sum with standard `error`; `bad`, blocks whose Pareto
+    k̂ is above 0.7."""
 
     by_block: np.ndarray
     elpd: float
@@ -33,7 +33,7 @@ def leave_out(density: Density, draws: np.ndarray) -> LeaveOut:
     found, bad = [], 0
     for column in logs.T:
         weights = smooth(-column)
-        found.append(float(logsumexp(weights.log_weights + column)))
+        found.append(float(log_sum(weights.log_weights + column)))
         bad += not weights.shape <= TRUSTED
     by_block = np.array(found)
     return LeaveOut(by_block, float(by_block.sum()), float(np.sqrt(len(by_block) * np.var(by_block, ddof=1))), bad)
@@ -42,7 +42,7 @@ def leave_out(density: Density, draws: np.ndarray) -> LeaveOut:
 def heldout_score(density: Density, draws: np.ndarray) -> float | None:
     """ln predictive density of the held-out records per sample, in nats; None if there are none.
 
-    ln (1/k) Σ p(record | draw): parameters as uncertain as they are, initial states of records in motion integrated out.
+    ln (1/k) Σ p(record | draw): parameters as uncertain as they are, initial states integrated out.
     """
     records = density.fit.campaign.heldout
     if not records:
@@ -51,5 +51,5 @@ def heldout_score(density: Density, draws: np.ndarray) -> float | None:
     own, there = density.material.data, outside.material.data
     x = (draws * np.asarray(own.scale) + np.asarray(own.anchor) - np.asarray(there.anchor)) / np.asarray(there.scale)
     _, logs = outside.parts(x)
-    total = float(np.sum(logsumexp(logs, axis=0) - np.log(len(x))))
+    total = float(np.sum(log_sum(logs, axis=0) - np.log(len(x))))
     return total / sum(outside.noise_of(i)[1] for i in range(len(records)))

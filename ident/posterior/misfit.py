@@ -24,8 +24,8 @@ _SLIGHT = 0.05  # correlation per lag that an estimated noise colour leaves of i
 
 
 class Misfit(NamedTuple):
-    """What is wrong with a model at its peak: `reasons` in words, none if nothing is; `p_value`, the smallest, corrected
-    for the number of tests."""
+    """What is wrong with a model at its peak: `reasons` in words, none if nothing is; `p_value`, the smallest,
+    corrected for the number of tests."""
 
     reasons: tuple[str, ...]
     p_value: float
@@ -85,4 +85,3 @@ def too_narrow(density: Density) -> float:
     ignoring = density.with_noise(white).linearise().matrix + density.prior_slope()[1]
     deviations = [np.sqrt(np.diag(inverse(m))) for m in (coloured, ignoring)]
     return float(np.max(deviations[0] / np.maximum(deviations[1], 1e-300)))
-

@@ -9,9 +9,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import logsumexp
 
 from .laplace import StudentT
+from .log_sum import log_sum
 
 _COMPONENTS = 4
 _ROUNDS = 40
@@ -32,7 +32,7 @@ class Mixture(NamedTuple):
 
     def log_density(self, x: np.ndarray) -> np.ndarray:
         """(k,) at points (k, p)."""
-        return logsumexp(self._by_part(x), axis=0)
+        return log_sum(self._by_part(x), axis=0)
 
     def _by_part(self, x: np.ndarray) -> np.ndarray:
         pairs = zip(self.parts, self.shares, strict=True)
@@ -52,7 +52,7 @@ def fit_mixture(draws: np.ndarray, seed: int = 0) -> Mixture:
     for _ in range(_ROUNDS if count > 1 else 1):
         parts = tuple(_gaussian(c, v) for c, v in zip(centres, covariances, strict=True))
         by_part = Mixture(shares, parts)._by_part(draws)
-        held = np.exp(by_part - logsumexp(by_part, axis=0))
+        held = np.exp(by_part - log_sum(by_part, axis=0))
         weight = held.sum(axis=1) + 1e-9
         shares = weight / weight.sum()
         centres = held @ draws / weight[:, None]

@@ -12,7 +12,10 @@ from emcee.moves import DEMove, RedBlueMove
 
 from .laplace import StudentT
 
-_SHARES = (0.7, 0.3)  # of independent proposals and of differential evolution; measured best on sharp and weak posteriors
+_SHARES = (
+    0.7,
+    0.3,
+)  # of independent proposals and of differential evolution; measured best on sharp and weak posteriors
 
 
 class IndependenceMove(RedBlueMove):

@@ -1,8 +1,8 @@
 """The likelihood of what a model leaves, given the records' noise: its colour, and the doubt of its size.
 
-A residual in noise floors is whitened by the record's own autoregression, given its first samples. Where the floor is an
-estimate with relative error δ its variance is unknown with ν = 1/(2δ²) degrees of freedom, and the likelihood of n white
-residuals becomes Student's:
+A residual in noise floors is whitened by the record's own autoregression, given its first samples. Where the floor is
+an estimate with relative error δ its variance is unknown with ν = 1/(2δ²) degrees of freedom, and the likelihood of n
+white residuals becomes Student's:
 
     ln L = ln Γ((ν+n)/2) − ln Γ(ν/2) − (n/2) ln πν − ((ν+n)/2) ln(1 + χ²/ν) − Σ ln σ
 
@@ -29,8 +29,8 @@ _UNKNOWN = math.sqrt(0.5)  # relative error of a floor of which nothing is known
 class Noise(NamedTuple):
     """The noise of the lanes of one group.
 
-    **Arguments:** `ar` (lanes, k), zero-padded; `gain` (lanes,): σ over that of the innovations; `counted` (lanes, n): 1
-    where an innovation counts; `count` (lanes,) how many; `freedom` (lanes,) ν, infinite where the floor is known;
+    **Arguments:** `ar` (lanes, k), zero-padded; `gain` (lanes,): σ over that of the innovations; `counted` (lanes, n):
+    1 where an innovation counts; `count` (lanes,) how many; `freedom` (lanes,) ν, infinite where the floor is known;
     `log_sigma` (lanes,) ln of the innovations' σ, SI.
     """
 

@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..campaign.record import NoiseFloor, Trace
 from ..campaign.drive_sine import DriveSine, drive_sine
+from ..campaign.record import NoiseFloor, Trace
 
 _HARMONICS = 10
 _DRAWS = 200

@@ -9,7 +9,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import logsumexp
+
+from .log_sum import log_sum
 
 TRUSTED = 0.7
 """Pareto shape above which the mean of the weights converges too slowly to be used (Vehtari et al. 2024, §3)."""
@@ -48,8 +49,8 @@ def smooth(log_weights: np.ndarray) -> Smoothed:
             weights[top] = np.minimum(np.log(quantile + np.exp(cut)), 0.0)
     elif tail >= 5:
         shape = -np.inf  # weights all alike: nothing to worry about
-    weights = weights - logsumexp(weights)
-    return Smoothed(weights, float(shape), float(np.exp(-logsumexp(2 * weights)) / k))
+    weights = weights - log_sum(weights)
+    return Smoothed(weights, float(shape), float(np.exp(-log_sum(2 * weights)) / k))
 
 
 def _generalised_pareto(excess: np.ndarray) -> tuple[float, float]:
@@ -60,7 +61,7 @@ def _generalised_pareto(excess: np.ndarray) -> tuple[float, float]:
     grid = 1 / excess[-1] + (1 - np.sqrt(count / (np.arange(1, count + 1) - 0.5))) / (3.0 * max(quarter, 1e-300))
     shape = np.mean(np.log1p(-grid[:, None] * excess), axis=1)
     profile = n * (np.log(-grid / shape) - shape - 1)
-    weight = np.exp(profile - logsumexp(profile))
+    weight = np.exp(profile - log_sum(profile))
     theta = float(np.sum(grid * weight))
     found = float(np.mean(np.log1p(-theta * excess)))
     scale = -found / theta

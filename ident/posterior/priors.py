@@ -55,9 +55,7 @@ class Prior(NamedTuple):
         else:
             safe = np.where(value > 0, value, 1.0)
             logarithm = np.log(safe)
-            shape = (
-                norm.pdf(logarithm, math.log(self.centre), self.spread) if self.kind == "log-normal" else np.ones(1)
-            )
+            shape = norm.pdf(logarithm, math.log(self.centre), self.spread) if self.kind == "log-normal" else np.ones(1)
             shape = shape / safe
         return np.where(inside, shape, 0.0) * math.exp(-_log_mass(self))
 

@@ -27,8 +27,8 @@ _STEP_ERROR = 0.1  # noise floors; the solver's own limit
 
 class Marginal(NamedTuple):
     """One parameter, SI: mean, sd, 5 %, 50 % and 95 % quantiles, Monte-Carlo `error` of the mean, `ess`, R̂;
-    `contraction`, 1 − (posterior/prior variance), in p or ln p as its `prior` is written; `widens`, by how much it would
-    were all priors twice as broad."""
+    `contraction`, 1 − (posterior/prior variance), in p or ln p as its `prior` is written; `widens`, by how much it
+    would were all priors twice as broad."""
 
     prior: Prior
     mean: float

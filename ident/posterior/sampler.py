@@ -1,7 +1,7 @@
 """Drawing the posterior with emcee: several ensembles side by side, in blocks, until their sample can be trusted.
 
-Everything that decides the chain is in the chain: blocks have a fixed length, and the rule that stops looks at the draws
-alone. So a run that was killed and resumed is the run that was left in peace, bit by bit.
+Everything that decides the chain is in the chain: blocks have a fixed length, and the rule that stops looks at the
+draws alone. So a run that was killed and resumed is the run that was left in peace, bit by bit.
 """
 
 from __future__ import annotations

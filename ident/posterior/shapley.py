@@ -2,8 +2,8 @@
 
     φ_i = Σ_{S ∌ i} |S|! (m − |S| − 1)!/m! · [v(S ∪ {i}) − v(S)]
 
-The mean over all orders in which the mechanisms could be switched on of what switching on number i brings. Shares add up
-to v(all) − v(none), and a mechanism that never changes anything gets nothing.
+The mean over all orders in which the mechanisms could be switched on of what switching on number i brings. Shares add
+up to v(all) − v(none), and a mechanism that never changes anything gets nothing.
 
 Source: L. S. Shapley, A value for n-person games, in Contributions to the Theory of Games II, 1953, 307.
 """

@@ -1,4 +1,4 @@
-"""Which mechanism explains the offset, to look at: one bar per mechanism, record and measure; and `attribution.json`."""
+"""Which mechanism explains the offset, to look at: a bar per mechanism, record and measure; `attribution.json`."""
 
 from __future__ import annotations
 
@@ -168,7 +168,9 @@ def attribution_section(folder: Path) -> Section | None:
     document = json.loads((folder / FILE).read_text(encoding="utf-8"))
     caption = "Share of the offset that each mechanism explains; line: 90 % interval"
     picture = Picture(caption, png(attribution_figure(document)))
-    return Section("What explains the zero-point offset", (document["words"],), (attribution_sheet(document),), (picture,))
+    return Section(
+        "What explains the zero-point offset", (document["words"],), (attribution_sheet(document),), (picture,)
+    )
 
 
 def write_attribution_figure(document: Mapping[str, Any], folder: Path) -> None:

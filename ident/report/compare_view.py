@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-
 def compare_dict(found: Comparison) -> dict[str, Any]:
     """A comparison as plain numbers, format 1."""
     return {
@@ -97,9 +96,18 @@ def compare_figure(document: Mapping[str, Any]) -> Figure:
     axes.xaxis.set_major_formatter("{x:g}")
     for place, b, m in zip(places, behind, models, strict=True):
         text = f"best: {100 * m['probability']:.3g} %" if m is best else f"{b:.1f}"
-        axes.annotate(text, (max(b, best["elpd"] - m["elpd"], 0.0), place), (8, 0), textcoords="offset points", va="center", fontsize=9)
+        axes.annotate(
+            text,
+            (max(b, best["elpd"] - m["elpd"], 0.0), place),
+            (8, 0),
+            textcoords="offset points",
+            va="center",
+            fontsize=9,
+        )
     label(axes, "nats behind the best:  bar, evidence;  dot, left-out prediction")
-    words = {"decided": "The records decide for", "undecided": "The records do not decide; ahead is"}[document["verdict"]]
+    words = {"decided": "The records decide for", "undecided": "The records do not decide; ahead is"}[
+        document["verdict"]
+    ]
     title = f"{words} {' + '.join(best['effects']) or 'the linear model'}"
     colour = INK if document["verdict"] == "decided" else RESIDUAL
     figure.text(0.012, 1 - 0.24 / height, title, fontsize=12, weight="bold", color=colour, va="center")

@@ -62,6 +62,7 @@ def _parameter(marginal: Marginal, device: Device) -> dict[str, Any]:
         "ess": marginal.ess,
         "rhat": marginal.rhat,
         "prior": {
-            "kind": prior.kind, "centre": prior.centre, "spread": prior.spread, "limits": limits, "source": prior.source,
+            "kind": prior.kind, "centre": prior.centre, "spread": prior.spread, "limits": limits,
+            "source": prior.source,
         },
     }  # fmt: skip

@@ -29,7 +29,9 @@ _WIDE = 4.0  # standard deviations shown to each side
 
 def verdict_words(document: Mapping[str, Any]) -> str:
     """Whether the intervals are final, in one sentence, from `posterior.json`."""
-    size = f"{document['draws']} draws worth {document['ess_min']:.0f} independent ones, R-hat {document['rhat_max']:.3f}"
+    size = (
+        f"{document['draws']} draws worth {document['ess_min']:.0f} independent ones, R-hat {document['rhat_max']:.3f}"
+    )
     if document["trusted"]:
         return f"The intervals are final: {size}."
     return f"The intervals are NOT FINAL, because {'; '.join(document['reasons'])}. So far {size}."
@@ -40,8 +42,8 @@ def evidence_words(told: Mapping[str, Any]) -> str:
     k = "none" if told["pareto_k"] is None else f"{told['pareto_k']:.2f}"
     doubt = "" if told["trusted"] else "; not to be trusted, because k is above 0.7"
     return (
-        f"Log evidence {told['value']:.2f} ± {told['error']:.2f} ({told['method']}, efficiency {told['efficiency']:.2f}, "
-        f"Pareto k {k}; Laplace {told['laplace']:.2f}){doubt}."
+        f"Log evidence {told['value']:.2f} ± {told['error']:.2f} ({told['method']}, "
+        f"efficiency {told['efficiency']:.2f}, Pareto k {k}; Laplace {told['laplace']:.2f}){doubt}."
     )
 
 
@@ -149,7 +151,9 @@ def posterior_section(folder: Path, device: Device) -> Section | None:
     caption = "Each parameter before (line) and after (filled) the records; dotted: 90 % interval"
     pictures = (Picture(caption, picture.read_bytes()),) if picture.is_file() else ()
     paragraphs = (verdict_words(document), evidence_words(document["log_evidence"]), *document["notes"])
-    return Section("Posterior", paragraphs, (posterior_sheet(document, device), prior_sheet(document, device)), pictures)
+    return Section(
+        "Posterior", paragraphs, (posterior_sheet(document, device), prior_sheet(document, device)), pictures
+    )
 
 
 def write_posterior_figure(posterior: Posterior, folder: Path) -> None:

@@ -48,7 +48,12 @@ def undisturbed(found, tmp_path_factory):
 def test_the_posterior_is_final_and_where_the_truth_is(undisturbed):
     _, posterior = undisturbed
     assert posterior.trusted, posterior.reasons
-    truth = {"oscillator.frequency": 71.3, "oscillator.quality": 14.0, "oscillator.gain": 1.9e5, "cubic-stiffness.k3": 6e4}
+    truth = {
+        "oscillator.frequency": 71.3,
+        "oscillator.quality": 14.0,
+        "oscillator.gain": 1.9e5,
+        "cubic-stiffness.k3": 6e4,
+    }
     for marginal in posterior.marginals:
         assert abs(marginal.mean - truth[marginal.prior.name]) < 4 * marginal.deviation
         assert marginal.low < marginal.median < marginal.high and not marginal.prior_decides
@@ -113,7 +118,7 @@ sampler._EVERY = 0.0
 density = make_density(small_fit())
 path = Path(sys.argv[1])
 done = sampler.sample(density, path, run_key(density, 0), resume=path.exists())
-print("done", done.chain.positions.shape[1])
+assert not done.stopped
 """
 
 
@@ -125,18 +130,18 @@ def test_a_killed_chain_goes_on_bit_by_bit(undisturbed, tmp_path):
     random = np.random.default_rng()
     kills = 0
     for attempt in range(40):
-        process = subprocess.Popen(
-            [sys.executable, "-c", KILLED, str(path)], stdout=subprocess.PIPE, text=True, env=environment, cwd=ROOT
-        )
+        process = subprocess.Popen([sys.executable, "-c", KILLED, str(path)], env=environment, cwd=ROOT)
         before = path.stat().st_mtime_ns if path.exists() else 0
         while attempt < 6 and process.poll() is None and (not path.exists() or path.stat().st_mtime_ns == before):
             time.sleep(0.005)
-        if attempt < 6 and process.poll() is None:  # the first blocks are being drawn and written: strike somewhere there
+        if (
+            attempt < 6 and process.poll() is None
+        ):  # the first blocks are being drawn and written: strike somewhere there
             time.sleep(float(random.uniform(0.0, 0.3)))
             process.send_signal(signal.SIGKILL)
             kills += process.wait() == -signal.SIGKILL
             continue
-        assert "done" in process.communicate()[0]
+        assert process.wait() == 0
         break
     assert kills >= 1
     resumed = read_chain(path, run_key(make_density(small_fit()), 0))
