@@ -73,7 +73,7 @@ class Model:
     @property
     def key(self) -> tuple[Any, ...]:
         """What decides the compiled code."""
-        return (self.device, tuple(effect.key for effect in self.effects))
+        return tuple(effect.key for effect in self.effects)
 
     @property
     def parameters(self) -> tuple[ModelParameter, ...]:
