@@ -34,14 +34,12 @@ def block_likelihood(density: Density, x: np.ndarray, seed: int = 0) -> Blocks:
     random = np.random.default_rng([seed, 3])
     white = density.innovations(x, seed)
     logs, record, length, sigmas = [], [], [], []
-    for i, (w, trace) in enumerate(zip(white, density.records, strict=True)):
-        w = w[:, trace.skip + len(trace.noise.ar) :]
-        nu, n = density.noise_of(i)
+    for i, (w, noise) in enumerate(zip(white, density.noises, strict=True)):
+        nu, n = noise.freedom, noise.count
         chi2 = np.sum(w**2, axis=1)
         variance = np.ones(len(x)) if np.isinf(nu) else (nu + chi2) / random.chisquare(nu + n, size=len(x))
-        size = density.log_sigma_of(i)
         for part in np.array_split(np.arange(w.shape[1]), BLOCKS):
-            constant = 0.5 * math.log(2 * math.pi) + size
+            constant = 0.5 * math.log(2 * math.pi) + noise.log_sigma
             cost = 0.5 * np.sum(w[:, part] ** 2, axis=1) / variance + 0.5 * len(part) * np.log(variance)
             logs.append(-cost - len(part) * constant)
             record.append(i)

@@ -48,8 +48,8 @@ def heldout_score(density: Density, draws: np.ndarray) -> float | None:
     if not records:
         return None
     outside = make_density(density.fit, records)
-    own, there = density.material.data, outside.material.data
+    own, there = density.data, outside.data
     x = (draws * np.asarray(own.scale) + np.asarray(own.anchor) - np.asarray(there.anchor)) / np.asarray(there.scale)
     _, logs = outside.parts(x)
     total = float(np.sum(log_sum(logs, axis=0) - np.log(len(x))))
-    return total / sum(outside.noise_of(i)[1] for i in range(len(records)))
+    return total / sum(noise.count for noise in outside.noises)

@@ -36,10 +36,9 @@ def misfit(density: Density) -> Misfit:
     white = [w[0] for w in density.innovations(np.zeros((1, density.size)))]
     tests = 3 * len(white)
     reasons, smallest = [], 1.0
-    for i, (record, all_w) in enumerate(zip(density.records, white, strict=True)):
-        w = all_w[record.skip + len(record.noise.ar) :]
+    for record, noise, w in zip(density.records, density.noises, white, strict=True):
         found = {
-            "is larger than its noise floor": _size(w, density.noise_of(i)[0]),
+            "is larger than its noise floor": _size(w, noise.freedom),
             "repeats itself": _correlation(w, len(record.noise.ar)),
             "has lines in its spectrum": _largest_line(w),
         }
@@ -80,8 +79,7 @@ def too_narrow(density: Density) -> float:
     if not any(record.noise.ar for record in density.records):
         return 1.0
     coloured = density.linearise().matrix + density.prior_slope()[1]
-    plain = density.material.noises
-    white = tuple(n._replace(ar=n.ar[:, :0], gain=np.ones_like(n.gain)) for n in plain)
+    white = [n._replace(ar=n.ar[:0], gain=1.0) for n in density.noises]
     ignoring = density.with_noise(white).linearise().matrix + density.prior_slope()[1]
     deviations = [np.sqrt(np.diag(inverse(m))) for m in (coloured, ignoring)]
     return float(np.max(deviations[0] / np.maximum(deviations[1], 1e-300)))

@@ -12,12 +12,10 @@ Source: A. Zellner, An Introduction to Bayesian Inference in Econometrics, 1971,
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jax.scipy.special import gammaln
+from scipy.special import gammaln
 
 from ..campaign.autoregression import variance_of
 from ..campaign.record import Trace
@@ -27,64 +25,53 @@ _UNKNOWN = math.sqrt(0.5)  # relative error of a floor of which nothing is known
 
 
 class Noise(NamedTuple):
-    """The noise of the lanes of one group.
+    """The noise of one record.
 
-    **Arguments:** `ar` (lanes, k), zero-padded; `gain` (lanes,): σ over that of the innovations; `counted` (lanes, n):
-    1 where an innovation counts; `count` (lanes,) how many; `freedom` (lanes,) ν, infinite where the floor is known;
-    `log_sigma` (lanes,) ln of the innovations' σ, SI.
+    **Arguments:** `ar` (k,); `gain`: σ over that of the innovations; `first` sample whose innovation counts, and how
+    many do, `count`; `freedom` ν, infinite where the floor is known; `log_sigma`, ln of the innovations' σ, SI.
     """
 
     ar: np.ndarray
-    gain: np.ndarray
-    counted: np.ndarray
-    count: np.ndarray
-    freedom: np.ndarray
-    log_sigma: np.ndarray
+    gain: float
+    first: int
+    count: int
+    freedom: float
+    log_sigma: float
 
 
-def group_noise(records: Sequence[Trace], length: int, sigma: SigmaChoice) -> Noise:
-    """The noise of records that share a group of padded `length`; `sigma`, what the fit's error bars stand on."""
-    order = max((len(r.noise.ar) for r in records), default=0)
-    ar = np.zeros((len(records), order))
-    counted = np.zeros((len(records), length))
-    gain, freedom, log_sigma = (np.zeros(len(records)) for _ in range(3))
-    for i, record in enumerate(records):
-        own = np.asarray(record.noise.ar, float)
-        ar[i, : len(own)] = own
-        counted[i, record.skip + len(own) : len(record.time)] = 1.0
-        gain[i] = math.sqrt(variance_of(own, 1.0))
-        log_sigma[i] = math.log(record.noise.sigma / gain[i])
-        doubt = record.noise.relative_error
-        if sigma == "scaled":
-            doubt = _UNKNOWN
-        elif sigma == "fitted":
-            doubt = max(doubt, 1.0 / math.sqrt(2.0 * counted[i].sum()))
-        freedom[i] = 1.0 / (2.0 * doubt**2) if doubt > 0 else np.inf
-    return Noise(ar, gain, counted, counted.sum(axis=1), freedom, log_sigma)
+def record_noise(record: Trace, sigma: SigmaChoice) -> Noise:
+    """The noise of a record; `sigma`, what the fit's error bars stand on."""
+    ar = np.asarray(record.noise.ar, float)
+    first = record.skip + len(ar)
+    count = len(record.time) - first
+    gain = math.sqrt(variance_of(ar, 1.0))
+    doubt = record.noise.relative_error
+    if sigma == "scaled":
+        doubt = _UNKNOWN
+    elif sigma == "fitted":
+        doubt = max(doubt, 1.0 / math.sqrt(2.0 * count))
+    freedom = 1.0 / (2.0 * doubt**2) if doubt > 0 else math.inf
+    return Noise(ar, gain, first, count, freedom, math.log(record.noise.sigma / gain))
 
 
-def whiten(noise: Noise, residual: Any) -> Any:
-    """Innovations in units of their σ, of residuals (..., lanes, n) in noise floors; zero where none counts."""
-    found = residual
-    for j in range(noise.ar.shape[1]):
-        earlier = jnp.pad(residual, [(0, 0)] * (residual.ndim - 1) + [(j + 1, 0)])[..., : residual.shape[-1]]
-        found = found - noise.ar[:, j, None] * earlier
-    return found * noise.gain[:, None] * noise.counted
+def whiten(noise: Noise, residual: np.ndarray) -> np.ndarray:
+    """Innovations in units of their σ, of residuals (..., n) in noise floors: (..., count)."""
+    found = residual[..., noise.first :]
+    for j, weight in enumerate(noise.ar):
+        earlier = noise.first - 1 - j
+        found = found - weight * residual[..., earlier : earlier + noise.count]
+    return found * noise.gain
 
 
-def log_likelihood(noise: Noise, chi2: Any) -> Any:
-    """ln L (lanes,) of records with Σ innovation² = `chi2` (lanes,), in units of the floors."""
-    known = jnp.isinf(noise.freedom)
-    nu, n = jnp.where(known, 1.0, noise.freedom), noise.count
-    gaussian = -0.5 * chi2 - 0.5 * n * math.log(2 * math.pi)
-    student = (
-        gammaln((nu + n) / 2) - gammaln(nu / 2) - 0.5 * n * jnp.log(jnp.pi * nu) - 0.5 * (nu + n) * jnp.log1p(chi2 / nu)
-    )
-    return jnp.where(known, gaussian, student) - n * noise.log_sigma
+def log_likelihood(noise: Noise, chi2: np.ndarray) -> np.ndarray:
+    """ln L of a record with Σ innovation² = `chi2`, any shape, in units of the floor."""
+    nu, n = noise.freedom, noise.count
+    if math.isinf(nu):
+        return -0.5 * chi2 - 0.5 * n * math.log(2 * math.pi) - n * noise.log_sigma
+    constant = float(gammaln((nu + n) / 2) - gammaln(nu / 2)) - 0.5 * n * math.log(math.pi * nu)
+    return constant - 0.5 * (nu + n) * np.log1p(chi2 / nu) - n * noise.log_sigma
 
 
-def precision(noise: Noise, chi2: np.ndarray) -> np.ndarray:
-    """(lanes,) expected σ⁻² in units of the floor's, given Σ innovation²: the weight of each record."""
-    known = np.isinf(noise.freedom)
-    nu = np.where(known, 1.0, noise.freedom)
-    return np.where(known, 1.0, (nu + noise.count) / (nu + chi2))
+def precision(noise: Noise, chi2: float) -> float:
+    """Expected σ⁻² in units of the floor's, given Σ innovation²: the weight of the record."""
+    return 1.0 if math.isinf(noise.freedom) else (noise.freedom + noise.count) / (noise.freedom + chi2)

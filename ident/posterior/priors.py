@@ -11,10 +11,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from scipy.special import log_ndtr
 from scipy.stats import norm
@@ -129,12 +127,15 @@ def _log_mass(prior: Prior) -> float:
     return float(log_ndtr(high) + np.log1p(-np.exp(log_ndtr(low) - log_ndtr(high))))
 
 
-def log_prior(priors: PriorTable, coordinates: Any, lower: Any, upper: Any) -> Any:
-    """ln prior density of unbounded coordinates (p,), that of the values times the slope of the bijection."""
-    values, slope = jax.jvp(lambda c: to_values(c, lower, upper), (coordinates,), (jnp.ones_like(coordinates),))
-    positive = jnp.isfinite(lower)
-    logarithm = jnp.log(jnp.where(positive, values, 1.0))
-    in_logarithm = 1.0 - priors.normal
-    variable = jnp.where(priors.normal > 0, values, logarithm)
+def log_prior(priors: PriorTable, coordinates: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """ln prior density of unbounded coordinates (..., p), each: that of the value times the slope of the bijection."""
+    values = to_values(coordinates, lower, upper)
+    positive, ranged = np.isfinite(lower), np.isfinite(upper)
+    logarithm = np.log(np.where(positive, values, 1.0))
+    # ln s(1 − s) from the coordinate itself, so that it keeps its digits next to a bound.
+    length = np.log(np.where(ranged, upper, 2.0) / np.where(ranged, lower, 1.0))
+    y = 4.0 * np.where(ranged, coordinates, 0.0) / length
+    share = np.where(ranged, math.log(4.0) - np.logaddexp(0.0, y) - np.logaddexp(0.0, -y), 0.0)
+    variable = np.where(priors.normal > 0, values, logarithm)
     gaussian = -0.5 * (priors.normal + priors.logarithmic) * ((variable - priors.centre) / priors.spread) ** 2
-    return jnp.sum(gaussian + priors.constant + jnp.log(slope) - in_logarithm * logarithm)
+    return gaussian + priors.constant + share + priors.normal * logarithm

@@ -147,7 +147,7 @@ def run_key(density: Density, seed: int) -> str:
     model = density.fit.model
     settings = [(e.name, sorted(e.settings.items())) for e in model.effects]
     priors = [tuple(p) for p in density.priors]
-    template = np.asarray(density.material.data.template, float)
+    template = np.asarray(density.data.template, float)
     told.update(json.dumps([repr(model.device), settings, priors, density.fit.sigma, seed], default=str).encode())
     told.update(template.tobytes())
     return told.hexdigest()

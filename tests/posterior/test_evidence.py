@@ -66,19 +66,18 @@ def test_initial_states_are_integrated_out_exactly_where_the_motion_is_linear():
     linear = Circuit(71.3, 14.0, 1.9e5, 0.0)
     found = linear_fit(record(2, linear, samples=250, lead=150))
     density = make_density(found)
-    (group,) = density.material.data.groups
     (trace,) = found.campaign.fitted
     # The free motion by its formula, not by the solver.
     w0, decay = 2 * np.pi * 71.3, np.pi * 71.3 / 14.0
     w = np.sqrt(w0**2 - decay**2)
     t, fade = trace.time, np.exp(-decay * trace.time)
     free = np.stack([fade * (np.cos(w * t) + decay / w * np.sin(w * t)), fade * np.sin(w * t) / w], axis=1)
-    free = free * group.start_scale
+    free = free * density.data.start_scale[0]
     values = found.values[None].repeat(3, axis=0)
     values[:, 2] *= np.array([0.99, 1.0, 1.02])
-    x = (values[:, 2] - density.material.data.anchor)[:, None] / density.material.data.scale
+    x = (values[:, 2] - density.data.anchor)[:, None] / density.data.scale
     _, likelihood = density.parts(x)
-    start = np.asarray(density.material.starts[0])[0]
+    start = density.starts[0]
     for k in range(3):
         forced = density.readings(values[k : k + 1])[0][0] - free @ start
         covariance = SIGMA**2 * np.eye(len(t)) + 9.0 * free @ free.T
@@ -116,14 +115,7 @@ def test_weights_that_cannot_be_trusted_say_so():
 def test_pareto_shape_is_that_of_the_tail():
     random = np.random.default_rng(4)
     for shape in (0.2, 0.5, 0.9):
-        found = np.mean(
-            [
-                smooth(
-                    np.log(stats.genpareto(shape).rvs(4000, random_state=random))
-                ).shape
-                for _ in range(8)
-            ]
-        )
+        found = np.mean([smooth(np.log(stats.genpareto(shape).rvs(4000, random_state=random))).shape for _ in range(8)])
         assert found == pytest.approx(shape, abs=0.12)
     assert smooth(np.zeros(1000)).shape < 0
     smoothed = smooth(random.normal(size=2000))

@@ -9,16 +9,16 @@ import pytest
 from scipy import stats
 from scipy.linalg import toeplitz
 
-from ident.posterior.noise_model import group_noise, log_likelihood, precision, whiten
+from ident.posterior.noise_model import log_likelihood, precision, record_noise, whiten
 from tests.posterior.records import record
 
 N = 40
 
 
 def loglik(trace, residual: np.ndarray, sigma="known") -> float:
-    noise = group_noise([trace], len(residual), sigma)
-    white = whiten(noise, residual[None] / trace.noise.sigma)
-    return float(log_likelihood(noise, np.sum(np.asarray(white) ** 2, axis=1))[0])
+    noise = record_noise(trace, sigma)
+    white = whiten(noise, residual / trace.noise.sigma)
+    return float(log_likelihood(noise, np.sum(white**2)))
 
 
 @pytest.fixture(scope="module")
@@ -60,6 +60,6 @@ def test_with_scaled_error_bars_a_wrong_floor_costs_nothing_but_its_size(trace):
     r = np.random.default_rng(3).normal(0, 0.6, N)
     gain = [loglik(trace, r, s) - loglik(trace, 1.1 * r, s) for s in ("known", "scaled")]
     assert gain[0] > 3 * gain[1]
-    noise = group_noise([trace], N, "scaled")
-    chi2 = np.array([np.sum((r / 0.3) ** 2)])
-    assert precision(noise, chi2)[0] == pytest.approx((1 + N) / (1 + chi2[0]))
+    noise = record_noise(trace, "scaled")
+    chi2 = float(np.sum((r / 0.3) ** 2))
+    assert precision(noise, chi2) == pytest.approx((1 + N) / (1 + chi2))

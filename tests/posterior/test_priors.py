@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import jax
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -34,7 +33,7 @@ def test_mass_is_one_in_values_and_in_coordinates(kind):
 
     arrays, lower, upper = table([prior]), np.array([prior.lower]), np.array([prior.upper])
     grid = np.linspace(-60, 60, 240_001)
-    density = np.exp(jax.vmap(lambda c: log_prior(arrays, c[None], lower, upper))(grid))
+    density = np.exp(log_prior(arrays, grid[:, None], lower, upper)[:, 0])
     assert np.trapezoid(np.nan_to_num(density), grid) == pytest.approx(1.0, abs=1e-4)
 
 
