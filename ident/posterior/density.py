@@ -151,11 +151,13 @@ class Density:
         found = []
         for i, (noise, own) in enumerate(zip(self.noises, self.data.tape.slices, strict=True)):
             first, *kicked = (whiten(noise, a[:, own]) for a in off)
-            slope = np.zeros((*first.shape, 2))
+            k = len(first)
+            slope, pull, inner = np.zeros((*first.shape, 2)), np.zeros((k, 2)), np.tile(np.eye(2), (k, 1, 1))
+            inner = inner / _START_SPREAD**2
             if self._moving(i):
-                slope = np.stack([(k - first) / self.kick[a] for a, k in enumerate(kicked)], axis=-1)
-            pull = np.einsum("kna,kn->ka", slope, first) + self._moving(i) * self.starts[i] / _START_SPREAD**2
-            inner = np.einsum("kna,knb->kab", slope, slope) + np.eye(2) / _START_SPREAD**2
+                slope = np.stack([(other - first) / self.kick[a] for a, other in enumerate(kicked)], axis=-1)
+                pull = (first[:, None] @ slope)[:, 0] + self.starts[i] / _START_SPREAD**2
+                inner = inner + np.swapaxes(slope, 1, 2) @ slope
             found.append(White(first, slope, inner, pull))
         return found
 

@@ -20,7 +20,9 @@ from .mixture import fit_mixture
 from .pareto import TRUSTED, Smoothed, smooth
 
 _DRAWS = 2048
-_POOR = 0.1  # efficiency below which another proposal is worth its price
+POOR = 0.1
+"""Efficiency of importance weights below which another proposal is worth its price."""
+
 _ROUNDS = 4  # of fitting the mixture to its own weighted draws, where there is no chain
 
 
@@ -67,7 +69,7 @@ def log_evidence(
     random = np.random.default_rng([seed, 1])
     best = _importance(laplace, proposal(laplace), count, random, "importance sampling")
     for _ in range(_ROUNDS):
-        if best.efficiency > _POOR and best.trusted:
+        if best.efficiency > POOR and best.trusted:
             break
         chosen = best.resampled(count, seed) if draws is None else draws
         found = _importance(laplace, fit_mixture(chosen, seed), count, random, "importance sampling, mixture")

@@ -25,7 +25,7 @@ class Mixture(NamedTuple):
     shares: np.ndarray
     parts: tuple[StudentT, ...]
 
-    def draw(self, random: np.random.Generator, count: int) -> np.ndarray:
+    def draw(self, random: np.random.RandomState | np.random.Generator, count: int) -> np.ndarray:
         """(count, p) points."""
         counts = random.multinomial(count, self.shares)
         return np.concatenate([part.draw(random, int(k)) for part, k in zip(self.parts, counts, strict=True)])

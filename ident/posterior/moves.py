@@ -1,4 +1,4 @@
-"""How the ensemble moves: independent proposals from the peak's Student t, and differential evolution.
+"""How the ensemble moves: independent proposals from a density like the posterior, and differential evolution.
 
 No snooker move: that of emcee 3.1.6 draws a wrong posterior (unit Gaussian in eight dimensions: variance 0.63).
 """
@@ -11,6 +11,7 @@ import numpy as np
 from emcee.moves import DEMove, RedBlueMove
 
 from .laplace import StudentT
+from .mixture import Mixture
 
 _SHARES = (
     0.7,
@@ -24,7 +25,7 @@ class IndependenceMove(RedBlueMove):
     Source: L. Tierney, Markov chains for exploring posterior distributions, Ann. Stat. 22 (1994) 1701, §2.3.3.
     """
 
-    def __init__(self, target: StudentT):
+    def __init__(self, target: StudentT | Mixture):
         self.target = target
         super().__init__()
 
@@ -34,6 +35,6 @@ class IndependenceMove(RedBlueMove):
         return new, self.target.log_density(sample) - self.target.log_density(new)
 
 
-def moves(target: StudentT) -> list[tuple[Any, float]]:
+def moves(target: StudentT | Mixture) -> list[tuple[Any, float]]:
     """The moves of the sampler with their shares."""
     return [(IndependenceMove(target), _SHARES[0]), (DEMove(), _SHARES[1])]
