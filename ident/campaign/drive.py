@@ -6,6 +6,8 @@ samples; dV/dt must not amplify the noise of the drive column.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from .period import find_period, fourier_basis, least_squares
@@ -14,6 +16,7 @@ from .record import Trace
 __all__ = ["drive_frequency", "drive_rate", "find_period", "half_step_drive"]
 
 
+@lru_cache(maxsize=1024)  # asked for by every fit
 def drive_frequency(record: Trace) -> float:
     """Drive frequency of a record for any waveform, ω = rms(V̇)/rms(V − mean V), rad/s; 0 for a constant drive.
 

@@ -21,6 +21,9 @@ import click
 
 from ident.errors import UserError
 
+# Before anything imports NumPy: a second thread of OpenBLAS only spins beside those of XLA. Whoever set it knows better.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 COMMANDS = (
     "new",
     "check",

@@ -11,7 +11,7 @@ from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
 from ..fit import Fit, fit
 
-_MOST = 12_000  # samples of all fitted records together that are still worked on as a whole
+_MOST = 120_000  # samples of all fitted records together that are still worked on as a whole: half a gigabyte
 _KEPT = 9_000  # samples of longer ones: enough to name an effect, few enough to try several
 _BEFORE = 0.25  # of a stretch, simulated before it and not counted, to build up memory
 _QUIETER = 0.6  # a second stretch must move less than this, so that what grows with the amplitude shows

@@ -8,14 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..campaign.campaign import Campaign
-from ..campaign.record import Trace
 from ..model import Model, ModelParameter
-from ..response import lay_out
 from .coordinates import slopes
 from .guess import DataScales
 from .identifiability import identifiability
 from .judge import combine, score_record
-from .problem import Data, Static, readings
+from .problem import Data, Static
 from .reading import read
 from .result import Estimate, Fit, SigmaChoice, Solved, Start
 from .solve import Solution
@@ -55,11 +53,6 @@ def finish(model: Model, campaign: Campaign, minimum: Minimum, sigma: SigmaChoic
     spectrum = covariance(linear, data.prior_weight * stretch)
     judged = identifiability([parameters[i] for i in free], values[free], stretch, spectrum)
     inside = [found.readings[own] for own in data.tape.slices]
-    finer = _finer(model, records, minimum)
-    step_error = max(
-        float(np.max(np.abs(found.readings[own] - finer[own]))) / record.noise.sigma
-        for record, own in zip(records, data.tape.slices, strict=True)
-    )
     heldout = read(model, values, campaign.heldout) if campaign.heldout else []
     told = _in_order(campaign, inside, heldout)
     scores = tuple(score_record(record, r) for record, r in zip(campaign.traces, told, strict=True))
@@ -79,20 +72,11 @@ def finish(model: Model, campaign: Campaign, minimum: Minimum, sigma: SigmaChoic
         starts,
         sigma,
         best.converged,
-        step_error,
         scales,
         spectrum,
         linear,
         Solved(static, data, best.unknowns, found),
     )
-
-
-def _finer(model: Model, records: Sequence[Trace], minimum: Minimum) -> np.ndarray:
-    """Readings with half the step, (samples,)."""
-    static, data, best, _, scales = minimum
-    steps = [2 * span.substeps for span in data.tape.spans]
-    tape = lay_out(records, 1.0 / scales.period, float(minimum.values[1]), substeps=steps)
-    return readings(static, data._replace(tape=tape), best.unknowns)
 
 
 def _in_order(campaign: Campaign, fitted: list[np.ndarray], heldout: list[np.ndarray]) -> tuple[np.ndarray, ...]:

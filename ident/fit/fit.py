@@ -17,7 +17,7 @@ from .assemble import assemble, at_values, begin
 from .finish import Minimum, finish
 from .guess import LinearGuess, data_scales, guess_linear
 from .one_tone import hold_dragged, hold_quality
-from .problem import Data, Static, evaluate
+from .problem import Data, Evaluation, Static, evaluate
 from .result import Fit, SigmaChoice, Start
 from .starts import base_values, random_points, starting_points
 
@@ -109,10 +109,10 @@ def minimise(
     samples = int(np.count_nonzero(data.weight))
     per_sample = lambda cost: float(np.sqrt(cost / samples))
     solutions = []
-    for number, (first, point) in enumerate(candidates, 1):
+    for number, (first, there, begun) in enumerate(candidates, 1):
         report(f"least squares, start {number} of {len(candidates)}")
-        there = at_values(data, static, point)
-        solutions.append((first, *solve.least_squares(static, there, begin(data, static), robust, most)))
+        found = solve.least_squares(static, there, begin(data, static), robust, most, begun)
+        solutions.append((per_sample(first), *found))
         if not starts and not told and per_sample(solutions[-1][2].cost) < _AT_THE_FLOOR:
             break
     _, data, best = min(solutions, key=lambda s: s[2].cost if np.isfinite(s[2].cost) else np.inf)
@@ -120,15 +120,14 @@ def minimise(
     return Minimum(static, data, best, table, scales)
 
 
-def _first_errors(static: Static, data: Data, points: list[np.ndarray]) -> list[tuple[float, np.ndarray]]:
-    """Starting points with the error over noise at each, best first; the initial states are fitted for the
-    judgement."""
+def _first_errors(static: Static, data: Data, points: list[np.ndarray]) -> list[tuple[float, Data, Evaluation]]:
+    """Starting points with Σ r² and the model at each, best first; initial states as they were read."""
     judged = []
-    samples = int(np.count_nonzero(data.weight))
     for point in points:
-        found = evaluate(static, at_values(data, static, point), begin(data, static))
-        judged.append((float(np.sqrt(found.residuals @ found.residuals / samples)), point))
-    return sorted(judged, key=lambda pair: pair[0])
+        there = at_values(data, static, point)
+        found = evaluate(static, there, begin(there, static))
+        judged.append((float(found.residuals @ found.residuals), there, found))
+    return sorted(judged, key=lambda start: start[0])
 
 
 def _with_residual_noise(campaign: Campaign, found: Minimum) -> Campaign:

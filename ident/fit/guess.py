@@ -11,6 +11,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -50,6 +51,11 @@ def guess_linear(
     records: Sequence[Trace], nominal_frequency: float | None = None, held: float | None = None
 ) -> LinearGuess:
     """The linear oscillator nearest to the records; `held`: its quality factor, if that is known."""
+    return _searched(tuple(records), nominal_frequency, held)
+
+
+@lru_cache(maxsize=32)  # every model of a campaign starts from it
+def _searched(records: tuple[Trace, ...], nominal_frequency: float | None, held: float | None) -> LinearGuess:
     pieces = [_piece(record) for record in records]
     grid = _frequencies(records, nominal_frequency)
     qualities = _QUALITIES if held is None else (held,)
@@ -74,6 +80,11 @@ def guess_linear(
 
 def data_scales(records: Sequence[Trace], frequency: float) -> DataScales:
     """Largest displacement, velocity, voltage; period of the resonance; longest duration."""
+    return _scales(tuple(records), frequency)
+
+
+@lru_cache(maxsize=32)
+def _scales(records: tuple[Trace, ...], frequency: float) -> DataScales:
     displacement = max(float(np.max(np.abs(r.response - np.mean(r.response)))) for r in records)
     velocity = 0.0
     for record in records:

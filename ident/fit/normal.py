@@ -1,6 +1,7 @@
 """Normal equations of a fit: the cost, its gradient and its Gauss–Newton matrix, from one evaluation.
 
-The unknowns in one vector: x first, then displacement and velocity of every record.
+The unknowns in one vector: x first, then displacement and velocity of every record that does not
+start at rest.
 """
 
 from __future__ import annotations
@@ -26,15 +27,21 @@ class Normal(NamedTuple):
     matrix: Any
 
 
-def pack(unknowns: Unknowns) -> np.ndarray:
+def moving(data: Data) -> np.ndarray:
+    """Which records' initial states are unknown, (k,)."""
+    return np.flatnonzero(data.start_scale[:, 0] > 0)
+
+
+def pack(unknowns: Unknowns, data: Data) -> np.ndarray:
     """Unknowns as one vector."""
-    return np.concatenate([np.asarray(unknowns.x), np.ravel(unknowns.starts)])
+    return np.concatenate([unknowns.x, unknowns.starts[moving(data)].ravel()])
 
 
-def unpack(vector: np.ndarray, like: Unknowns) -> Unknowns:
-    """One vector as unknowns of the shapes of `like`."""
-    p = len(like.x)
-    return Unknowns(vector[:p], vector[p:].reshape(like.starts.shape))
+def unpack(vector: np.ndarray, like: Unknowns, data: Data) -> Unknowns:
+    """One vector as unknowns; what is not unknown as in `like`."""
+    p, starts = len(like.x), like.starts.copy()
+    starts[moving(data)] = vector[p:].reshape(-1, 2)
+    return Unknowns(vector[:p], starts)
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a trial whose motion has no bound is refused for its cost
@@ -48,13 +55,12 @@ def normal_equations(static: Static, data: Data, vector: np.ndarray, found: Eval
         jx, js = jx * slope, js * slope
     gradient[:p] = jx @ r
     matrix[:p, :p] = jx @ jx.T
-    if static.starts_free:
-        for record, part in enumerate(data.tape.slices):
-            own = slice(p + 2 * record, p + 2 * record + 2)
-            gradient[own] = js[:, part] @ r[part]
-            matrix[own, own] = js[:, part] @ js[:, part].T
-            matrix[:p, own] = jx[:, part] @ js[:, part].T
-            matrix[own, :p] = matrix[:p, own].T
+    for k, record in enumerate(moving(data)):
+        own, part = slice(p + 2 * k, p + 2 * k + 2), data.tape.slices[record]
+        gradient[own] = js[:, part] @ r[part]
+        matrix[own, own] = js[:, part] @ js[:, part].T
+        matrix[:p, own] = jx[:, part] @ js[:, part].T
+        matrix[own, :p] = matrix[:p, own].T
     return _with_prior(Normal(np.asarray(float(r @ r)), gradient, matrix), found, static, data, vector)
 
 

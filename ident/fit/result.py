@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -10,10 +11,11 @@ import numpy as np
 from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
 from ..model import Model
+from ..response import lay_out
 from .guess import DataScales
 from .identifiability import Combination
 from .judge import RecordScore, Score, combine
-from .problem import Data, Evaluation, Static, Unknowns
+from .problem import Data, Evaluation, Static, Unknowns, readings
 from .reading import read
 from .uncertainty import Covariance, Linearisation
 
@@ -61,7 +63,6 @@ class Fit:
     - `combinations`: what is determined of the parameters that are not determined one by one.
     - `readings`: model reading of each trace of the campaign, in the campaign's order, m.
     - `starts`: every start and where it ended; `sigma`: which standard deviation the error bars stand on.
-    - `step_error`: largest discretisation error of any fitted record, in units of its noise floor.
     - `linear`: the fit as a linear regression, and `solved`: its arrays, for diagnosis.
     """
 
@@ -77,11 +78,21 @@ class Fit:
     starts: tuple[Start, ...]
     sigma: SigmaChoice
     converged: bool
-    step_error: float
     scales: DataScales
     spectrum: Covariance
     linear: Linearisation
     solved: Solved
+
+    @cached_property
+    def step_error(self) -> float:
+        """Largest discretisation error of any fitted record, in units of its noise floor, by halving the step."""
+        static, data, unknowns, found = self.solved
+        steps, records = [2 * span.substeps for span in data.tape.spans], self.campaign.fitted
+        tape = lay_out(records, 1.0 / self.scales.period, float(self.values[1]), substeps=steps)
+        finer = readings(static, data._replace(tape=tape), unknowns)
+        change = np.abs(found.readings - finer)
+        largest = [np.max(change[own]) / r.noise.sigma for own, r in zip(data.tape.slices, records, strict=True)]
+        return float(max(largest))
 
     @property
     def fitted(self) -> Score:

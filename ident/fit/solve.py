@@ -26,7 +26,7 @@ import optimistix as optx
 
 from ..programs import program
 from .coordinates import slopes
-from .normal import Normal, normal_equations, pack, unpack
+from .normal import Normal, moving, normal_equations, pack, unpack
 from .problem import Data, Evaluation, Static, Unknowns, evaluate
 
 MAX_STEPS = 400
@@ -111,9 +111,14 @@ def _decrement(normal: Normal, units: np.ndarray) -> float:
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a start whose motion has no bound has no scale either
-def rescale(static: Static, data: Data, unknowns: Unknowns) -> tuple[Data, Unknowns, Evaluation]:
-    """Choose the unit of every x such that a unit step changes the residuals by one at this point; the model there."""
-    found = evaluate(static, data, unknowns)
+def rescale(
+    static: Static, data: Data, unknowns: Unknowns, found: Evaluation | None = None
+) -> tuple[Data, Unknowns, Evaluation]:
+    """Choose the unit of every x such that a unit step changes the residuals by one at this point; the model there.
+
+    `found`: the model there in the old units, if it is known.
+    """
+    found = found or evaluate(static, data, unknowns)
     squares = np.sum(found.by_x**2, axis=1)
     stretch = slopes(found.values[list(static.free)], data.lower, data.upper) * data.scale
     length = np.sqrt(squares + (data.prior_weight * stretch) ** 2)
@@ -125,31 +130,39 @@ def rescale(static: Static, data: Data, unknowns: Unknowns) -> tuple[Data, Unkno
     return data._replace(scale=scale, anchor=coordinates), Unknowns(np.zeros_like(scale), unknowns.starts), found
 
 
-def _farthest(data: Data, start: Unknowns) -> np.ndarray:
+def _farthest(data: Data) -> np.ndarray:
     """How far each unknown may go in one step, (u,)."""
     reach = np.where(np.isfinite(data.lower), _FARTHEST / data.scale, np.inf)
-    return np.concatenate([reach, np.full(start.starts.size, np.inf)])
+    return np.concatenate([reach, np.full(2 * len(moving(data)), np.inf)])
 
 
 def least_squares(
-    static: Static, data: Data, start: Unknowns, robust: bool = False, most: int = MAX_STEPS
+    static: Static,
+    data: Data,
+    start: Unknowns,
+    robust: bool = False,
+    most: int = MAX_STEPS,
+    begun: Evaluation | None = None,
 ) -> tuple[Data, Solution]:
-    """Minimise from one starting point in at most so many steps; the data as rescaled there, and the solution."""
-    data, start, found = rescale(static, data, start)
-    farthest = _farthest(data, start)
-    y = pack(start)
+    """Minimise from one starting point in at most so many steps; the data as rescaled there, and the solution.
+
+    `begun`: the model at the start, if it is known.
+    """
+    data, start, found = rescale(static, data, start, begun)
+    farthest = _farthest(data)
+    y = pack(start, data)
     point = trial = normal_equations(static, data, y, found, robust)
-    moved, best, converged = np.zeros_like(y), found, False
-    turn = _Turn(True, np.sqrt(np.diagonal(point.matrix)), moved, np.array(_FIRST_STEP))
+    change, best, converged = np.zeros_like(y), found, False
+    turn = _Turn(True, np.sqrt(np.diagonal(point.matrix)), change, np.array(_FIRST_STEP))
     for steps in range(1, most + 1):
-        turn = _turn(point, trial, moved, turn, steps == 1)
+        turn = _turn(point, trial, change, turn, steps == 1)
         if turn.accepted:
-            y, point, best = y + moved, trial, found
+            y, point, best = y + change, trial, found
         promised = _decrement(point, turn.units)
         converged = promised < _SMALL_GAIN + _SMALL_SHARE * float(point.cost)
         if converged or float(turn.reach) < _LEAST_STEP:
             break
-        moved = np.clip(turn.move, -farthest, farthest)
-        found = evaluate(static, data, unpack(y + moved, start))
-        trial = normal_equations(static, data, y + moved, found, robust)
-    return data, Solution(unpack(y, start), 2 * float(point.cost), steps, converged, best)
+        change = np.clip(turn.move, -farthest, farthest)
+        found = evaluate(static, data, unpack(y + change, start, data))
+        trial = normal_equations(static, data, y + change, found, robust)
+    return data, Solution(unpack(y, start, data), 2 * float(point.cost), steps, converged, best)

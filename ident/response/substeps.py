@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -22,6 +23,11 @@ def lay_out(
     are to be other than that.
     """
     substeps = substeps or [_substeps(record, frequency, quality, finest) for record in records]
+    return _laid(tuple(records), tuple(substeps))
+
+
+@lru_cache(maxsize=6)  # the models that are compared on some records lie on the same tape
+def _laid(records: tuple[Trace, ...], substeps: tuple[int, ...]) -> Tape:
     return lay([lane_of(record, each) for record, each in zip(records, substeps, strict=True)], substeps)
 
 

@@ -13,7 +13,7 @@ from ident.diagnosis.shorten import is_long, working
 from ident.fit import fit
 from ident.model import Model
 
-REST, MOVING = 6000, 24_000
+REST, MOVING = 30_000, 120_000
 
 
 def growing() -> Trace:
@@ -40,7 +40,7 @@ def test_excerpts_cover_what_differs_and_are_no_longer_long() -> None:
 
 def test_short_records_are_worked_on_whole() -> None:
     record = growing()
-    short = replace(record, time=record.time[:9000], drive=record.drive[:9000], response=record.response[:9000])
+    short = replace(record, time=record.time[:60_000], drive=record.drive[:60_000], response=record.response[:60_000])
     campaign = Campaign("short", (short,), Oscillator())
     found = fit(Model(campaign.device), campaign)
     assert working(found) is found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from ident.effects.registry import built_in
 from ident.fit.guess import DataScales
 from ident.fit.identifiability import Combination
 from ident.fit.judge import score_record
-from ident.fit.result import Estimate, Fit, Start
+from ident.fit.result import Estimate, Fit, Solved, Start
 from ident.fit.uncertainty import Covariance, Linearisation
 from ident.model import Model
 
@@ -80,12 +81,15 @@ class Maker:
             starts=(Start(120.0, 1.0, 9, True), Start(150.0, 1.0000001, 11, True)),
             sigma="known",
             converged=True,
-            step_error=0.02,
             scales=DataScales(8e-6, 1e-2, 8.0, 2e-3, 0.1),
             spectrum=Covariance(np.eye(p), np.zeros((p, 0)), np.ones(p), np.ones(p), np.eye(p)),
             linear=Linearisation(np.zeros((4, p)), np.zeros(4), np.eye(p)),
+            solved=cast(Solved, None),  # no page looks at the arrays
         )
-        return replace(fit, **changed)  # type: ignore[arg-type]
+        step_error = changed.pop("step_error", 0.02)
+        fit = replace(fit, **changed)  # type: ignore[arg-type]
+        fit.__dict__["step_error"] = step_error  # else it would be simulated
+        return fit
 
 
 _NUMBERS = {

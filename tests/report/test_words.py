@@ -140,9 +140,9 @@ def test_a_doubtful_noise_floor_is_named(make_fit):
     fit = make_fit()
     vague = replace(fit.campaign.traces[0], noise=NoiseFloor(2e-8, relative_error=0.8))
     traces = (vague, *fit.campaign.traces[1:])
-    assert "first_8V.csv (±80 %)" in _warned(replace(fit, campaign=replace(fit.campaign, records=traces)))
+    assert "first_8V.csv (±80 %)" in _warned(make_fit(campaign=replace(fit.campaign, records=traces)))
     low = tuple(s._replace(error_over_noise=0.4) for s in fit.scores)
-    assert "well below the noise floor" in _warned(replace(fit, scores=low))
+    assert "well below the noise floor" in _warned(make_fit(scores=low))
 
 
 @pytest.mark.parametrize(
