@@ -5,8 +5,8 @@
 Each case draws frequency, quality, gain and cubic spring of an oscillator from the very priors that are assumed,
 simulates two records by an adaptive solver (not by the package), and ranks each truth among draws of the posterior.
 `--noise ar` colours the noise; `--starts moving` lets the records begin in motion, so that initial states are
-integrated out; `--missing` hides a quadratic damping that the model lacks: no interval may
-then be called final, if the noise leaves it visible (`--sigma 0.005`; at 0.05 a wrong quality factor passes).
+integrated out; `--missing` hides a quadratic damping that the model lacks: no interval may then be called final, if the
+noise leaves it visible (`--sigma 0.005`; at 0.05 a wrong quality factor passes).
 
 Source: S. Talts, M. Betancourt, D. Simpson, A. Vehtari, A. Gelman, Validating Bayesian inference algorithms with
 simulation-based calibration, arXiv:1804.06788.
