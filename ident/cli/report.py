@@ -18,10 +18,15 @@ def command(run: str) -> None:
     Example:
       ident report runs/first
     """
+    from pathlib import Path
+
     from ident.report.run_folder import load_run, read_run, renew_report
+
+    from .sections import drawn_sections
 
     told = read_run(run)
     progress("reading the campaign and compiling the model")
     fit = load_run(run)
     progress("writing the report")
-    say(str(renew_report(fit, run, {"command": told["command"]})))
+    options = {"command": told["command"], "sections": drawn_sections(Path(run), fit)}
+    say(str(renew_report(fit, run, options)))

@@ -53,6 +53,15 @@ class Drive(NamedTuple):
     moving: Scalar = 0.0
 
 
+class Expected(NamedTuple):
+    """What is known of a parameter before any record is seen: `centre` ± `spread` in SI; for a positive parameter the
+    spread is that of its logarithm. `source`: where it comes from, in words."""
+
+    centre: float
+    spread: float
+    source: str
+
+
 @dataclass(frozen=True)
 class Parameter:
     """One number of an effect, declared where the physics is.
@@ -72,6 +81,7 @@ class Parameter:
     fitted: bool
     limits: tuple[float, float] | None = None
     one_sided: bool = False
+    expected: Expected | None = None
     name: str = ""
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -90,15 +100,17 @@ def amplitude(
     one_sided: bool = False,
     fitted: bool = True,
     grid: tuple = (),
+    expected: Expected | None = None,
 ) -> Any:
     """Declare a parameter that switches the effect off when it is zero.
 
     **Arguments:** `unit` ("N/m^3"); `doc`, a few words for the help page; `default`, the value to start a fit from;
     `positive`, if a fit must keep it above zero; `one_sided`, if it may pass through zero on its way but means nothing
     below (a friction that drives): what ends there is not the effect that is missing; `fitted=False` holds it unless
-    the campaign frees it; `grid`, other values from which a fit should start.
+    the campaign frees it; `grid`, other values from which a fit should start; `expected`, what is known beforehand,
+    which a posterior takes as its prior (a fit does not).
     """
-    return Parameter("amplitude", unit, doc, default, positive, grid, "one", fitted, None, one_sided)
+    return Parameter("amplitude", unit, doc, default, positive, grid, "one", fitted, None, one_sided, expected)
 
 
 def shape(
@@ -110,6 +122,7 @@ def shape(
     limits: tuple[float, float] | None = None,
     positive: bool = True,
     fitted: bool = True,
+    expected: Expected | None = None,
 ) -> Any:
     """Declare a parameter that says how an effect looks, not how large it is.
 
@@ -117,11 +130,12 @@ def shape(
     the records, likewise "velocity" and "voltage"; "period": 1/f0; "duration" of a record; "one": SI as written);
     `limits`, where it keeps its meaning, so that a fit cannot turn one effect into another (default: a third of the
     smallest to three times the largest of the grid). A fit stays inside; one of a shape that may be negative does not,
-    but where it ends outside the effect is impossible, and there is no default.
+    but where it ends outside the effect is impossible, and there is no default. `expected`: as of an amplitude.
     """
     if limits is None and positive:
         limits = (min(grid) / 3, max(grid) * 3)
-    return Parameter("shape", unit, doc, grid[len(grid) // 2], positive, grid, scale, fitted, limits)
+    default = grid[len(grid) // 2]
+    return Parameter("shape", unit, doc, default, positive, grid, scale, fitted, limits, expected=expected)
 
 
 @dataclass(frozen=True)

@@ -81,17 +81,17 @@ class Model:
         linear = self.linear
         own = [
             ModelParameter(f"{linear.prefix}.frequency", "Hz", linear.nominal_frequency or 1.0, True, kind="linear",
-                           doc="natural frequency of the unloaded linear part"),
+                           doc="natural frequency of the unloaded linear part", expected=linear.expected_frequency),
             # Below one half nothing oscillates, and a missing effect could hide behind slow exponentials.
             ModelParameter(f"{linear.prefix}.quality", "1", 30.0, True, kind="linear", limits=(0.5, 1e6),
                            doc="quality factor"),
             ModelParameter(f"{linear.prefix}.{linear.gain_name}", linear.gain_unit, 1e-12, False, kind="linear",
-                           doc="drive gain"),
+                           doc="drive gain", expected=linear.expected_gain),
         ]  # fmt: skip
         for effect in self.effects:
             own += [
                 ModelParameter(f"{effect.name}.{p.name}", p.unit, p.default, p.positive, p.fitted, p.kind,
-                               p.grid, p.scale, p.limits, p.scale, p.doc)
+                               p.grid, p.scale, p.limits, p.scale, p.doc, p.expected)
                 for p in effect.declared()
             ]  # fmt: skip
         start = dict(self.start)

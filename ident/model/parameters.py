@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ..effects.effect import Scale
+from ..effects.effect import Expected, Scale
 
 
 @dataclass(frozen=True)
@@ -18,6 +18,7 @@ class ModelParameter:
     - `positive`: the value is fitted through its logarithm, so it cannot reach or cross zero.
     - `limits`: where a shape keeps its meaning, in multiples of the data's `limits_scale`; a fit stays inside.
     - `fitted`: whether a fit moves it; `grid`: other starting values.
+    - `expected`: what is known of it before any record is seen; the prior of a posterior.
     """
 
     name: str
@@ -31,6 +32,7 @@ class ModelParameter:
     limits: tuple[float, float] | None = None
     limits_scale: Scale = "one"
     doc: str = field(default="", compare=False)
+    expected: Expected | None = field(default=None, compare=False)
 
     @property
     def effect(self) -> str:

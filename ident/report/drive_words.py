@@ -3,54 +3,18 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
 from ..campaign.device import Device
 from ..campaign.drive import drive_frequency
+from ..campaign.drive_sine import drive_sine
 from ..campaign.record import Trace
 from .quantity import neat, scale
 
 _SINE = 0.98  # share of the drive's variance in its fundamental above which it is called a sine
-_FOLDS = 0.8  # and above which the response can be folded on it (a square wave has 0.81)
-
 _NEAR = 0.1  # relative distance within which two frequencies are one
 _ALONE = 0.7  # share of the power of V̇ in one frequency; a triangle has 0.81
-
-
-class DriveSine(NamedTuple):
-    """The fundamental of a periodic drive: V = `mean` + `amplitude` sin(2π t/T + `phase`) at sample k, t = k steps.
-
-    `period` in samples; `share` of the drive's variance that it explains.
-    """
-
-    period: float
-    amplitude: float
-    phase: float
-    mean: float
-    share: float
-
-    def angle(self, samples: np.ndarray) -> np.ndarray:
-        """Drive phase at sample numbers, rad."""
-        return 2 * np.pi / self.period * samples + self.phase
-
-
-def drive_sine(record: Trace) -> DriveSine | None:
-    """The fundamental of the drive, or None if the drive is not periodic or not ruled by it."""
-    if record.period is None or len(record.drive) < 2 * record.period:
-        return None
-    period = float(record.period)
-    whole = int(int(len(record.drive) / period) * period)
-    drive = record.drive[:whole]
-    angle = 2 * np.pi / period * np.arange(whole)
-    basis = np.column_stack([np.ones(whole), np.sin(angle), np.cos(angle)])
-    mean, a, b = np.linalg.solve(basis.T @ basis, basis.T @ drive)
-    amplitude, variance = float(np.hypot(a, b)), float(np.var(drive))
-    if variance == 0.0:
-        return None
-    share = amplitude**2 / 2 / variance
-    return DriveSine(period, amplitude, float(np.arctan2(b, a)), float(mean), share) if share > _FOLDS else None
 
 
 def only_frequency(record: Trace) -> float | None:

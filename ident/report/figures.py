@@ -8,9 +8,10 @@ import numpy as np
 
 from ..campaign.device import Device, Platform
 from ..campaign.drive import drive_frequency
+from ..campaign.drive_sine import DriveSine, drive_sine
 from ..campaign.record import Trace
 from ..fit.judge import RecordScore
-from .drive_words import DriveSine, drive_sine, drive_words
+from .drive_words import drive_words
 from .quantity import Scale, scale, show_in
 from .style import (
     BAND,

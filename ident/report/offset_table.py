@@ -7,8 +7,8 @@ import numpy as np
 from ..campaign.device import Device
 from ..campaign.record import Trace
 from ..fit.result import Fit
+from ..posterior.offset import Offset, offsets
 from .drive_words import drive_words
-from .offset import Offset, offsets
 from .quantity import Scale, scale, show_in
 from .sheet import Column, Mark, Sheet
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ident.campaign import NoiseFloor
-from ident.report.offset import MEASURES, offsets
+from ident.posterior.offset import MEASURES, offsets
 from ident.report.offset_table import offset_sheets
 
 from .conftest import SIGMA, clean, sine_trace

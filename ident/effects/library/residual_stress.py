@@ -8,10 +8,14 @@ import jax.numpy as jnp
 
 from ...campaign.device import Platform
 from ...mechanics import Restoring, Scalar, restoring, restoring_stiffness, stage_stiffness
-from ..effect import AbstractEffect, Drive, State, amplitude, choice, shape
+from ..effect import AbstractEffect, Drive, Expected, State, amplitude, choice, shape
 from ..section import device_section
 
 _STRENGTH = 10e9  # Pa; micromachined silicon breaks at 1-8 GPa (Petersen, Silicon as a mechanical material, 1982)
+# Sol-gel and sputtered PZT on silicon; Ledermann et al., Sensors and Actuators A 105 (2003) 162: 50 to 150 MPa.
+_FILM = Expected(0.0, 100e6, "films of PZT on silicon carry up to some 100 MPa, either sign")
+_SUBSTRATE = Expected(0.0, 50e6, "what a film leaves in the silicon is less than what it carries")
+_HELD = Expected(1.0, 1.1, "finite elements need 0.06 (stage free in plane) to 2.6 (clamped)")
 
 
 class Stressed(NamedTuple):
@@ -41,11 +45,11 @@ class ResidualStress(AbstractEffect):
 
     closure = choice("axial-force", "sign-change", "frame")
     sigma12 = shape("Pa", "stress gradient in the PZT, top − interface", positive=False,
-                    grid=(-100e6, -25e6, 25e6, 100e6), limits=(-_STRENGTH, _STRENGTH))  # fmt: skip
+                    grid=(-100e6, -25e6, 25e6, 100e6), limits=(-_STRENGTH, _STRENGTH), expected=_FILM)  # fmt: skip
     sigma23 = shape("Pa", "stress gradient in the silicon, interface − bottom", positive=False, grid=(0.0,),
-                    limits=(-_STRENGTH, _STRENGTH))  # fmt: skip
+                    limits=(-_STRENGTH, _STRENGTH), expected=_SUBSTRATE)  # fmt: skip
     sigma2 = shape("Pa", "stress at the interface", positive=False, grid=(0.0,), fitted=False)
-    restraint = amplitude("1", "in-plane restraint ρ of the stage", default=1.0, positive=True)
+    restraint = amplitude("1", "in-plane restraint ρ of the stage", default=1.0, positive=True, expected=_HELD)
     voltage_force = amplitude("N/V", "axial force per volt of drive, β_V")
     width = shape("m", "displacement over which the force changes sign", grid=(0.02, 0.1, 0.4), scale="displacement")
 

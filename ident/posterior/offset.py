@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..campaign.drive_sine import DriveSine, drive_sine
 from ..campaign.record import NoiseFloor, Trace
-from .drive_words import DriveSine, drive_sine
 
 _HARMONICS = 10
 _DRAWS = 200
@@ -94,6 +94,31 @@ def offsets(record: Trace, reading: np.ndarray) -> tuple[Offset, ...] | None:
         )
         for i, measure in enumerate(MEASURES)
     )
+
+
+class Folded(NamedTuple):
+    """Readings folded on a record's drive: `measures` (k, 6) of the mean period, in the order of `MEASURES`, and
+    `second` (k, 2), sine and cosine of the second harmonic, m."""
+
+    measures: np.ndarray
+    second: np.ndarray
+
+
+def fold(record: Trace, readings: np.ndarray) -> Folded | None:
+    """The measures of many readings (k, n) of one record at once; None if the drive has no period to fold on."""
+    sine = drive_sine(record)
+    if sine is None:
+        return None
+    blocks = _blocks(record, sine)
+    count = min(_HARMONICS, int(sine.period) // 4)
+    if len(blocks) < 2 or count < 2:
+        return None
+    inverses = []
+    for start, stop in blocks:
+        basis = _basis(sine.angle(np.arange(start, stop)), count)
+        inverses.append((start, stop, np.linalg.solve(basis.T @ basis, basis.T)))
+    series = np.mean([readings[:, start:stop] @ inverse.T for start, stop, inverse in inverses], axis=0)
+    return Folded(_measures(series, sine), series[:, 3:5])
 
 
 def _blocks(record: Trace, sine: DriveSine) -> list[tuple[int, int]]:

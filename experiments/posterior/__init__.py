@@ -1,0 +1,1 @@
+"""Studies of posterior, evidence and attribution; each asserts what it shows."""

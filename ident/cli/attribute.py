@@ -1,0 +1,51 @@
+"""`ident attribute`: which mechanism explains the zero-point offset."""
+
+from __future__ import annotations
+
+import click
+
+from .options import json_option, run_argument
+
+
+@click.command("attribute", short_help="Which mechanism explains the zero-point offset, with credible intervals.")
+@run_argument
+@json_option
+def command(run: str, as_json: bool) -> None:
+    """Ask of RUN which of its effects explains the zero-point offset of each periodic record: mean over periods, second
+    harmonic, dwell asymmetry, displacement where the drive is zero. Effects are switched on and off at draws of the
+    posterior, and each measure is shared among them (Shapley). RUN gets an attribution.json and a new report.
+
+    \b
+    Example:
+      ident attribute runs/first
+    """
+    from pathlib import Path
+
+    from ident.report.run_folder import load_run, read_run, write_json
+
+    from .output import progress, say, say_json, say_sheet
+
+    folder = Path(run)
+    told = read_run(folder)
+    progress("reading the run")
+    fit = load_run(folder)
+
+    from ident.posterior.attribution import attribute
+    from ident.report.attribution_view import attribution_dict, attribution_sheet, write_attribution_figure
+    from ident.report.html import write_report
+
+    from .sections import drawn_sections
+
+    progress("switching mechanisms on and off at draws of the posterior")
+    document = attribution_dict(attribute(fit), fit.model.device)
+    write_json(folder / "attribution.json", document)
+    write_attribution_figure(document, folder)
+    progress("writing the report")
+    write_report(fit, folder, {"command": told["command"], "sections": drawn_sections(folder, fit)})
+    if as_json:
+        say_json(document)
+        return
+    say_sheet(attribution_sheet(document))
+    say(f"verdict: {document['verdict']}")
+    say(document["words"])
+    say(f"report: {folder / 'report.html'}")

@@ -1,0 +1,59 @@
+"""`ident compare`: models of the same records, weighed."""
+
+from __future__ import annotations
+
+import click
+
+from .options import force_option, json_option
+
+
+@click.command("compare", short_help="Weigh the models of several runs by evidence and held-out prediction.")
+@click.argument("runs", nargs=-1, required=True, metavar="RUN RUN…")
+@click.option("-o", "--output", metavar="FOLDER", help="Write compare.json and compare.png there.")
+@force_option
+@json_option
+def command(runs: tuple[str, ...], output: str | None, force: bool, as_json: bool) -> None:
+    """Weigh the models of runs that were fitted to the same records: log evidence with its error, probability, how well
+    each predicts left-out stretches and held-out records, and in words whether the records can tell them apart.
+
+    \b
+    Example:
+      ident compare runs/stress runs/hysteresis runs/both -o runs/compared
+    """
+    from pathlib import Path
+
+    from ident.errors import UserError
+    from ident.report.run_folder import load_run, read_run, write_json
+
+    from .output import progress, say, say_json, say_sheet
+
+    if len(runs) < 2:
+        raise UserError("one run has nothing to be compared with", do="name two runs or more")
+    folder = None if output is None else Path(output)
+    if folder is not None and (folder / "compare.json").exists() and not force:
+        raise UserError("this exists already", where=str(folder / "compare.json"), do="another folder, or --force")
+    for run in runs:
+        read_run(run)
+    fits = []
+    for run in runs:
+        progress(f"reading {run}")
+        fits.append((run, load_run(run)))
+
+    from ident.posterior.compare import compare
+    from ident.report.compare_view import compare_dict, compare_figure, compare_sheet
+    from ident.report.style import png
+
+    progress("evidence, left-out and held-out scores")
+    document = compare_dict(compare(fits))
+    if folder is not None:
+        folder.mkdir(parents=True, exist_ok=True)
+        write_json(folder / "compare.json", document)
+        (folder / "compare.png").write_bytes(png(compare_figure(document)))
+    if as_json:
+        say_json(document)
+        return
+    say_sheet(compare_sheet(document))
+    say(f"verdict: {document['verdict']}")
+    say(document["words"])
+    if folder is not None:
+        say(f"figure: {folder / 'compare.png'}")

@@ -1,0 +1,94 @@
+"""`ident sample`: the posterior of a run, drawn with emcee."""
+
+from __future__ import annotations
+
+import click
+
+from .options import force_option, json_option, run_argument
+
+
+@click.command("sample", short_help="Draw the posterior of a run, and say when it can be trusted.")
+@run_argument
+@click.option("--resume", is_flag=True, help="Go on with the chain that is there.")
+@click.option("--minutes", type=click.FloatRange(0, min_open=True), metavar="M", help="Stop after so many minutes.")
+@click.option("--seed", type=click.IntRange(0), default=0, metavar="N", help="Of the walkers and their moves.")
+@force_option
+@json_option
+def command(run: str, resume: bool, minutes: float | None, seed: int, force: bool, as_json: bool) -> None:
+    """Draw the posterior of RUN with emcee, until it can be trusted: parameters with 90 % intervals, the prior each
+    began with, the evidence of the model. Intervals of a model that does not describe the records are called not final.
+
+    RUN gets posterior.json, posterior.nc (ArviZ), chain.h5 (emcee) and a new report. Ctrl-C and even kill -9 leave a
+    chain; --resume goes on with it, bit by bit as if nothing had happened.
+
+    \b
+    Example:
+      ident sample runs/first
+      ident sample runs/first --resume --minutes 10
+    """
+    from pathlib import Path
+
+    from ident.errors import UserError
+    from ident.posterior.chain_file import need_h5py, read_chain
+    from ident.posterior.container import need_arviz_base, write_container
+    from ident.report.run_folder import load_run, read_run, write_json
+
+    from .output import progress, say, say_json, say_sheet
+
+    folder = Path(run)
+    told = read_run(folder)
+    need_h5py()
+    need_arviz_base()
+    chain_file = folder / "chain.h5"
+    if chain_file.exists() and not resume and not force:
+        what = "this run has a chain already"
+        raise UserError(what, where=str(chain_file), do="--resume goes on with it, --force begins again")
+    if resume:
+        read_chain(chain_file)  # a damaged one is answered before anything is compiled
+    progress("reading the run")
+    fit = load_run(folder)
+
+    from ident.posterior.result import draw_posterior
+    from ident.report.html import write_report
+    from ident.report.posterior_json import posterior_dict
+    from ident.report.posterior_view import (
+        evidence_words,
+        posterior_sheet,
+        prior_sheet,
+        verdict_words,
+        write_posterior_figure,
+    )
+
+    from .sections import drawn_sections
+
+    progress("finding the peak and compiling the posterior")
+    seconds = None if minutes is None else 60 * minutes
+    posterior = draw_posterior(fit, chain_file, resume=resume, seed=seed, seconds=seconds, report=_tell)
+    document = posterior_dict(posterior)
+    progress("writing posterior.nc and the report")
+    write_json(folder / "posterior.json", document)
+    write_container(posterior, folder / "posterior.nc")
+    write_posterior_figure(posterior, folder)
+    write_report(fit, folder, {"command": told["command"], "sections": drawn_sections(folder, fit)})
+    if as_json:
+        say_json(document)
+    else:
+        say_sheet(posterior_sheet(document, fit.model.device))
+        say_sheet(prior_sheet(document, fit.model.device))
+        for sentence in (verdict_words(document), evidence_words(document["log_evidence"]), *document["notes"]):
+            say(sentence)
+        say(f"report: {folder / 'report.html'}")
+    if posterior.sampled.stopped:
+        progress(f"stopped, because {posterior.sampled.stopped}; `ident sample {run} --resume` goes on")
+    if posterior.sampled.stopped == "it was interrupted":
+        raise click.exceptions.Exit(1)
+
+
+def _tell(now: object) -> None:
+    from ident.posterior.sampler import Progress
+
+    from .output import progress
+
+    assert isinstance(now, Progress)
+    left = "" if now.seconds_left is None else f", about {now.seconds_left:.0f} s left"
+    progress(f"{now.steps} steps, effective draws {now.ess:.0f}, R-hat {now.rhat:.3f}{left}")

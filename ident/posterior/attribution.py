@@ -1,0 +1,234 @@
+"""Which mechanism explains the zero-point offset, and how sure that is.
+
+At draws of the posterior every subset of the model's effects is switched on and the rest off (amplitudes zero), each
+record is simulated, and each measure of the offset is shared among the effects by its Shapley value. The second
+harmonic is shared as a vector: a share is the part of it that points along the whole.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from ..campaign.record import Trace
+from ..errors import UserError
+from ..fit.result import Fit
+from .density import Density, make_density
+from .evidence import log_evidence
+from .misfit import misfit
+from .offset import Measure, Measured, Offset, fold, offsets
+from .pareto import TRUSTED
+from .shapley import shapley, subsets
+
+Verdict = Literal["one mechanism", "several", "undecided"]
+MINOR = 0.1
+"""Share below which what a mechanism makes by itself is called minor."""
+MODULATES = 0.25
+"""Shapley share up to which a mechanism that makes nothing by itself only modulates what others make: a drive weakened
+by a tenth changes an offset, which goes with the square of the motion, by a fifth."""
+_DRAWS = 128
+_MOST = 8  # mechanisms; 256 subsets of each draw
+_SEEN = 3.0  # standard errors from zero beyond which a record has an offset at all, and beyond which a model misses it
+_EVEN = (0, 1, 3, 4)  # positions of the measures that are zero for symmetric physics; they decide
+
+
+class Share(NamedTuple):
+    """What one mechanism explains of a measure: median `share` of the whole, 5 % and 95 % quantiles, and `alone`, what
+    it explains when it is the only one."""
+
+    mechanism: str
+    share: float
+    low: float
+    high: float
+    alone: float
+
+    @property
+    def innocent(self) -> bool:
+        """Whether it surely makes no offset by itself and hardly changes that of others."""
+        return abs(self.alone) < MINOR and self.low > -MODULATES and self.high < MODULATES
+
+    @property
+    def guilty(self) -> bool:
+        """Whether it surely makes part of the offset, by itself or together with others."""
+        return self.low > (MINOR if abs(self.alone) >= MINOR else MODULATES)
+
+
+class Attributed(NamedTuple):
+    """One measure of one record: `offset`, data and model; `shares`, none where there is nothing to share; `counts`,
+    whether it decides: the record has that offset, and the model explains it."""
+
+    offset: Offset
+    shares: tuple[Share, ...]
+    counts: bool
+
+    @property
+    def measure(self) -> Measure:
+        return self.offset.measure
+
+
+class _Parts(NamedTuple):
+    """Per draw: part of each mechanism along the whole (m, k), the same alone, and the whole's square (k,); in units of
+    the measure's error."""
+
+    along: np.ndarray
+    alone: np.ndarray
+    size: np.ndarray
+
+    def shares(self, names: tuple[str, ...]) -> tuple[Share, ...]:
+        found = []
+        for name, part, alone in zip(names, self.along / self.size, self.alone / self.size, strict=True):
+            low, middle, high = np.quantile(part, [0.05, 0.5, 0.95])
+            found.append(Share(name, float(middle), float(low), float(high), float(np.median(alone))))
+        return tuple(found)
+
+
+class RecordAttribution(NamedTuple):
+    """All measures of one record."""
+
+    record: Trace
+    measures: tuple[Attributed, ...]
+
+
+class Attribution(NamedTuple):
+    """`verdict`, in `words`; `reasons` why it is undecided although shares could be computed; `mechanisms`; `leading`,
+    those that explain something; `overall`, shares of all measures of all records that count taken together, each in
+    units of its error."""
+
+    verdict: Verdict
+    words: str
+    reasons: tuple[str, ...]
+    mechanisms: tuple[str, ...]
+    leading: tuple[str, ...]
+    overall: tuple[Share, ...]
+    records: tuple[RecordAttribution, ...]
+
+
+def attribute(fit: Fit, draws: np.ndarray | None = None, *, seed: int = 0) -> Attribution:
+    """Attribute the offset of every periodic record of a fit.
+
+    **Arguments:** `draws` (k, m) parameter values SI of the posterior; drawn by importance sampling if not given.
+
+    **Raises:** UserError if there is no effect, or no periodic record, to attribute to.
+    """
+    names = fit.model.names
+    if not names:
+        what = "the model has no effect, and a linear platform has no offset"
+        raise UserError(what, do="fit with the effects that may explain it, or let `ident discover` find them")
+    if len(names) > _MOST:
+        raise UserError(f"{len(names)} effects have too many subsets to try", do=f"attribute to at most {_MOST}")
+    periodic = tuple(r for r in fit.campaign.traces if fold(r, r.response[None]) is not None)
+    if not periodic:
+        what = "no record has a periodic drive on which an offset could be folded"
+        raise UserError(what, do="measure a sine for two periods or more")
+    density = make_density(fit)
+    reasons: list[str] = []
+    if draws is None:
+        evidence = log_evidence(density, seed=seed)
+        density, draws = evidence.density, evidence.density.values(evidence.resampled(_DRAWS, seed))
+        if not evidence.trusted:
+            k = evidence.shape
+            reasons.append(
+                f"the posterior is not described by one peak (Pareto k {k:.2f} > {TRUSTED}): sample it first"
+            )
+    wrong = misfit(density)
+    if wrong.reasons:
+        reasons.append(f"the model does not describe the records ({wrong.reasons[0]}): ask `ident diagnose`")
+    records, parts = _share(fit, make_density(fit, periodic), periodic, draws)
+    overall = _Parts(*(np.sum(a, axis=0) for a in zip(*parts, strict=True))).shares(names) if parts else ()
+    return _judge(names, records, overall, reasons)
+
+
+def _share(
+    fit: Fit, density: Density, records: tuple[Trace, ...], draws: np.ndarray
+) -> tuple[tuple[RecordAttribution, ...], list[_Parts]]:
+    names, chosen = fit.model.names, subsets(len(fit.model.names))
+    switched = np.concatenate([_with_only(fit, draws, {names[i] for i in s}) for s in chosen])
+    readings = density.readings(switched)
+    at_fit = dict(zip((r.name for r in fit.campaign.traces), fit.readings, strict=True))
+    found, counted = [], []
+    for record, reading in zip(records, readings, strict=True):
+        folded = fold(record, reading)
+        told = offsets(record, at_fit[record.name])
+        assert folded is not None and told is not None  # periodic records were chosen
+        by_subset = lambda a: dict(zip(chosen, np.split(a, len(chosen)), strict=True))
+        second = by_subset(folded.second)
+        measures = []
+        for i, offset in enumerate(told):
+            values = second if i == 1 else by_subset(folded.measures[:, i : i + 1])
+            parts = None if offset.measure.unit == "rad" else _parts(len(names), values, offset)
+            explained = not _stands_out(offset.difference)
+            seen = _stands_out(offset.data)
+            counts = bool(i in _EVEN and parts is not None and seen and explained)
+            measures.append(Attributed(offset, () if parts is None else parts.shares(names), counts))
+            if counts and parts is not None:
+                counted.append(parts)
+        found.append(RecordAttribution(record, tuple(measures)))
+    return tuple(found), counted
+
+
+def _with_only(fit: Fit, draws: np.ndarray, on: set[str]) -> np.ndarray:
+    """The draws with the amplitudes of all other effects zero."""
+    off = [i for i, p in enumerate(fit.model.parameters) if p.kind == "amplitude" and p.effect not in on]
+    changed = draws.copy()
+    changed[:, off] = 0.0
+    return changed
+
+
+def _parts(count: int, values: dict[tuple[int, ...], np.ndarray], offset: Offset) -> _Parts | None:
+    """Parts of v(all) − v(none), values (k, d) being scalars or vectors; none where that is lost in the noise."""
+    error = offset.data.error or 1.0
+    values = {chosen: value / error for chosen, value in values.items()}
+    whole = values[tuple(range(count))] - values[()]
+    size = np.sum(whole**2, axis=1)
+    if not np.all(np.isfinite(size)) or np.median(np.sqrt(size)) <= _SEEN:
+        return None
+    along = np.sum(shapley(values, count) * whole, axis=2)
+    alone = np.array([np.sum((values[(i,)] - values[()]) * whole, axis=1) for i in range(count)])
+    return _Parts(along, alone, size) if np.all(np.isfinite(along)) else None
+
+
+def _judge(
+    names: tuple[str, ...], records: tuple[RecordAttribution, ...], overall: tuple[Share, ...], reasons: list[str]
+) -> Attribution:
+    missed = [
+        (r.record.name, m.measure.name)
+        for r in records
+        for i, m in enumerate(r.measures)
+        if i in _EVEN and _stands_out(m.offset.difference) and _stands_out(m.offset.data)
+    ]
+    counted = sum(m.counts for r in records for m in r.measures)
+    if not counted and not missed:
+        words = "No record has an offset that stands out of its noise: there is nothing to attribute."
+        return Attribution("undecided", words, tuple(reasons), names, (), overall, records)
+    if len(missed) > counted:
+        reasons.append(f"the model misses the {missed[0][1]} of {missed[0][0]} by more than three standard errors")
+    large = tuple(s.mechanism for s in overall if s.guilty)
+    unsure = [s.mechanism for s in overall if not s.guilty and not s.innocent]
+    verdict: Verdict = "undecided"
+    if reasons:
+        words = f"Undecided: {'; '.join(reasons)}."
+    elif len(large) > 1:
+        verdict, words = "several", f"Several mechanisms explain the offset: {_each(overall, large)}."
+    elif len(large) == 1 and not unsure:
+        verdict = "one mechanism"
+        others = tuple(name for name in names if name != large[0])
+        beside = f"; beside it {_each(overall, others)}" if others else ""
+        words = f"One mechanism explains the offset: {_each(overall, large)}{beside}."
+    else:
+        words = f"Undecided: the records do not tell how much {', '.join(unsure or names)} explains."
+    return Attribution(verdict, words, tuple(reasons), names, large, overall, records)
+
+
+def _stands_out(measured: Measured) -> bool:
+    return abs(measured.value) > _SEEN * measured.error
+
+
+def _each(overall: tuple[Share, ...], names: tuple[str, ...]) -> str:
+    """ "residual-stress 102 % (101 … 103)"."""
+    parts = []
+    for share in overall:
+        if share.mechanism in names:
+            middle, low, high = (f"{round(100 * x) + 0:d}" for x in (share.share, share.low, share.high))
+            parts.append(f"{share.mechanism} {middle} %" + ("" if low == high else f" ({low} … {high})"))
+    return ", ".join(parts)

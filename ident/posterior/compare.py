@@ -1,0 +1,126 @@
+"""Weighing models of the same records: by evidence, by what they predict of left-out stretches, by held-out records.
+
+    P(model | records) = Z/Σ Z, every model as likely as any other beforehand
+
+Sources: H. Jeffreys, Theory of Probability, 1961, app. B, and R. E. Kass, A. E. Raftery, J. Am. Stat. Assoc. 90 (1995)
+773 (words for odds).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from ..errors import UserError
+from ..fit.result import Fit
+from .evidence import Evidence, log_evidence
+from .leave_out import LeaveOut, heldout_score, leave_out
+from .log_sum import log_sum
+from .misfit import Misfit, misfit
+
+DECISIVE = 5.0
+"""Difference of ln Z from which a model is called decided: odds of 150 to 1, "very strong" (Kass & Raftery 1995)."""
+_WORDS = ((1.0, "hardly worth a mention"), (3.0, "positive"), (5.0, "strong"), (np.inf, "very strong"))
+_DRAWS = 500
+
+
+class Weighed(NamedTuple):
+    """One model: its fit, evidence, `probability` among those compared, left-out and held-out scores, and what it fails
+    to describe."""
+
+    name: str
+    fit: Fit
+    evidence: Evidence
+    probability: float
+    left_out: LeaveOut
+    heldout: float | None
+    misfit: Misfit
+
+
+class Comparison(NamedTuple):
+    """Models in the order given; the position of the `best`; `lead`, ln of its odds over the next, with `error`."""
+
+    models: tuple[Weighed, ...]
+    best: int
+    lead: float
+    error: float
+    verdict: Literal["decided", "undecided"]
+    words: str
+
+
+def compare(fits: Sequence[tuple[str, Fit]]) -> Comparison:
+    """Weigh named fits.
+
+    **Raises:** UserError if there are fewer than two, or they are not of the same records with the same noise.
+    """
+    if len(fits) < 2:
+        raise UserError("one run has nothing to be compared with", do="name two runs or more")
+    _same_records(fits)
+    evidences = [log_evidence(fit) for _, fit in fits]
+    values = np.array([e.value for e in evidences])
+    shares = np.exp(values - log_sum(values))
+    models = []
+    for (name, fit), evidence, share in zip(fits, evidences, shares, strict=True):
+        draws = evidence.resampled(_DRAWS)
+        density = evidence.density
+        models.append(
+            Weighed(
+                name, fit, evidence, float(share), leave_out(density, draws), heldout_score(density, draws[::5]),
+                misfit(density),
+            )
+        )  # fmt: skip
+    return _judge(tuple(models))
+
+
+def _same_records(fits: Sequence[tuple[str, Fit]]) -> None:
+    first_name, first = fits[0]
+    for name, fit in fits[1:]:
+        mine, theirs = first.campaign.fitted, fit.campaign.fitted
+        same = len(mine) == len(theirs) and all(
+            a.skip == b.skip and a.start == b.start and np.array_equal(a.response, b.response)
+            for a, b in zip(mine, theirs, strict=True)
+        )
+        if not same:
+            what = f"its fitted records are not those of {first_name}, so evidences mean nothing beside each other"
+            raise UserError(what, where=name, do="fit both models to one campaign")
+        if any(a.noise != b.noise for a, b in zip(mine, theirs, strict=True)) or fit.sigma != first.sigma:
+            what = f"it stands on other noise floors than {first_name}"
+            raise UserError(what, where=name, do="fit both with the same --sigma, not fitted")
+
+
+def _judge(models: tuple[Weighed, ...]) -> Comparison:
+    order = sorted(range(len(models)), key=lambda i: -models[i].evidence.value)
+    first, second = models[order[0]], models[order[1]]
+    lead = first.evidence.value - second.evidence.value
+    error = float(np.hypot(first.evidence.error, second.evidence.error))
+    names = _effects(first), _effects(second)
+    strength = next(word for limit, word in _WORDS if lead < limit)
+    odds = f"{np.exp(min(lead, 13.8)):.2g}" if lead < 13.8 else "more than a million"
+    difference = first.left_out.by_block - second.left_out.by_block
+    elpd, elpd_error = float(difference.sum()), float(np.sqrt(len(difference) * np.var(difference, ddof=1)))
+    parts = [
+        f"ln Z of [{names[0]}] exceeds that of [{names[1]}] by {lead:.1f} ± {error:.1f}: "
+        f"odds of {odds} to 1, {strength}."
+    ]
+    parts.append(f"Left-out stretches of time prefer it by {elpd:.1f} ± {elpd_error:.1f} nats.")
+    if first.fit.holdout is not None and second.fit.holdout is not None:
+        ratios = (m.fit.holdout.error_over_noise for m in (first, second) if m.fit.holdout is not None)
+        parts.append("Held-out error over noise: {:.3g} against {:.3g}.".format(*ratios))
+    unsure = [m.name for m in (first, second) if not m.evidence.trusted]
+    decided = lead - 2 * error > DECISIVE and not unsure
+    if unsure:
+        parts.append(f"The evidence of {', '.join(unsure)} is not to be trusted (Pareto k above 0.7).")
+    if lead <= DECISIVE:
+        parts.append("The records cannot separate them.")
+    if first.misfit.reasons:
+        parts.append(
+            f"Even the best does not describe the records ({first.misfit.reasons[0]}): the right model is not among "
+            "them; `ident diagnose` says what is missing."
+        )
+    return Comparison(models, order[0], lead, error, "decided" if decided else "undecided", " ".join(parts))
+
+
+def _effects(model: Weighed) -> str:
+    return " + ".join(["linear", *model.fit.model.names])

@@ -1,0 +1,80 @@
+"""The posterior as an ArviZ container: `posterior.nc`, which ArviZ 0.23 and 1.x read alike.
+
+Groups: posterior, log_likelihood (by blocks of time), posterior_predictive, observed_data, constant_data, sample_stats.
+A chain of ArviZ is an ensemble; its draws are those of all walkers, step by step.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import UserError
+from .block_likelihood import block_likelihood
+from .result import Posterior
+
+_DRAWS = 500  # per ensemble: the file stays small, and any figure or summary is as good
+_PREDICTED = 10  # per ensemble, of whole records
+
+
+def need_arviz_base() -> Any:
+    """The arviz_base module. **Raises:** UserError with the command that installs it."""
+    try:
+        import arviz_base
+        import h5netcdf  # noqa: F401
+    except ImportError:
+        what = "a posterior is kept as NetCDF, for which the packages arviz-base and h5netcdf are missing"
+        raise UserError(what, do="pip install 'ident[posterior]'") from None
+    return arviz_base
+
+
+def write_container(posterior: Posterior, path: Path) -> None:
+    """Write `posterior.nc`, whole or not at all."""
+    arviz_base = need_arviz_base()
+    density, random = posterior.density, np.random.default_rng(0)
+    kept = posterior.sampled.kept
+    ensembles = len(kept)
+    flat = kept.reshape(ensembles, -1, density.size)
+    index = np.linspace(0, flat.shape[1] - 1, min(_DRAWS, flat.shape[1])).astype(int)
+    chosen = flat[:, index]
+    probability = posterior.sampled.chain.log_probability[:, posterior.sampled.convergence.burned :]
+    shape = chosen.shape[:2]
+    together = chosen.reshape(-1, density.size)
+    values = density.values(together)[:, list(density.static.free)].reshape(*shape, -1)
+    blocks = block_likelihood(density, together)
+    few = np.linspace(0, shape[1] - 1, min(_PREDICTED, shape[1])).astype(int)
+    at = (np.arange(ensembles)[:, None] * shape[1] + few).reshape(-1)
+    readings = density.readings(density.values(together[at]))
+    predictive, observed, drive, likelihood = {}, {}, {}, {}
+    dims: dict[str, list[str]] = {}
+    for i, (record, reading) in enumerate(zip(density.records, readings, strict=True)):
+        name = _name(record.name)
+        noise = random.standard_normal(reading.shape) * record.noise.sigma * blocks.sigma[at, i][:, None]
+        predictive[name] = (reading + noise).reshape(ensembles, len(few), -1)
+        observed[name], drive[name] = record.response, record.drive
+        likelihood[name] = blocks.log_likelihood[:, blocks.record == i].reshape(*shape, -1)
+        dims[name] = [f"{name}_sample"]
+    data = {
+        "posterior": {n: values[..., k] for k, n in enumerate(density.names)},
+        "log_likelihood": {f"{n}_blocks": v for n, v in likelihood.items()},
+        "posterior_predictive": predictive,
+        "observed_data": observed,
+        "constant_data": {f"{n}_drive": v for n, v in drive.items()},
+        "sample_stats": {"lp": probability.reshape(ensembles, -1)[:, index]},
+    }
+    dims |= {f"{n}_blocks": [f"{n}_block"] for n in likelihood} | {f"{n}_drive": [f"{n}_sample"] for n in drive}
+    attributes = {"inference_library": "emcee", "trusted": str(posterior.trusted), "units": "SI"}
+    tree = arviz_base.from_dict(data, dims=dims, attrs={"/": attributes})
+    for n, prior in zip(density.names, density.priors, strict=True):
+        tree["posterior"][n].attrs["units"] = prior.unit
+    beside = path.with_name(path.name + ".part")
+    tree.to_netcdf(beside, engine="h5netcdf")
+    beside.replace(path)
+
+
+def _name(file: str) -> str:
+    """A record's file as a name that NetCDF allows."""
+    return re.sub(r"[^\w.]+", "_", Path(file).stem)

@@ -1,0 +1,307 @@
+"""The posterior density of a fit's unknowns, in batches: the only file that knows the arrays of a fit.
+
+The unknowns are those of the fit: fitted parameters in coordinates without bounds, in units that the records resolve.
+The initial state s of a record that does not start at rest is integrated out. It enters almost linearly, so that with
+w(s) = w₀ + J (s − s₀), a prior s ~ N(0, b²) and M = JᵀJ + b⁻²
+
+    χ² = w₀ᵀw₀ + s₀²/b² − gᵀM⁻¹g,   g = Jᵀw₀ + s₀/b²,   ln L gains −½ ln |M| − ln b²
+
+around the states s₀ that fit best at the centre. J is taken anew at every point, by differences over a standard error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..campaign.campaign import Campaign
+from ..campaign.record import Trace
+from ..errors import UserError
+from ..fit.assemble import assemble, begin
+from ..fit.coordinates import to_coordinates, to_values
+from ..fit.problem import Data, Static, Unknowns, evaluate
+from ..fit.reading import fit_starts
+from ..fit.result import Fit
+from ..response import lay_out, respond_many
+from .noise_model import Noise, log_likelihood, precision, record_noise, whiten
+from .priors import Prior, choose_prior, log_prior, table
+
+BATCH = 16
+"""Points evaluated at once, always: one compiled program, and a point's density never depends on its neighbours."""
+
+_START_SPREAD = 3.0  # b, in units of the record's largest displacement and velocity: an initial state is no larger
+_WORST = 1e8  # noise floors; a motion without bound is no number, and this is refused as surely
+
+
+class Linear(NamedTuple):
+    """The density around its centre as a regression: `matrix` (p, p) and `gradient` (p,) of −ln L in x, starts moved to
+    their best (`starts`, (records, 2)), `columns` (p,) lengths of the whitened derivatives."""
+
+    matrix: np.ndarray
+    gradient: np.ndarray
+    starts: np.ndarray
+    columns: np.ndarray
+
+
+class White(NamedTuple):
+    """One record at points (k, …): w₀ (k, n), and for its initial state J (k, n, 2), M (k, 2, 2), g (k, 2)."""
+
+    residual: np.ndarray
+    slope: np.ndarray
+    inner: np.ndarray
+    pull: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Density:
+    """ln posterior of one fit; a value.
+
+    **Arguments:** `records` that it sees, with their `noises`; `data`, whose anchor and scale are origin and unit of x;
+    `starts` s₀ (records, 2); `kick` (2,) the difference by which J is taken; `priors` of the unknowns, in order.
+    """
+
+    fit: Fit
+    records: tuple[Trace, ...]
+    noises: tuple[Noise, ...]
+    static: Static
+    data: Data
+    starts: np.ndarray
+    kick: np.ndarray
+    priors: tuple[Prior, ...]
+
+    @property
+    def size(self) -> int:
+        return len(self.static.free)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(p.name for p in self.priors)
+
+    def log_posterior(self, x: np.ndarray) -> np.ndarray:
+        """ln(prior × likelihood) at points (k, p); −∞ where the model has no finite motion."""
+        prior, likelihood = self.parts(x)
+        total = prior + likelihood.sum(axis=1)
+        return np.where(np.isfinite(total), total, -np.inf)
+
+    def parts(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """ln prior, a density in x, (k,), and ln likelihood of every record (k, records)."""
+        data = self.data
+        coordinates = np.asarray(x) * data.scale + data.anchor
+        prior = log_prior(table(self.priors), coordinates, data.lower, data.upper).sum(axis=1)
+        likelihood = self._batched(
+            lambda part: np.stack([self._one(i, w) for i, w in enumerate(self._white(part))], 1), x
+        )
+        return prior + float(np.sum(np.log(data.scale))), likelihood
+
+    def _one(self, record: int, white: White) -> np.ndarray:
+        start_cost = float(np.sum(self.starts[record] ** 2)) / _START_SPREAD**2 if self._moving(record) else 0.0
+        solved = np.linalg.solve(white.inner, white.pull[..., None])[..., 0]
+        chi2 = np.sum(white.residual**2, axis=1) + start_cost - np.sum(white.pull * solved, axis=1)
+        occam = -0.5 * np.linalg.slogdet(white.inner)[1] - 2.0 * np.log(_START_SPREAD)
+        return log_likelihood(self.noises[record], chi2) + occam
+
+    def values(self, x: np.ndarray) -> np.ndarray:
+        """(k, m) SI, all parameters of the model, fitted or not."""
+        found = np.repeat(np.asarray(self.data.template, float)[None], len(x), axis=0)
+        coordinates = np.asarray(x) * self.data.scale + self.data.anchor
+        found[:, list(self.static.free)] = to_values(coordinates, self.data.lower, self.data.upper)
+        return found
+
+    def readings(self, values: np.ndarray) -> list[np.ndarray]:
+        """Readings (k, n) of each record at parameter values (k, m) SI, at the centre's initial states."""
+        whole = self._batched(lambda part: self._simulate(part, self.starts), values)
+        return [whole[:, own] for own in self.data.tape.slices]
+
+    def innovations(self, x: np.ndarray, seed: int = 0) -> list[np.ndarray]:
+        """White residuals (k, count) of each record in units of its floor, initial states drawn given x."""
+        random = np.random.default_rng(seed)
+        noise = random.standard_normal((len(x), len(self.records), 2))
+
+        def drawn(part: np.ndarray, z: np.ndarray) -> np.ndarray:
+            found = []
+            for i, white in enumerate(self._white(part)):
+                # s − s₀ ~ N(−M⁻¹g, M⁻¹): the inverse of the transposed Cholesky factor has that covariance.
+                factor = np.swapaxes(np.linalg.cholesky(white.inner), 1, 2)
+                step = np.linalg.solve(factor, z[:, i, :, None]) - np.linalg.solve(white.inner, white.pull[..., None])
+                found.append(white.residual + (white.slope @ step)[..., 0])
+            return np.concatenate(found, axis=1)
+
+        whole = self._batched(drawn, x, noise)
+        edges = np.cumsum([0, *(n.count for n in self.noises)])
+        return [whole[:, a:b] for a, b in zip(edges[:-1], edges[1:], strict=True)]
+
+    def _moving(self, record: int) -> bool:
+        return bool(np.any(self.data.start_scale[record]))
+
+    def _simulate(self, values: np.ndarray, starts: np.ndarray) -> np.ndarray:
+        states = np.repeat((starts * self.data.start_scale)[None], len(values), axis=0)
+        return respond_many(self.static.equation, self.data.tape, values, states)
+
+    def _white(self, x: np.ndarray) -> list[White]:
+        values = self.values(x)
+        with np.errstate(over="ignore", invalid="ignore"):
+            at = [self._simulate(values, self.starts)]
+            if self.static.starts_free:
+                at += [self._simulate(values, self.starts + self.kick * np.eye(2)[a]) for a in range(2)]
+            off = [(a - self.data.response) * self.data.weight for a in at]
+            off = [np.where(np.abs(a) < _WORST, a, _WORST) for a in off]
+        found = []
+        for i, (noise, own) in enumerate(zip(self.noises, self.data.tape.slices, strict=True)):
+            first, *kicked = (whiten(noise, a[:, own]) for a in off)
+            k = len(first)
+            slope, pull, inner = np.zeros((*first.shape, 2)), np.zeros((k, 2)), np.tile(np.eye(2), (k, 1, 1))
+            inner = inner / _START_SPREAD**2
+            if self._moving(i):
+                slope = np.stack([(other - first) / self.kick[a] for a, other in enumerate(kicked)], axis=-1)
+                pull = (first[:, None] @ slope)[:, 0] + self.starts[i] / _START_SPREAD**2
+                inner = inner + np.swapaxes(slope, 1, 2) @ slope
+            found.append(White(first, slope, inner, pull))
+        return found
+
+    def _batched(self, program: Callable[..., np.ndarray], *points: np.ndarray) -> np.ndarray:
+        """A program over points in batches of one size, the last one filled up."""
+        k, parts = len(points[0]), []
+        for first in range(0, k, BATCH):
+            chunk = [np.asarray(p[first : first + BATCH], float) for p in points]
+            lacking = BATCH - len(chunk[0])
+            parts.append(program(*(np.concatenate([c, np.repeat(c[:1], lacking, axis=0)]) for c in chunk)))
+        return np.concatenate(parts)[:k]
+
+    def linearise(self) -> Linear:
+        """The likelihood around the centre, initial states eliminated."""
+        found = evaluate(self.static, self.data, Unknowns(np.zeros(self.size), self.starts))
+        matrix, gradient = np.zeros((self.size,) * 2), np.zeros(self.size)
+        starts, squares = self.starts.copy(), np.zeros(self.size)
+        for i, (noise, own) in enumerate(zip(self.noises, self.data.tape.slices, strict=True)):
+            w, jx = whiten(noise, found.residuals[own]), whiten(noise, found.by_x[:, own])
+            weight = precision(noise, float(w @ w))
+            squares += np.sum(jx**2, axis=1)
+            if self._moving(i):
+                js = whiten(noise, found.by_start[:, own])
+                inner = js @ js.T + np.eye(2) / _START_SPREAD**2
+                cross, pull = js @ jx.T, js @ w + starts[i] / _START_SPREAD**2
+                solved = np.linalg.solve(inner, np.column_stack([cross, pull]))
+                matrix -= weight * cross.T @ solved[:, :-1]
+                gradient -= weight * cross.T @ solved[:, -1]
+                starts[i] -= solved[:, -1]
+            matrix += weight * jx @ jx.T
+            gradient += weight * jx @ w
+        return Linear(matrix, gradient, starts, np.sqrt(squares))
+
+    def prior_slope(self) -> tuple[np.ndarray, np.ndarray]:
+        """Gradient (p,) and Hessian (p, p) of −ln prior at the centre; where the prior of a logarithm flattens out
+        towards a limit, the Hessian is that of its standard deviation, for no posterior is broader."""
+        data = self.data
+        anchor, scale = np.asarray(data.anchor), np.asarray(data.scale)
+        # Each prior is a function of its own coordinate, smooth over its own width.
+        width = np.array(
+            [
+                _width(p, v)
+                for p, v in zip(
+                    self.priors, self.values(np.zeros((1, self.size)))[0, list(self.static.free)], strict=True
+                )
+            ]
+        )
+        step = 1e-3 * width
+        low, here, high = (
+            -log_prior(table(self.priors), anchor + k * step, data.lower, data.upper) for k in (-1, 0, 1)
+        )
+        gradient = (high - low) / (2 * step) * scale
+        bend = np.maximum((high - 2 * here + low) / step**2, 0.0)
+        floor = np.array([0.0 if p.kind == "normal" else p.deviation**-2 for p in self.priors])
+        return gradient, np.diag(np.maximum(bend, floor) * scale**2)
+
+    def likely(self) -> Density | None:
+        """The same density centred where parameters that the fit left far outside their priors stand at the middle of
+        these; None if there are none. Least squares knows no prior, and goes far where the records leave it free."""
+        values = self.values(np.zeros((1, self.size)))[0, list(self.static.free)]
+        moved = np.array([_likely(p, float(v)) for p, v in zip(self.priors, values, strict=True)])
+        if np.array_equal(moved, values):
+            return None
+        data = self.data
+        anchor = to_coordinates(moved, np.asarray(data.lower), np.asarray(data.upper))
+        return self.moved((anchor - np.asarray(data.anchor)) / np.asarray(data.scale))
+
+    def moved(self, x: np.ndarray, starts: np.ndarray | None = None) -> Density:
+        """The same density with x = 0 at the point `x`, and other initial states."""
+        anchor = np.asarray(self.data.anchor) + np.asarray(x) * np.asarray(self.data.scale)
+        return replace(
+            self, data=self.data._replace(anchor=anchor), starts=self.starts if starts is None else np.asarray(starts)
+        )
+
+    def with_noise(self, noises: Sequence[Noise]) -> Density:
+        """The same density with other noise of each record."""
+        return replace(self, noises=tuple(noises))
+
+    def frame(self) -> dict[str, np.ndarray]:
+        """Origin and units of x, and the initial states, from which `framed` makes the same density again."""
+        data = self.data
+        return {
+            "anchor": np.asarray(data.anchor),
+            "scale": np.asarray(data.scale),
+            "starts": self.starts,
+            "kick": self.kick,
+        }
+
+    def framed(self, kept: dict[str, Any]) -> Density:
+        """This density in the coordinates of a `frame`."""
+        data = self.data._replace(anchor=kept["anchor"], scale=kept["scale"])
+        return replace(self, data=data, starts=kept["starts"], kick=kept["kick"])
+
+
+def make_density(fit: Fit, records: Sequence[Trace] | None = None) -> Density:
+    """The posterior density of a fit; or, in the same coordinates and with the same priors, that of other `records`.
+
+    **Raises:** UserError where the fit moved nothing.
+    """
+    chosen = tuple(fit.campaign.fitted if records is None else records)
+    tape = lay_out(chosen, 1.0 / fit.scales.period, float(fit.values[1]), fit.model.steps_per_period)
+    campaign = Campaign("", chosen, fit.model.device)
+    static, data = assemble(fit.model, campaign, chosen, tape, fit.values, fit.scales)
+    if not static.free:
+        raise UserError("nothing in this model was fitted, so it has no posterior", do="free a parameter and fit again")
+    unknowns, kick = begin(data, static), np.ones(2)
+    if static.starts_free:
+        unknowns, found = fit_starts(static, data, unknowns)
+        kick = 1.0 / np.maximum(np.sqrt(np.sum(found.by_start**2, axis=1)), 1.0)
+    noises = tuple(record_noise(r, fit.sigma) for r in chosen)
+    bare = Density(fit, chosen, noises, static, data, np.asarray(unknowns.starts, float), kick, ())
+    if records is not None:
+        base = make_density(fit)
+        own = base.data
+        data = data._replace(anchor=own.anchor, scale=own.scale, lower=own.lower, upper=own.upper)
+        return replace(bare, data=data, priors=base.priors)
+    columns = bare.linearise().columns / np.asarray(data.scale)
+    signal = float(np.linalg.norm(data.response * data.weight))
+    sizes = signal / np.where(columns > 0, columns, np.inf)
+    sizes = np.where(sizes > 0, sizes, 1.0)
+    parameters = [fit.model.parameters[i] for i in static.free]
+    priors = tuple(
+        choose_prior(p, float(low), float(high), fit.campaign.priors.get(p.name), float(size), float(fit.values[i]))
+        for p, low, high, size, i in zip(parameters, data.lower, data.upper, sizes, static.free, strict=True)
+    )
+    scale = 1.0 / np.where(columns > 0, columns, 1.0 / np.asarray(data.scale))
+    return replace(bare, data=data._replace(scale=scale), priors=priors)
+
+
+def _width(prior: Prior, value: float) -> float:
+    """Over which a prior changes, in the coordinate: its deviation there."""
+    if prior.kind == "normal" and np.isfinite(prior.lower):
+        return float(np.clip(prior.spread / abs(value or 1.0), 1e-3, 1.0))
+    return prior.deviation
+
+
+_FAR = 3.0  # prior standard deviations
+
+
+def _likely(prior: Prior, value: float) -> float:
+    """The value, or the middle of the prior where it is far outside."""
+    if prior.kind == "normal":
+        return value if abs(value - prior.centre) < _FAR * prior.spread else prior.centre
+    middle = np.sqrt(prior.lower * prior.upper) if prior.kind == "log-uniform" else prior.centre
+    # Of a uniform logarithm the outer hundredths are "far": a fit that ends there met a limit.
+    far = 0.49 * np.sqrt(12.0) if prior.kind == "log-uniform" else _FAR
+    return value if abs(np.log(value / middle)) < far * prior.deviation else float(middle)

@@ -1,0 +1,119 @@
+"""How probable the records are under a model as a whole: ln Z = ln ∫ prior × likelihood.
+
+Laplace first; then importance sampling from the Student t on the peak, whose weights say themselves whether they can be
+trusted; where not, from a mixture fitted to draws of the posterior.
+
+Sources: as in `laplace`, `pareto`, `mixture`; X.-L. Meng, W. H. Wong, Statistica Sinica 6 (1996) 831 (bridge).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..fit.result import Fit
+from .density import Density, make_density
+from .laplace import Laplace, find_peak, proposal
+from .log_sum import log_sum
+from .mixture import fit_mixture
+from .pareto import TRUSTED, Smoothed, smooth
+
+_DRAWS = 2048
+POOR = 0.1
+"""Efficiency of importance weights below which another proposal is worth its price."""
+
+_ROUNDS = 4  # of fitting the mixture to its own weighted draws, where there is no chain
+
+
+class Evidence(NamedTuple):
+    """ln Z with its Monte-Carlo standard `error`; `method` in words; `shape`, Pareto k̂; `efficiency` of the weights;
+    `laplace`, the Gaussian's value. `draws` (k, p) with `log_weights` (k,) represent the posterior of `density`."""
+
+    value: float
+    error: float
+    method: str
+    shape: float
+    efficiency: float
+    laplace: float
+    density: Density
+    draws: np.ndarray
+    log_weights: np.ndarray
+
+    @property
+    def trusted(self) -> bool:
+        return bool(np.isfinite(self.value) and self.shape <= TRUSTED)
+
+    @property
+    def words(self) -> str:
+        """The number, how it was found, and whether it can be used."""
+        doubt = "" if self.trusted else f", not to be trusted: Pareto k = {self.shape:.2f} is above {TRUSTED}"
+        return f"ln Z = {self.value:.2f} ± {self.error:.2f} ({self.method}, efficiency {self.efficiency:.2f}{doubt})"
+
+    def resampled(self, count: int, seed: int = 0) -> np.ndarray:
+        """(count, p) equally weighted draws of the posterior, by systematic resampling."""
+        edges = np.cumsum(np.exp(self.log_weights))
+        places = (np.arange(count) + np.random.default_rng(seed).random()) / count
+        return self.draws[np.minimum(np.searchsorted(edges / edges[-1], places), len(edges) - 1)]
+
+
+def log_evidence(
+    fit: Fit | Density | Laplace, draws: np.ndarray | None = None, *, count: int = _DRAWS, seed: int = 0
+) -> Evidence:
+    """The evidence of a fit.
+
+    **Arguments:** `fit`, or its density or peak where these are at hand; `draws` (k, p) of the posterior in the peak's
+    coordinates, used where one peak does not describe it; `count` of importance draws.
+    """
+    laplace = fit if isinstance(fit, Laplace) else find_peak(fit if isinstance(fit, Density) else make_density(fit))
+    random = np.random.default_rng([seed, 1])
+    best = _importance(laplace, proposal(laplace), count, random, "importance sampling")
+    for _ in range(_ROUNDS):
+        if best.efficiency > POOR and best.trusted:
+            break
+        chosen = best.resampled(count, seed) if draws is None else draws
+        found = _importance(laplace, fit_mixture(chosen, seed), count, random, "importance sampling, mixture")
+        better = found.shape < best.shape or found.efficiency > best.efficiency
+        best = found if better else best
+        if draws is not None:
+            break
+    return best
+
+
+def _importance(laplace: Laplace, target: Any, count: int, random: np.random.Generator, method: str) -> Evidence:
+    x = target.draw(random, count)
+    raw = laplace.density.log_posterior(x) - target.log_density(x)
+    found: Smoothed = smooth(raw)
+    value = float(log_sum(raw) - np.log(count))
+    error = float(np.sqrt(max(1.0 / found.efficiency - 1.0, 0.0) / count))
+    return Evidence(
+        value, error, method, found.shape, found.efficiency, laplace.log_evidence, laplace.density, x, found.log_weights
+    )
+
+
+def bridge(laplace: Laplace, draws: np.ndarray, *, seed: int = 0, tau: float = 1.0) -> tuple[float, float]:
+    """ln Z and its standard error by bridge sampling, a check that shares only the density with `log_evidence`.
+
+    One half of the posterior `draws` (k, p) gives the proposal, the other meets draws from it half way.
+
+    **Arguments:** `tau`: how many of the draws are worth one independent one.
+    """
+    random = np.random.default_rng([seed, 2])
+    chosen, used = draws[::2], draws[1::2]
+    target = fit_mixture(chosen, seed)
+    fresh = target.draw(random, len(used))
+    ratio = lambda x: laplace.density.log_posterior(x) - target.log_density(x)
+    of_posterior, of_proposal = ratio(used), ratio(fresh)
+    effective = len(used) / tau
+    share = np.log(effective / (effective + len(fresh))), np.log(len(fresh) / (effective + len(fresh)))
+    value = float(np.median(of_posterior))
+    for _ in range(1000):
+        upper = of_proposal - np.logaddexp(share[0] + of_proposal, share[1] + value)
+        lower = -np.logaddexp(share[0] + of_posterior, share[1] + value)
+        new = float(log_sum(upper) - np.log(len(upper)) - log_sum(lower) + np.log(len(lower)))
+        if abs(new - value) < 1e-9:
+            break
+        value = new
+    spread = lambda logs: float(np.var(np.exp(logs - log_sum(logs) + np.log(len(logs)))))
+    error = np.sqrt(spread(upper) / len(upper) + spread(lower) / effective)
+    return value, float(error)

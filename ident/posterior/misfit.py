@@ -1,0 +1,85 @@
+"""Whether the model describes the records well enough for an interval to mean anything.
+
+An interval says where a parameter is *if the model is right*. So what the peak leaves, whitened by the records' own
+noise, is held against noise: its size, within the doubt of the floor; its correlation with itself; and single
+frequencies that stick out of its spectrum, as products of the drive would.
+
+Sources: G. M. Ljung, G. E. P. Box, Biometrika 65 (1978) 297; R. A. Fisher, Proc. R. Soc. A 125 (1929) 54 (the largest
+ordinate of a periodogram).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy import stats
+
+from .density import Density
+from .laplace import inverse
+
+_ALARM = 1e-3  # probability of one false alarm over all records and tests together
+_LAGS = 24
+_SLIGHT = 0.05  # correlation per lag that an estimated noise colour leaves of itself, as in the diagnosis
+
+
+class Misfit(NamedTuple):
+    """What is wrong with a model at its peak: `reasons` in words, none if nothing is; `p_value`, the smallest,
+    corrected for the number of tests."""
+
+    reasons: tuple[str, ...]
+    p_value: float
+
+
+def misfit(density: Density) -> Misfit:
+    """Judge what the model leaves at the density's centre."""
+    white = [w[0] for w in density.innovations(np.zeros((1, density.size)))]
+    tests = 3 * len(white)
+    reasons, smallest = [], 1.0
+    for record, noise, w in zip(density.records, density.noises, white, strict=True):
+        found = {
+            "is larger than its noise floor": _size(w, noise.freedom),
+            "repeats itself": _correlation(w, len(record.noise.ar)),
+            "has lines in its spectrum": _largest_line(w),
+        }
+        smallest = min(smallest, *(min(1.0, tests * p) for p in found.values()))
+        worst = min(found, key=lambda name: found[name])
+        if tests * found[worst] < _ALARM:
+            ratio = float(np.sqrt(np.mean(w**2)))
+            reasons.append(f"what the model leaves of {record.name} {worst} (error over noise {ratio:.2f})")
+    return Misfit(tuple(reasons), smallest)
+
+
+def _size(w: np.ndarray, freedom: float) -> float:
+    """Probability of so large a χ² if the floor's variance is known with so many degrees of freedom."""
+    chi2, n = float(w @ w), len(w)
+    return float(stats.chi2.sf(chi2, n)) if np.isinf(freedom) else float(stats.f.sf(chi2 / n, n, freedom))
+
+
+def _correlation(w: np.ndarray, order: int) -> float:
+    n = len(w)
+    last = min(_LAGS, n // 4)
+    w = w - w.mean()
+    power = float(w @ w) or 1.0
+    rho = np.array([float(w[:-k] @ w[k:]) / power for k in range(1, last + 1)])
+    q = n * (n + 2) * float(np.sum(rho**2 / (n - np.arange(1, last + 1))))
+    slight = n * _SLIGHT**2 if order else 0.0
+    return float(stats.ncx2.sf(q, max(last - order, 1), slight) if slight else stats.chi2.sf(q, max(last - order, 1)))
+
+
+def _largest_line(w: np.ndarray) -> float:
+    power = np.abs(np.fft.rfft(w - w.mean())[1:-1]) ** 2
+    share = float(power.max() / power.sum())
+    return float(min(1.0, len(power) * (1.0 - share) ** (len(power) - 1)))
+
+
+def too_narrow(density: Density) -> float:
+    """By how much intervals would be too narrow if the colour of the noise were ignored: the largest ratio of a
+    parameter's standard error with and without it; one for white noise."""
+    if not any(record.noise.ar for record in density.records):
+        return 1.0
+    coloured = density.linearise().matrix + density.prior_slope()[1]
+    white = [n._replace(ar=n.ar[:0], gain=1.0) for n in density.noises]
+    ignoring = density.with_noise(white).linearise().matrix + density.prior_slope()[1]
+    deviations = [np.sqrt(np.diag(inverse(m))) for m in (coloured, ignoring)]
+    return float(np.max(deviations[0] / np.maximum(deviations[1], 1e-300)))

@@ -1,0 +1,153 @@
+"""A posterior as a value: what sampling found, and whether it may be called final."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..fit.result import Fit
+from .density import Density, make_density
+from .evidence import Evidence, log_evidence
+from .laplace import inverse
+from .misfit import misfit, too_narrow
+from .priors import Prior
+from .sampler import Sampled, sample
+
+DECIDES = 1.25
+"""The prior decides a parameter whose standard deviation grows by more than this where all priors are twice as broad:
+records that determine it leave the ratio at 1, records that say nothing give 2."""
+_EVIDENCE_DRAWS = 4000
+_STEP_ERROR = 0.1  # noise floors; the solver's own limit
+
+
+class Marginal(NamedTuple):
+    """One parameter, SI: mean, sd, 5 %, 50 % and 95 % quantiles, Monte-Carlo `error` of the mean, `ess`, R̂;
+    `contraction`, 1 − (posterior/prior variance), in p or ln p as its `prior` is written; `widens`, by how much it
+    would were all priors twice as broad."""
+
+    prior: Prior
+    mean: float
+    deviation: float
+    low: float
+    median: float
+    high: float
+    error: float
+    ess: float
+    rhat: float
+    contraction: float
+    widens: float
+
+    @property
+    def prior_decides(self) -> bool:
+        return self.widens > DECIDES
+
+
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """Draws of a fit's parameters; `reasons` why it is not final (none if it is), `notes` that do not stand against it.
+
+    **Arguments:** `density`, in whose coordinates the draws are; `marginals` in the order of the unknowns;
+    `evidence`; `sampled`, chain and convergence; `narrow`, by how much intervals would be too narrow if the colour of
+    the noise were ignored.
+    """
+
+    fit: Fit
+    density: Density
+    sampled: Sampled
+    marginals: tuple[Marginal, ...]
+    evidence: Evidence
+    reasons: tuple[str, ...]
+    notes: tuple[str, ...]
+    narrow: float
+
+    @property
+    def trusted(self) -> bool:
+        return not self.reasons
+
+    def draws(self, count: int) -> np.ndarray:
+        """(count, m) parameter values SI, all parameters of the model."""
+        return self.density.values(self.sampled.draws(count))
+
+
+def draw_posterior(fit: Fit, chain_file: Path, **options: Any) -> Posterior:
+    """Sample the posterior of a fit; `options` as of `sampler.sample`, which keeps the chain in `chain_file`."""
+    density = make_density(fit)
+    seed = int(options.get("seed", 0))
+    sampled = sample(density, chain_file, run_key(density, seed), **options)
+    return judge_posterior(fit, sampled)
+
+
+def judge_posterior(fit: Fit, sampled: Sampled) -> Posterior:
+    """The posterior that a chain describes, and whether it is final."""
+    density = sampled.laplace.density
+    evidence = log_evidence(sampled.laplace, sampled.draws(_EVIDENCE_DRAWS))
+    wrong = misfit(density)
+    reasons = [*sampled.convergence.reasons]
+    if sampled.stopped and reasons:
+        reasons.insert(0, sampled.stopped)
+    if wrong.reasons:
+        first = wrong.reasons[0] + (f", and {len(wrong.reasons) - 1} more" if len(wrong.reasons) > 1 else "")
+        reasons.append(f"the model does not describe the records: {first}; ask `ident diagnose` what is missing")
+    if not fit.converged:
+        reasons.append("the fit had not converged")
+    if not fit.step_error < _STEP_ERROR:
+        reasons.append(f"the solver's step moves the readings by {fit.step_error:.2f} noise floors")
+    narrow, notes = too_narrow(density), []
+    if narrow > 1.0:
+        notes.append(
+            f"The noise is coloured, which the likelihood takes into account: taken as white, intervals would be up to "
+            f"{narrow:.1f} times too narrow."
+        )
+    marginals = _marginals(density, sampled)
+    decided = [m.prior.name for m in marginals if m.prior_decides]
+    if decided:
+        notes.append(f"The prior decides {', '.join(decided)}: the records say less of it than was assumed beforehand.")
+    return Posterior(fit, density, sampled, marginals, evidence, tuple(reasons), tuple(notes), narrow)
+
+
+def _marginals(density: Density, sampled: Sampled) -> tuple[Marginal, ...]:
+    kept, judged = sampled.kept, sampled.convergence
+    flat = density.values(kept.reshape(-1, density.size))[:, list(density.static.free)]
+    widens = _widening(density)
+    found = []
+    for k, prior in enumerate(density.priors):
+        values = flat[:, k]
+        low, median, high = np.quantile(values, [0.05, 0.5, 0.95])
+        variable = values if prior.kind == "normal" else np.log(values)
+        ratio = float(variable.std()) / prior.deviation
+        spread, ess = float(values.std()), float(judged.ess[k])
+        found.append(
+            Marginal(
+                prior, float(values.mean()), spread, float(low), float(median), float(high), spread / np.sqrt(ess), ess,
+                float(judged.rhat[k]), 1.0 - ratio**2, float(widens[k]),
+            )
+        )  # fmt: skip
+    return tuple(found)
+
+
+def _widening(density: Density) -> np.ndarray:
+    """(p,) ratio of standard deviations at the peak, priors twice as broad over priors as they are."""
+    told, bend = density.linearise().matrix, density.prior_slope()[1]
+    as_is, broader = (np.diag(inverse(told + share * bend)) for share in (1.0, 0.25))
+    return np.sqrt(broader / as_is)
+
+
+def run_key(density: Density, seed: int) -> str:
+    """What a chain belongs to, as a checksum: the records as measured, their noise, the model, priors and the seed."""
+    told = hashlib.sha256()
+    for record in density.records:
+        for array in (record.time, record.drive, record.response):
+            told.update(np.ascontiguousarray(array, float).tobytes())
+        told.update(repr((record.name, record.noise, record.start, record.load, record.skip)).encode())
+    model = density.fit.model
+    settings = [(e.name, sorted(e.settings.items())) for e in model.effects]
+    priors = [tuple(p) for p in density.priors]
+    template = np.asarray(density.data.template, float)
+    told.update(json.dumps([repr(model.device), settings, priors, density.fit.sigma, seed], default=str).encode())
+    told.update(template.tobytes())
+    return told.hexdigest()

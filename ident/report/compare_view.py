@@ -1,0 +1,115 @@
+"""Models weighed against one another: `compare.json`, its table and its figure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from ..posterior.compare import Comparison, Weighed
+from .sheet import Column, Sheet
+from .style import FAINT, HELDOUT, INK, MODEL, RESIDUAL, label, new_axes, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def compare_dict(found: Comparison) -> dict[str, Any]:
+    """A comparison as plain numbers, format 1."""
+    return {
+        "format": 1,
+        "models": [_model(m) for m in found.models],
+        "verdict": found.verdict,
+        "best": found.models[found.best].name,
+        "lead": found.lead,
+        "lead_error": found.error,
+        "words": found.words,
+    }
+
+
+def _model(one: Weighed) -> dict[str, Any]:
+    shape = one.evidence.shape
+    holdout = one.fit.holdout
+    return {
+        "run": one.name,
+        "effects": list(one.fit.model.names),
+        "log_evidence": one.evidence.value,
+        "log_evidence_error": one.evidence.error,
+        "log_evidence_laplace": one.evidence.laplace,
+        "pareto_k": shape if math.isfinite(shape) else None,
+        "efficiency": one.evidence.efficiency,
+        "trusted": one.evidence.trusted,
+        "probability": one.probability,
+        "elpd": one.left_out.elpd,
+        "elpd_error": one.left_out.error,
+        "elpd_bad_blocks": one.left_out.bad,
+        "heldout_log_score": one.heldout,
+        "holdout_error_over_noise": None if holdout is None else holdout.error_over_noise,
+        "describes_the_records": not one.misfit.reasons,
+    }
+
+
+def compare_sheet(document: Mapping[str, Any]) -> Sheet:
+    """Every model with its evidence and scores, the best first."""
+    models = sorted(document["models"], key=lambda m: -m["log_evidence"])
+    best = models[0]
+    rows, marks = [], []
+    for m in models:
+        holdout = m["holdout_error_over_noise"]
+        doubt = [] if m["trusted"] else ["evidence not to be trusted"]
+        doubt += [] if m["describes_the_records"] else ["does not describe the records"]
+        rows.append((m["run"], " + ".join(m["effects"]) or "linear", f"{m['log_evidence'] - best['log_evidence']:.1f}",
+                     f"± {m['log_evidence_error']:.2f}", f"{100 * m['probability']:.3g} %",
+                     f"{m['elpd'] - best['elpd']:.1f}", "–" if holdout is None else f"{holdout:.3g}",
+                     "; ".join(doubt)))  # fmt: skip
+        marks.append("total" if m is best else "warning" if doubt else "")
+    columns = (
+        Column("run", wraps=True), Column("effects", wraps=True), Column("Δ ln Z", True), Column("error"),
+        Column("probability", True), Column("Δ elpd", True), Column("held out/noise", True),
+        Column("remark", wraps=True),
+    )  # fmt: skip
+    note = "Δ: against the best. elpd: ln predictive density of left-out stretches of time."
+    return Sheet("Models compared", columns, tuple(rows), tuple(marks), note)
+
+
+def compare_figure(document: Mapping[str, Any]) -> Figure:
+    """How far each model is behind the best, in nats of evidence (bar) and of left-out prediction (dot)."""
+    models = sorted(document["models"], key=lambda m: -m["log_evidence"])
+    height = 0.5 * len(models) + 1.35
+    figure = new_figure(10.6, height)
+    axes = new_axes(figure, 0.36, 0.62 / height, 0.56, 1 - 1.2 / height)
+    best = models[0]
+    behind = [best["log_evidence"] - m["log_evidence"] for m in models]
+    missed = [max(best["elpd"] - m["elpd"], 0.0) for m in models]
+    places = [-i for i in range(len(models))]
+    colours = [MODEL if i == 0 else HELDOUT for i in range(len(models))]
+    axes.barh(places, [max(b, 0.0) for b in behind], height=0.55, color=colours)
+    axes.plot(missed, places, "o", color=INK, ms=5)
+    axes.set_xscale("symlog", linthresh=10.0)
+    axes.set_xlim(0, max(20.0, 3.0 * max([*behind, *missed])))
+    axes.axvline(5.0, color=RESIDUAL, lw=1.2, ls="--")
+    axes.set_ylim(places[-1] - 0.6, 0.75)
+    axes.text(5.0, 0.72, " decided beyond", fontsize=9, color=RESIDUAL, va="top")
+    axes.set_yticks(places, [" + ".join(m["effects"]) or "linear alone" for m in models])
+    axes.tick_params(axis="y", length=0)
+    axes.minorticks_off()
+    axes.xaxis.set_major_formatter("{x:g}")
+    for place, b, m in zip(places, behind, models, strict=True):
+        text = f"best: {100 * m['probability']:.3g} %" if m is best else f"{b:.1f}"
+        axes.annotate(
+            text,
+            (max(b, best["elpd"] - m["elpd"], 0.0), place),
+            (8, 0),
+            textcoords="offset points",
+            va="center",
+            fontsize=9,
+        )
+    label(axes, "nats behind the best:  bar, evidence;  dot, left-out prediction")
+    words = {"decided": "The records decide for", "undecided": "The records do not decide; ahead is"}[
+        document["verdict"]
+    ]
+    title = f"{words} {' + '.join(best['effects']) or 'the linear model'}"
+    colour = INK if document["verdict"] == "decided" else RESIDUAL
+    figure.text(0.012, 1 - 0.24 / height, title, fontsize=12, weight="bold", color=colour, va="center")
+    figure.text(0.985, 1 - 0.24 / height, "a nat: odds of 2.7", fontsize=9, color=FAINT, va="center", ha="right")
+    return figure
