@@ -21,7 +21,8 @@ SWEEP_NAMES = {"drive": "level", "response": "amplitude"}
 
 @dataclass(frozen=True)
 class RecordSpec:
-    """One `[[record]]`. `noise` and `level` are SI, `skip` is seconds (float) or samples (int), `rate` is Hz."""
+    """One `[[record]]`. `noise` and `level` are SI, `skip` is seconds (float) or samples (int), `rate` is Hz; `undriven`:
+    nothing drove the device (`drive = "none"`)."""
 
     file: str
     path: Path
@@ -38,6 +39,7 @@ class RecordSpec:
     quantity: Literal["fundamental", "half-peak-to-peak"] = "fundamental"
     columns: Mapping[str, str | int] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
+    undriven: bool = False
 
 
 def signal_units(device: Device) -> tuple[tuple[str, Dimension | None], tuple[str, Dimension | None]]:
@@ -80,6 +82,7 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
         quantity=section.choice("quantity", ("fundamental", "half-peak-to-peak"), "fundamental"),  # type: ignore[arg-type]
         columns=_columns(section, kind),
         units=_units(section, device),
+        undriven=_undriven(section),
     )
     section.check_keys()
     for key in ("direction", "quantity", "level") if kind == "trace" else ():
@@ -87,7 +90,7 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
             raise section.error(
                 key, "belongs to a sweep, and this record is a trace", 'remove it, or write kind = "sweep"'
             )
-    for key in ("start", "skip", "rate") if kind == "sweep" else ():
+    for key in ("start", "skip", "rate", "drive") if kind == "sweep" else ():
         if key in section.values:
             raise section.error(
                 key, "belongs to a trace, and this record is a sweep", 'remove it, or write kind = "trace"'
@@ -119,6 +122,15 @@ def _amount(section: Section, key: str, unit: str, dimension: Dimension | None, 
     if not value > 0:
         raise section.error(key, f'"{text}" is not positive', f'write for example "{example}"')
     return value
+
+
+def _undriven(section: Section) -> bool:
+    """Whether the record says that nothing drives the device."""
+    value = section.text("drive")
+    if value not in ("", "none"):
+        do = 'write drive = "none" for a ring-down, or columns = { drive = "…" } to name the column of the drive'
+        raise section.error("drive", f'"{value}" is not a drive', do)
+    return value == "none"
 
 
 def _skip(section: Section) -> float | int:
