@@ -14,6 +14,7 @@ from ..effects.effect import AbstractEffect
 from ..fit import Fit, fit
 from ..fit.fit import minimise
 from ..fit.guess import DataScales
+from ..fit.one_tone import gain_of
 from ..fit.problem import evaluate
 from ..fit.rebuild import fit_at
 from ..model import Model, make_effect
@@ -91,7 +92,7 @@ def with_effect(before: Fit, effect: type[AbstractEffect]) -> Model:
     A quality factor that had to be held, for a steady sine does not determine it, is free beside the effect, as it is
     in the scores: a wrong one would make another effect of it.
     """
-    free = replace(before.model, undetermined=frozenset())
+    free = replace(before.model, undetermined=before.model.undetermined & {gain_of(before.model)})
     return free + make_effect(before.campaign, effect.name, {effect.name: effect})
 
 

@@ -77,4 +77,6 @@ def _errors(fitted: Fit) -> dict[str, Any]:
     return {
         "error_over_noise": fitted.fitted.error_over_noise,
         "holdout_error_over_noise": None if heldout is None else heldout.error_over_noise,
+        "error_over_signal": fitted.fitted.error_over_signal,
+        "holdout_error_over_signal": None if heldout is None else heldout.error_over_signal,
     }

@@ -17,7 +17,7 @@ from . import solve
 from .assemble import assemble, at_values, begin
 from .finish import Minimum, finish
 from .guess import LinearGuess, data_scales, guess_linear
-from .one_tone import hold_dragged, hold_quality
+from .one_tone import gain_of, hold_dragged, hold_gain, hold_quality
 from .problem import Data, Evaluation, Static, evaluate
 from .result import Fit, SigmaChoice, Start
 from .starts import base_values, random_points, starting_points
@@ -53,13 +53,14 @@ def fit(
 
     **Raises:** UserError if there is nothing to fit.
     """
-    model = hold_quality(model, campaign.fitted)
+    model = hold_quality(hold_gain(model, campaign.fitted), campaign.fitted)
+    all_else = replace(model, undetermined=model.undetermined & {gain_of(model)})
     found = minimise(
         model, campaign, robust=robust, starts=starts, spread=spread, seed=seed, initial=initial, report=report
     )
-    if model.undetermined and found.error > _AT_THE_FLOOR:
+    if model.undetermined != all_else.undetermined and found.error > _AT_THE_FLOOR:
         # What is left of the record's beginning may tell the quality factor after all.
-        other = minimise(replace(model, undetermined=frozenset()), campaign, robust=robust, initial=found.values)
+        other = minimise(all_else, campaign, robust=robust, initial=found.values)
         if other.error < _AT_THE_FLOOR:
             found = minimise(model, campaign, robust=robust, initial=other.values)
     elif found.error > _AT_THE_FLOOR:

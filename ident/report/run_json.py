@@ -54,6 +54,7 @@ def _score(score: Score | RecordScore, record: Trace) -> dict[str, Any]:
         "unit": channel.unit.replace("µ", "u").replace("μ", "u"),
         "noise_rmse": _number(score.noise_rmse / channel.factor),
         "error_over_noise": _number(score.error_over_noise),
+        "error_over_signal": _number(score.error_over_signal),
     }
 
 
