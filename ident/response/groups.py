@@ -97,7 +97,7 @@ def _pack(records: Sequence[Trace], substeps: int, frequency: float) -> Group:
     fill = lambda a, size, mode: np.pad(a, (0, size - len(a)), mode=mode)
     voltage = np.stack([fill(v, 2 * (n - 1) * substeps + 1, "edge") for v, _ in drives])
     rate = np.stack([fill(r, 2 * (n - 1) * substeps + 1, "constant") for _, r in drives])
-    weight = np.stack([fill(_weight(record), n, "constant") for record in records])
+    weight = np.stack([fill(_weight(record, frequency), n, "constant") for record in records])
     amplitude = max(float(np.max(np.abs(record.response))) for record in records) or 1.0
     return Group(
         Lane(
@@ -115,6 +115,20 @@ def _pack(records: Sequence[Trace], substeps: int, frequency: float) -> Group:
     )
 
 
-def _weight(record: Trace) -> np.ndarray:
-    counted = np.arange(len(record.time)) >= record.skip
-    return counted / record.noise.sigma
+_TIED = 0.05  # of the rms response: how near the first of the skipped samples hold the start of a motion
+_TIED_FOR = 0.25  # of a period of the resonance: two numbers, displacement and velocity, need no more
+
+
+def _weight(record: Trace, frequency: float) -> np.ndarray:
+    """1/σ of the samples that count, (n,).
+
+    Of skipped ones the first hold the initial state, loosely: without them nothing does, and a start that is free runs
+    away to where it mimics a little of what the model lacks (a memory of before the record, say).
+    """
+    index = np.arange(len(record.time))
+    weight = (index >= record.skip) / record.noise.sigma
+    if record.start != "rest":
+        first = index < min(record.skip, max(round(_TIED_FOR / (frequency * record.step)), 5))
+        size = float(np.std(record.response))
+        weight[first] = 1.0 / max(record.noise.sigma, _TIED * size, 1e-300)
+    return weight
