@@ -38,10 +38,10 @@ def command(
     check_target(folder, force)
 
     from ident.fit import fit
-    from ident.model import build_model
+    from ident.fit.start_model import start_model
 
     from .walk import walk
 
-    model = build_model(data, effects)
+    model = start_model(data, effects, progress)
     progress(f"fitting {', '.join(model.names) or 'the linear model'}")
     walk(fit(model, data, report=progress), folder, force=force, as_json=as_json)

@@ -16,11 +16,11 @@ from ..response.groups import Layout
 from . import solve
 from .assemble import assemble, at_values, begin
 from .finish import Minimum, finish
-from .guess import LinearGuess, data_scales, guess_linear
+from .guess import LinearGuess, data_scales
 from .one_tone import gain_of, hold_dragged, hold_gain, hold_quality
 from .problem import Data, Evaluation, Static, evaluate
 from .result import Fit, SigmaChoice, Start
-from .starts import base_values, random_points, starting_points
+from .starts import base_values, first_guess, random_points, starting_points
 
 Report = Callable[[str], None]
 _KEPT_STARTS = 4  # of the grid, the ones whose first error is smallest
@@ -98,8 +98,7 @@ def minimise(
         guess = LinearGuess(float(told[0][0]), float(told[0][1]), float("nan"), float("nan"))
     else:
         report("reading the resonance off the records")
-        quality = model.parameters[1]
-        guess = guess_linear(records, model.linear.nominal_frequency, None if quality.fitted else quality.value)
+        guess = first_guess(model, records)
     scales = data_scales(records, guess.frequency)
     base = told[0] if told else base_values(model, guess, scales)
     groups, layout = make_groups(records, max(guess.frequency, float(base[0])), guess.quality, model.steps_per_period)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -53,7 +53,7 @@ def guess_linear(
     records: Sequence[Trace], nominal_frequency: float | None = None, held: float | None = None
 ) -> LinearGuess:
     """The linear oscillator nearest to the records; `held`: its quality factor, if that is known."""
-    pieces = [_piece(record) for record in records]
+    pieces = [make_piece(record) for record in records]
     grid = _frequencies(records, nominal_frequency)
     qualities = _QUALITIES if held is None else (held,)
     ringings = [found for r in records if not r.driven and (found := read_ringing(r.response, r.step)) is not None]
@@ -78,6 +78,13 @@ def guess_linear(
     return LinearGuess(frequency, quality, _gain(pieces, frequency, quality), misfit)
 
 
+def told_guess(start: Mapping[str, float], names: Sequence[str]) -> LinearGuess | None:
+    """The linear model of starting values by name; None if they leave one of the three `names` open."""
+    if not all(name in start for name in names):
+        return None
+    return LinearGuess(*(float(start[name]) for name in names), float("nan"))
+
+
 def data_scales(records: Sequence[Trace], frequency: float) -> DataScales:
     """Largest displacement, velocity, voltage; period of the resonance; longest duration."""
     displacement = max(float(np.max(np.abs(r.response - np.mean(r.response)))) for r in records)
@@ -93,7 +100,10 @@ def data_scales(records: Sequence[Trace], frequency: float) -> DataScales:
     return DataScales(displacement, velocity, voltage, 1.0 / frequency, duration)
 
 
-class _Piece(NamedTuple):
+class Piece(NamedTuple):
+    """A record for the linear search: its liveliest stretch, the response divided by its `size`; `rest`: whether it
+    starts from rest; `power` of the response about its mean."""
+
     step: float
     drive: np.ndarray
     response: np.ndarray
@@ -103,13 +113,14 @@ class _Piece(NamedTuple):
     power: float
 
 
-def _piece(record: Trace) -> _Piece:
+def make_piece(record: Trace) -> Piece:
+    """A record for the linear search."""
     part = _liveliest(record.response)
     size = float(np.std(record.response[part])) or 1.0
     rest = record.start == "rest" and part.start == 0
     response = record.response[part] / size
     power = float(np.sum((response - np.mean(response)) ** 2))
-    return _Piece(record.step, record.drive[part], response, size, rest, record.driven, power)
+    return Piece(record.step, record.drive[part], response, size, rest, record.driven, power)
 
 
 def _liveliest(response: np.ndarray) -> slice:
@@ -159,16 +170,16 @@ def oscillator_filter(frequency: float, quality: float, step: float) -> tuple[np
     return np.array([g[0], g[1] + a[1] * g[0], g[2] + a[1] * g[1] + a[2] * g[0]]), a
 
 
-def _free_motions(piece: _Piece, frequency: float, quality: float) -> np.ndarray:
-    """What a start in motion may add to the response, and a constant, (n, 3)."""
+def free_motion(piece: Piece, frequency: float, quality: float) -> np.ndarray:
+    """What a start in motion may add to the response, (n, 2)."""
     omega = 2 * math.pi * frequency
     t = piece.step * np.arange(len(piece.drive))
     decay = np.exp(-omega / (2 * quality) * t)
     if quality < _CRITICAL:  # two exponentials
         fast, slow = _rates(omega, quality)
-        return np.stack([np.ones_like(t), np.exp(-slow * t), np.exp(-fast * t)], axis=1)
+        return np.stack([np.exp(-slow * t), np.exp(-fast * t)], axis=1)
     ring = omega * math.sqrt(max(1 - 1 / (4 * quality**2), 1e-6)) * t
-    return np.stack([np.ones_like(t), decay * np.cos(ring), decay * np.sin(ring)], axis=1)
+    return np.stack([decay * np.cos(ring), decay * np.sin(ring)], axis=1)
 
 
 def _rates(omega: float, quality: float) -> tuple[float, float]:
@@ -186,7 +197,7 @@ class _Projected(NamedTuple):
     power: float
 
 
-def _projected(pieces: Sequence[_Piece], frequency: float, quality: float) -> _Projected:
+def _projected(pieces: Sequence[Piece], frequency: float, quality: float) -> _Projected:
     """The records as a trial frequency and quality see them.
 
     A driven record must be explained by its drive: the share of its power that is left beside its free motion counts.
@@ -201,7 +212,8 @@ def _projected(pieces: Sequence[_Piece], frequency: float, quality: float) -> _P
         if piece.rest:
             both -= both.mean(axis=1, keepdims=True)
         else:
-            basis, _ = np.linalg.qr(_free_motions(piece, frequency, quality))
+            constant = np.ones((len(piece.drive), 1))
+            basis, _ = np.linalg.qr(np.hstack([constant, free_motion(piece, frequency, quality)]))
             both -= both @ basis @ basis.T
         forced.append(both[0])
         measured.append(both[1])
@@ -209,7 +221,7 @@ def _projected(pieces: Sequence[_Piece], frequency: float, quality: float) -> _P
     return _Projected(np.concatenate(forced), np.concatenate(measured), power)
 
 
-def _misfit(pieces: Sequence[_Piece], frequency: float, quality: float) -> float:
+def _misfit(pieces: Sequence[Piece], frequency: float, quality: float) -> float:
     x, y, whole = _projected(pieces, frequency, quality)
     power = float(x @ x)
     driven = any(piece.driven for piece in pieces)
@@ -219,7 +231,7 @@ def _misfit(pieces: Sequence[_Piece], frequency: float, quality: float) -> float
     return math.sqrt(max(left, 0.0) / whole)
 
 
-def _gain(pieces: Sequence[_Piece], frequency: float, quality: float) -> float:
+def _gain(pieces: Sequence[Piece], frequency: float, quality: float) -> float:
     if not any(piece.driven for piece in pieces):
         return 0.0
     x, y, _ = _projected(pieces, frequency, quality)

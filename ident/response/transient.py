@@ -99,7 +99,7 @@ def assemble(equation: Equation, values: Numbers, lane: Lane) -> System:
     """Bind parameter values, (m,) SI, to the equation of motion of one record."""
     (frequency, quality, gain), effects = equation.model.bind(values)
     linear = equation.model.linear
-    omega0 = 2 * jnp.pi * frequency
+    stiffness, damping = equation.model.spring_and_damper(frequency, quality)
     slices: list[slice | None] = []
     first = 0
     for effect in effects:
@@ -112,8 +112,8 @@ def assemble(equation: Equation, values: Numbers, lane: Lane) -> System:
         effects,
         tuple(slices),
         linear.mass + lane.load,
-        linear.mass * omega0 / quality,
-        linear.mass * omega0**2,
+        damping,
+        stiffness,
         linear.force_per_gain * gain,
         lane.omega,
         lane.moving,
