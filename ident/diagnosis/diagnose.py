@@ -10,7 +10,7 @@ from pathlib import Path
 from ..effects.effect import AbstractEffect
 from ..fit import Fit
 from .beyond import free_name, go_beyond
-from .discover import Discovery, Step, continue_from
+from .discover import Discovery, Keep, Step, continue_from
 from .effect_file import write_effect
 from .experiments import NextExperiment, next_experiments, rank_experiments
 from .locate import Where, locate
@@ -53,17 +53,18 @@ def diagnose(
     report: Report = lambda _: None,
     effect_file: Path | None = None,
     keeps_walk: bool = False,
+    keep: Keep = lambda _, __: None,
 ) -> Diagnosis:
     """Locate the misfit, walk the loop, and look beyond the library where it does not reach.
 
     **Arguments:** `effect_file`: where to write what the library lacks; the model with it then ends the walk.
     `keeps_walk`: whether the caller goes on with the last model of the walk; what it lacks is then written, if named
-    effects nearly explain the records, and else what the fit lacks.
+    effects nearly explain the records, and else what the fit lacks. `keep`: as of `continue_from`.
     """
     report("locating the misfit")
     bench = prepare(working(fitted))
     where = locate(bench)
-    found = continue_from(fitted, library, report)
+    found = continue_from(fitted, library, report, keep=keep)
     answer = partial(Diagnosis, found, where, unseen=unseen(bench, found.ranking, library))
     if found.verdict != "not-in-library":
         unknown = _instead(bench, report) if found.lacking else None

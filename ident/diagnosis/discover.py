@@ -9,7 +9,7 @@ sure: with the true effect absent from the library an impostor still lowers the 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
@@ -36,6 +36,8 @@ from .trajectory import Diverged
 Verdict = Literal["adequate", "identified", "ambiguous", "not-in-library"]
 Library = Mapping[str, type[AbstractEffect]]
 Report = Callable[[str], None]
+Keep = Callable[["Fit", "Sequence[Step]"], None]
+"""Called with the first fit and the steps so far after each of them, so that a walk that is stopped has left them."""
 
 MOST_TERMS = 6
 _SHORTLIST = 3  # twice as many if refits keep less than the scores promised
@@ -97,7 +99,13 @@ def discover(
     return continue_from(start, library, report, most)
 
 
-def continue_from(start: Fit, library: Library, report: Report = lambda _: None, most: int = MOST_TERMS) -> Discovery:
+def continue_from(
+    start: Fit,
+    library: Library,
+    report: Report = lambda _: None,
+    most: int = MOST_TERMS,
+    keep: Keep = lambda _, __: None,
+) -> Discovery:
     """The loop from a fit."""
     current, steps = start, []
     ranking: tuple[Candidate, ...] = ()
@@ -122,6 +130,7 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
         steps.append(step)
         current = step.fit
         report(f"added {step.added}: error over noise {current.fitted.error_over_noise:.3g}")
+        keep(start, steps)
     while steps and hurts(steps[-2].fit if len(steps) > 1 else start, steps[-1].fit):
         steps.pop()
     alike: tuple[Parts, ...] = ()
