@@ -12,6 +12,7 @@ from ..fit import Fit
 from .beyond import free_name, go_beyond
 from .discover import Discovery, Keep, Step, continue_from
 from .effect_file import write_effect
+from .enough import adequate
 from .experiments import NextExperiment, next_experiments, rank_experiments
 from .locate import Where, locate
 from .score import Bench, prepare
@@ -69,6 +70,8 @@ def diagnose(
     if found.verdict != "not-in-library":
         unknown = _instead(bench, report) if found.lacking else None
         return answer(unknown, next_experiments=measure_next(found, library, report))
+    if not found.steps and adequate(found.bench):
+        return answer()  # the fitted records lack nothing: it is the held-out ones that contradict
     if effect_file is None:
         return answer(_instead(bench, report))
     base, kept = (found.final, found.steps) if keeps_walk and _nearly_explained(found) else (fitted, ())

@@ -21,7 +21,7 @@ from ..fit import Fit, fit
 from ..model import Model
 from .change import try_without
 from .confirm import Confirmed, accept, confirm
-from .enough import ANOTHER_LAW, adequate, laws_differ_by, not_worth_adding, worth_a_name
+from .enough import ANOTHER_LAW, adequate, contradicted, laws_differ_by, not_worth_adding, worth_a_name
 from .lacking import lacking
 from .lone_record import prepare_at_best
 from .parts import Parts
@@ -150,7 +150,7 @@ def continue_from(
     steps = [_beside_parts(step, alike) for step in steps]
     remaining = tuple(significant(candidates))
     lacks = lacking(_after_effects(steps, bench), first, report) if steps else 0.0
-    verdict = _verdict(steps, bench, first, lacks)
+    verdict = _verdict(steps, bench, first, lacks, contradicted(steps[-1].fit if steps else start))
     return Discovery(verdict, start, tuple(steps), ranking, gains, remaining, bench, lacks)
 
 
@@ -318,12 +318,13 @@ def _in_order(tried: list[Confirmed], bench: Bench) -> list[Confirmed]:
     return near + sorted((c for c in tried if not c.criterion <= limit), key=lambda c: c.criterion)
 
 
-def _verdict(steps: list[Step], bench: Bench, first: Bench, lacks: float) -> Verdict:
-    """A name is given as sure only if what it leaves is noise, or as little as laws of one kind differ by."""
+def _verdict(steps: list[Step], bench: Bench, first: Bench, lacks: float, contradicted: bool) -> Verdict:
+    """A name is given as sure only if what it leaves is noise, or as little as laws of one kind differ by, and nothing
+    is where held-out records say otherwise."""
     fine = adequate(bench)
     if not steps:
-        return "adequate" if fine else "not-in-library"
+        return "adequate" if fine and not contradicted else "not-in-library"
     if not fine and max(lacks, (bench.chi2 - bench.n) / (first.chi2 - first.n)) > ANOTHER_LAW:
         return "not-in-library"
     tied = any(len(s.tie_set) > 1 for s in steps if s.role == "effect")
-    return "ambiguous" if lacks or tied else "identified"
+    return "ambiguous" if lacks or tied or contradicted else "identified"
