@@ -115,20 +115,17 @@ def _pack(records: Sequence[Trace], substeps: int, frequency: float) -> Group:
     )
 
 
-_TIED = 0.05  # of the rms response: how near the first of the skipped samples hold the start of a motion
 _TIED_FOR = 0.25  # of a period of the resonance: two numbers, displacement and velocity, need no more
 
 
 def _weight(record: Trace, frequency: float) -> np.ndarray:
     """1/σ of the samples that count, (n,).
 
-    Of skipped ones the first hold the initial state, loosely: without them nothing does, and a start that is free runs
-    away to where it mimics a little of what the model lacks (a memory of before the record, say).
+    Of skipped ones the first hold the initial state: without them nothing does, and a start that is free runs away to
+    where it mimics a little of what the model lacks. They weigh as much as any sample, for what a wrong model gains by
+    such a start grows with its misfit in noise floors too.
     """
     index = np.arange(len(record.time))
-    weight = (index >= record.skip) / record.noise.sigma
-    if record.start != "rest":
-        first = index < min(record.skip, max(round(_TIED_FOR / (frequency * record.step)), 5))
-        size = float(np.std(record.response))
-        weight[first] = 1.0 / max(record.noise.sigma, _TIED * size, 1e-300)
-    return weight
+    first = index < max(round(_TIED_FOR / (frequency * record.step)), 5)
+    counted = (index >= record.skip) | (first if record.start != "rest" else False)
+    return counted / record.noise.sigma
