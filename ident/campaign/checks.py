@@ -107,7 +107,9 @@ def _resolution(column: Column) -> float:
     return 10.0 ** (math.floor(math.log10(largest)) + 1 - max(digits, 1)) if largest > 0 else 0.0
 
 
-_NO_PLATFORM = '; for a thing that is no platform write device = { kind = "oscillator", output = "m" } in a campaign.toml'
+_NO_PLATFORM = (
+    '; for a thing that is no platform write device = { kind = "oscillator", output = "m" } in a campaign.toml'
+)
 
 
 def check_plausible(

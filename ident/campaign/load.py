@@ -102,7 +102,9 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
     check_drive(spec.file, drive, response, start, notes, undriven)
     if np.ptp(drive) == 0 and (level := rest_level(response)) is not None:
         shown = f"{level / response_channel.factor:.6g} {response_channel.unit}"
-        notes.append(f"{spec.file}: displacements are counted from {shown}, the level on which the decay comes to rest.")
+        notes.append(
+            f"{spec.file}: displacements are counted from {shown}, the level on which the decay comes to rest."
+        )
         response = response - level
     period = find_period(drive)
     check_sampling(spec.file, time, drive, period, notes)

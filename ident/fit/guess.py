@@ -70,7 +70,12 @@ def guess_linear(
             [math.log(start[1]), math.log(start[2])],
             method="Nelder-Mead",
             bounds=within,
-            options={"initial_simplex": _simplex(start[1], start[2], step), "xatol": 1e-5, "fatol": 1e-9, "maxiter": 80},
+            options={
+                "initial_simplex": _simplex(start[1], start[2], step),
+                "xatol": 1e-5,
+                "fatol": 1e-9,
+                "maxiter": 80,
+            },
         )
         quality = math.exp(found.x[1]) if held is None else held
         best = min(best, (float(found.fun), math.exp(found.x[0]), quality))

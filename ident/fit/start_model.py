@@ -47,7 +47,9 @@ def start_model(
     found += [(gain, chosen.gain * model.linear.mass / model.linear.force_per_gain)] if chosen.gain else []
     level = LEVELS[chosen.form]
     if chosen.level and not {*LEVELS.values()} & set(model.names):
-        model = model + make_effect(campaign, level, {level: registry(campaign.effect_files).get(level, built_in()[level])})
+        model = model + make_effect(
+            campaign, level, {level: registry(campaign.effect_files).get(level, built_in()[level])}
+        )
         found.append((model.parameters[-1].name, chosen.constant))
     known = {name for name, _ in model.start}
     return replace(model, start=(*model.start, *((name, value) for name, value in found if name not in known)))

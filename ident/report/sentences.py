@@ -99,7 +99,9 @@ def _error_bars(fit: Fit) -> list[Sentence]:
         )
         found.append(Sentence(text, True))
     if gain_of(fit.model) in fit.model.undetermined:
-        text = "No record has a drive that changes, so these records say nothing about the drive's gain: it is left out."
+        text = (
+            "No record has a drive that changes, so these records say nothing about the drive's gain: it is left out."
+        )
         found.append(Sentence(text))
     if worse := worse_than_static(fit):
         found.append(Sentence(worse, True))
