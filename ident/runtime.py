@@ -1,4 +1,4 @@
-"""The only place that configures JAX: double precision, how XLA compiles, the compilation cache.
+"""The only place that configures JAX: double precision, how XLA compiles, where compiled code is kept.
 
 XLA runs each pass of a loop as a separate dispatch (about 0.6 µs) unless it may compile the whole loop into one
 kernel, which by default it does for tiny bodies only. The flag below lifts that limit; it must be set before the
@@ -19,20 +19,13 @@ _CACHE_SWITCH = "IDENT_CACHE"
 def configure() -> None:
     """Set up JAX for this process; called once by `import ident.model` and safe to call again.
 
-    The compilation cache lives in the user's cache folder; `IDENT_CACHE=off` switches it off, any other value of the
-    variable names another folder.
+    JAX's own compilation cache stays as it is: `programs` keeps what it compiles, and code that JAX took from its cache
+    cannot be kept a second time.
     """
     _append_loop_flag()
     import jax
 
     jax.config.update("jax_enable_x64", True)
-    folder = _cache_folder()
-    known = jax.config.jax_compilation_cache_dir  # pyright: ignore[reportAttributeAccessIssue]  (JAX adds it when it runs)
-    if folder is not None and known is None:
-        jax.config.update("jax_compilation_cache_dir", str(folder))
-        # Zero and −1 mean "cache everything": our programs are small and compile in under a second each.
-        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
-        jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
 
 
 def compiler_options() -> dict[str, bool | int]:
@@ -68,7 +61,9 @@ def _backend_started() -> bool:
     return bool(bridge is not None and getattr(bridge, "_backends", None))
 
 
-def _cache_folder() -> Path | None:
+def cache_folder() -> Path | None:
+    """Where compiled code is kept: in the user's cache folder; `IDENT_CACHE=off` keeps none, any other value of the
+    variable names another folder."""
     switch = os.environ.get(_CACHE_SWITCH, "")
     if switch.lower() == "off":
         return None

@@ -12,7 +12,7 @@ runtime.configure()
 runtime.configure()
 import jax
 print(os.environ["XLA_FLAGS"])
-print(jax.numpy.zeros(1).dtype, jax.config.jax_compilation_cache_dir)
+print(jax.numpy.zeros(1).dtype, runtime.cache_folder())
 """
 
 

@@ -18,7 +18,6 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -29,9 +28,8 @@ from experiments.benchmarks import peers
 from experiments.convergence.convergence import STAGE, eight, record, true_values
 from ident.fit import fit, solve
 from ident.fit.assemble import assemble, begin
-from ident.fit.problem import evaluate, read_groups
-from ident.response import Equation, make_groups, simulate
-from ident.response.lane import Lane
+from ident.fit.problem import Data, Static, evaluate
+from ident.response import Equation, lay_out, respond, respond_many
 
 ROOT = Path(__file__).resolve().parents[2]
 SIGMA = 50e-9
@@ -71,15 +69,17 @@ class Setting:
     def __init__(self) -> None:
         self.model, self.campaign = eight(), record()
         self.truth = true_values(self.model, STAGE)
-        self.groups, places = make_groups(self.campaign.fitted, STAGE.frequency, STAGE.quality, substeps=[1])
-        self.static, self.data = assemble(self.model, self.campaign, self.groups, places, self.truth)
+        self.tape = lay_out(self.campaign.fitted, STAGE.frequency, STAGE.quality, substeps=[1])
+        self.static, self.data = self.assembled(self.truth)
         self.equation = Equation(self.model)
-        whole = self.groups[0].lanes
-        self.lane = Lane(*(np.asarray(field)[0] for field in whole))
+        [lane] = self.tape.lanes
         self.response = self.campaign.fitted[0].response
         self.theta = np.array([getattr(STAGE, name) for name in peers.NAMES])
-        step = float(self.lane.step)
-        self.peer = (np.asarray(self.lane.voltage), np.asarray(self.lane.rate), float(self.lane.omega), step, 1)
+        self.peer = (lane.voltage, lane.rate, lane.omega, lane.step, 1)
+
+    def assembled(self, start: np.ndarray) -> tuple[Static, Data]:
+        """The arrays of a fit that begins at a start."""
+        return assemble(self.model, self.campaign, self.campaign.fitted, self.tape, start)
 
     def starts(self, count: int) -> list[np.ndarray]:
         """Relative moves of the eight parameters: frequency up to ±5 %, the others ±30 %."""
@@ -95,21 +95,16 @@ class Setting:
 
 def simulations(case: Setting, repeats: int) -> list[Line]:
     """Forward simulation, single and in batches, and the Jacobian."""
-    single = jax.jit(partial(simulate, case.equation, 1))
-    batch = jax.jit(jax.vmap(partial(simulate, case.equation, 1), in_axes=(0, None, None)))
     spread = np.random.default_rng(0).normal(1, 0.01, (64, len(case.truth)))
-    many, still, out = jax.device_put(case.truth * spread), jax.device_put(np.zeros(2)), np.empty(len(case.response))
-    truth, lane, few = jax.device_put(case.truth), jax.device_put(case.lane), many[:32]
-    data, unknowns = jax.device_put((case.data, begin(case.groups, case.static)))
-    data = data._replace(groups=jax.device_put(case.groups))
+    many, still, out = case.truth * spread, np.zeros((64, 1, 2)), np.empty(len(case.response))
+    unknowns = begin(case.data, case.static)
     best = fastest(
         {
             "numba": lambda: peers.simulate(case.theta, *case.peer, out),
-            "single": lambda: single(truth, still, lane),
-            "32": lambda: batch(few, still, lane),
-            "64": lambda: batch(many, still, lane),
-            "readings": lambda: read_groups(case.static, data, unknowns),
-            "jacobian": lambda: evaluate(case.static, data, unknowns),
+            "single": lambda: respond(case.equation, case.tape, case.truth, still[0]).readings,
+            "32": lambda: respond_many(case.equation, case.tape, many[:32], still[:32]),
+            "64": lambda: respond_many(case.equation, case.tape, many, still),
+            "jacobian": lambda: evaluate(case.static, case.data, unknowns),
         },
         repeats,
     )
@@ -119,7 +114,7 @@ def simulations(case: Setting, repeats: int) -> list[Line]:
     return [
         Line("one of a batch of simulations / numba", each / best["numba"], "", 0.30),
         Line("single simulation / numba", best["single"] / best["numba"], "", 1.8),
-        Line("Jacobian by eight parameters / simulation", best["jacobian"] / best["readings"], "", 3.0),
+        Line("Jacobian by eight parameters / simulation", best["jacobian"] / best["single"], "", 2.5),
     ]
 
 
@@ -130,10 +125,10 @@ def fits(case: Setting, repeats: int, count: int = 5) -> list[Line]:
     ours, numba_, whole = [], [], []
     for move in moves:
         start = case.from_start(move)
-        static, data = assemble(case.model, case.campaign, case.groups, layout(case), start)
+        static, data = case.assembled(start)
 
         def search(static: Any = static, data: Any = data) -> solve.Solution:
-            return solve.least_squares(static, data, begin(case.groups, static))[1]
+            return solve.least_squares(static, data, begin(data, static))[1]
 
         def peer(move: np.ndarray = move) -> Any:
             return peers.fit_numba(case.theta * move, *case.peer, case.response, SIGMA)
@@ -157,11 +152,6 @@ def fits(case: Setting, repeats: int, count: int = 5) -> list[Line]:
         Line("SciPy lm with numba / warm search", float(np.median(numba_) / np.median(ours)), "", 1.0, True),
         Line("SciPy solve_ivp least_squares / warm fit", adaptive / whole[0], "", 100.0, True),
     ]
-
-
-def layout(case: Setting) -> Any:
-    """Where the record went."""
-    return make_groups(case.campaign.fitted, STAGE.frequency, STAGE.quality, substeps=[1])[1]
 
 
 def command(repeats: int) -> list[Line]:

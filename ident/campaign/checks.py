@@ -13,7 +13,6 @@ from ident.units import format_quantity
 from .device import Device, Oscillator
 from .table import Column
 
-
 _STILL_UNIFORM = 0.01  # of an interval: a sine of 20 samples a period is then read 0.3 % wrong at most
 
 

@@ -18,8 +18,8 @@ from .device import Device, Oscillator
 from .drive import find_period
 from .guess import guess_kind, match_any
 from .noise import noise_floor
-from .rest_level import rest_level
 from .record import Channel, NoiseFloor, Record, Sweep, Trace
+from .rest_level import rest_level
 from .spec import SWEEP_NAMES, RecordSpec, signal_units
 from .sweep_noise import sweep_noise_floor
 from .table import Column, Table, peak_unit

@@ -21,8 +21,8 @@ SWEEP_NAMES = {"drive": "level", "response": "amplitude"}
 
 @dataclass(frozen=True)
 class RecordSpec:
-    """One `[[record]]`. `noise` and `level` are SI, `skip` is seconds (float) or samples (int), `rate` is Hz; `undriven`:
-    nothing drove the device (`drive = "none"`)."""
+    """One `[[record]]`. `noise` and `level` are SI, `skip` is seconds (float) or samples (int), `rate` is Hz;
+    `undriven`: nothing drove the device (`drive = "none"`)."""
 
     file: str
     path: Path

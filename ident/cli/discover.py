@@ -32,8 +32,8 @@ def command(
     The run folder holds the last model with the report of every step, and diagnosis.json. If no effect of the library
     explains the records, what is missing is estimated and written as an effect file of your own to refine.
 
-    The run folder is written after every step. Ctrl-C, or the end of the --minutes, leaves what was found; diagnosis.json
-    then says "finished": false.
+    The run folder is written after every step. Ctrl-C, or the end of the --minutes, leaves what was found;
+    diagnosis.json then says "finished": false.
 
     \b
     Example:

@@ -4,164 +4,291 @@ If the true motion is z and the model's is ẑ, their difference obeys the model
 the model lacks, evaluated on z. For a linear model this is exact however large the missing effect; the rows below are
 therefore good regressors for effects that no local expansion around the wrong model would describe.
 
+The terms of a model are one program for each model, and what answers to them is one for all.
+
 Source: C. R. Rao, Large sample tests of statistical hypotheses, 1948, Proc. Camb. Phil. Soc. 44 (score test); the
 evaluation on the measured motion follows S. F. Masri, T. K. Caughey, 1979, J. Appl. Mech. 46 (restoring force surface).
 """
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array, lax
+from jax import lax
 
 from ..effects.effect import State
-from ..response import Equation
-from ..response.lane import Lane, Numbers, half_step_time
-from ..response.memory import memory_along
-from ..response.transient import System, assemble
-from .trajectory import Path
+from ..programs import program
+from ..response import Equation, Tape
+from ..response.lane import Numbers
+from ..response.memory import Seen, memory_along
+from ..response.system import Block, System, assemble
+from ..response.tape import BLOCK, BLOCKS, Chunk
 
-_CHUNK = 32  # columns solved together: one compiled program serves any number of them
+_COLUMNS = 32  # solved together: one compiled program serves any number of them
+_SETS = 4  # rows of terms are computed in multiples of this
 
 
-@eqx.filter_jit
+class Motion(NamedTuple):
+    """Displacement and velocity on the half-step grid as each block sees them, (BLOCKS, 2 BLOCK + 1), m and m/s."""
+
+    z: Numbers
+    v: Numbers
+
+
+class Dynamics(NamedTuple):
+    """A model linearised along a motion, per chunk.
+
+    **Arguments:** `mass`, (BLOCKS,) kg; `stiffness` and `damping`, (BLOCKS, 2 BLOCK + 1), −∂a/∂z and −∂a/∂v; `by_z`,
+    `by_v`: (BLOCKS, BLOCK) derivatives of the reading at the beginning of each step.
+    """
+
+    mass: Numbers
+    stiffness: Numbers
+    damping: Numbers
+    by_z: Numbers
+    by_v: Numbers
+
+
+class Terms(NamedTuple):
+    """Which terms of an equation are asked for: those of its effects alone, or the linear ones too."""
+
+    equation: Equation
+    linear: bool
+
+    @property
+    def fingerprint(self) -> str | None:
+        told = self.equation.fingerprint
+        return None if told is None else f"{told} {self.linear}"
+
+    @property
+    def push(self) -> bool:
+        """Whether any of them is a force."""
+        return self.linear or any(e.overrides("force") or e.overrides("drive") for e in self.equation.model.effects)
+
+    @property
+    def show(self) -> bool:
+        """Whether any of them adds to the reading."""
+        return any(effect.overrides("sensor") for effect in self.equation.model.effects)
+
+
 def contributions(
-    equation: Equation, substeps: int, values: Numbers, directions: Numbers, lanes: Lane, path: Path, seen: Path
-) -> tuple[Array, Array]:
-    """What the terms of a model change in the force on the stage and in the sensor, along given motions.
+    asked: Terms,
+    tape: Tape,
+    values: np.ndarray,
+    directions: np.ndarray,
+    moved: Sequence[Motion],
+    seen: Sequence[Motion],
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """What the terms of a model change in the force on the stage and in the reading, along given motions; by chunks.
 
     **Arguments:** `values` and `directions`, (d, m): at which parameter values, and along which direction, each row is
-    taken; `path` of the stage and what the sensor has `seen`, each (lanes, 2 n + 1).
+    taken; `moved`, the motion of the stage, and what the sensor has `seen`, per chunk.
 
-    **Returns:** forces (d, lanes, 2 n + 1), N, and readings (d, lanes, samples), m, per unit of the direction.
+    **Returns:** forces (d, BLOCKS, 2 BLOCK + 1), N, and readings (d, BLOCKS, BLOCK), m, per unit of the direction;
+    empty where the model has none.
     """
-
-    def one(lane: Lane, path: Path, seen: Path) -> tuple[Array, Array]:
-        def acting(values: Array) -> tuple[Array, Array]:
-            system = assemble(equation, values, lane)
-            return _force(system, lane, path), _readings(system, lane, seen, 2 * substeps)
-
-        return jax.vmap(lambda at, along: jax.jvp(acting, (at,), (along,))[1])(values, directions)
-
-    return jax.vmap(one, out_axes=1)(lanes, path, seen)
-
-
-@eqx.filter_jit
-def _responses(equation: Equation, substeps: int, values: Numbers, pushes: Numbers, lanes: Lane, path: Path) -> Array:
-    def one(lane: Lane, path: Path, push: Numbers) -> Array:
-        system = assemble(equation, values, lane)
-        z, v = _respond(push / system.mass, *_linearised(system, lane, path), lane.step, substeps)
-        by_z, by_v = _sensor_slopes(system, lane, path, 2 * substeps)
-        return by_z * z + by_v * v
-
-    return jax.vmap(one, in_axes=(0, 0, 1), out_axes=1)(lanes, path, pushes)
+    d = len(values)
+    more = -d % _SETS
+    values = np.concatenate([values, np.repeat(values[-1:], more, axis=0)])
+    directions = np.concatenate([directions, np.zeros((more, directions.shape[1]))])
+    equation = asked.equation
+    carry = tuple(
+        tuple((np.zeros((len(values), len(e.state0()))),) * 2 for e in equation.model.effects) for _ in range(2)
+    )
+    for chunk, path, own in zip(tape.chunks, moved, seen, strict=True):
+        carry, force, shown = terms(asked, equation.constants, values, directions, path, own, carry, chunk)
+        yield np.asarray(force)[:d], np.asarray(shown)[:d]
 
 
-def push_columns(
-    equation: Equation, substeps: int, values: np.ndarray, pushes: np.ndarray, lanes: Lane, path: Path
-) -> np.ndarray:
-    """Change of the readings by given extra forces on the stage, through the model's dynamics linearised on the motion.
+@program
+def terms(
+    asked: Terms, constants: Numbers, values: Numbers, directions: Numbers, moved: Motion, seen: Motion,
+    carry: tuple, chunk: Chunk,
+) -> tuple:  # fmt: skip
+    """One chunk of `contributions`; `carry`: hidden states and their derivatives, on the path of the stage and on what
+    the sensor has seen, per effect."""
 
-    **Arguments:** `values`, (m,) SI; `pushes`, (d, lanes, 2 n + 1) N on the half-step grid.
+    def acting(values: Any, hidden: tuple) -> tuple:
+        system = assemble(asked.equation, constants, values)
+        ends, force, shown = list(hidden), jnp.zeros((0, 0)), jnp.zeros((0, 0))
+        if asked.push:
+            ends[0], paths = _memories(system, moved, hidden[0], chunk)
+            force = _at_points(_force, system, moved, paths, chunk, 1)
+        if asked.show:
+            ends[1], paths = _memories(system, seen, hidden[1], chunk)
+            shown = _at_points(_shown, system, seen, paths, chunk, 2)
+        return force, shown, tuple(ends)
 
-    **Returns:** (d, lanes, samples), m.
-    """
-    pushes, found = np.asarray(pushes), []
-    for first in range(0, len(pushes), _CHUNK):
-        part = pushes[first : first + _CHUNK]
-        padded = np.zeros((_CHUNK, *part.shape[1:]))
-        padded[: len(part)] = part
-        found.append(np.asarray(_responses(equation, substeps, values, padded, lanes, path))[: len(part)])
-    return np.concatenate(found)
+    def along(values: Any, direction: Any, carry: tuple) -> tuple:
+        hidden, change = (tuple(tuple(pair[k] for pair in side) for side in carry) for k in range(2))
+        (_, _, ends), (force, shown, dends) = jax.jvp(acting, (values, hidden), (direction, change))
+        return tuple(tuple(zip(a, b, strict=True)) for a, b in zip(ends, dends, strict=True)), force, shown
+
+    return jax.vmap(along)(values, directions, carry)
 
 
-def _hidden(system: System, lane: Lane, path: Path) -> tuple[tuple[Array, ...], ...]:
-    """Each effect's hidden states along a given motion, on the half-step grid."""
-    return tuple(memory_along(effect, system.gain, system.omega, lane, path.z, path.v) for effect in system.effects)
+def _memories(system: System, motion: Motion, hidden: tuple, chunk: Chunk) -> tuple[tuple, tuple]:
+    """Hidden states of each effect at the end of a chunk, (h,), and along a motion in it, (BLOCKS, h, points)."""
+    points = 2 * BLOCK + 1
+    if not any(h.shape[0] for h in hidden):
+        return hidden, tuple(jnp.zeros((BLOCKS, 0, points)) for _ in hidden)
+
+    def one_block(k: Any, state: tuple) -> tuple:
+        hidden, paths = state
+        block = Block(*(field[k] for field in chunk[2:7]))
+        here = system.at(block)
+        ends, found = [], []
+        for effect, h, path in zip(here.effects, hidden, paths, strict=True):
+            if not h.shape[0]:
+                ends.append(h)
+                found.append(path)
+                continue
+            seen = Seen(motion.z[k], motion.v[k], chunk.voltage[k], chunk.rate[k], block.times(points, 0.5),
+                        block.step, block.omega, here.gain, block.moving)  # fmt: skip
+            fresh = jnp.stack([jnp.asarray(x, float) for x in effect.begun(seen.first)])
+            end, along = memory_along(effect, tuple(jnp.where(chunk.first[k] > 0, fresh, h)), seen)
+            ends.append(jnp.stack(end))
+            found.append(lax.dynamic_update_index_in_dim(path, jnp.stack(along), k, 0))
+        return tuple(ends), tuple(found)
+
+    nothing = 0.0 * system.gain
+    begin = tuple(jnp.zeros((BLOCKS, h.shape[0], points)) + nothing for h in hidden)
+    return lax.fori_loop(0, chunk.count, one_block, (hidden, begin))
 
 
-def _force(system: System, lane: Lane, path: Path) -> Array:
-    """Total force on the stage on a given motion, on the half-step grid."""
-    time = half_step_time(lane)
-    force = system.gain * lane.voltage - system.damping * path.v - system.stiffness * path.z
-    for effect, hidden in zip(system.effects, _hidden(system, lane, path), strict=True):
+def _at_points(function: Any, system: System, motion: Motion, paths: tuple, chunk: Chunk, stride: int) -> Any:
+    """A function of state and drive at points of a chunk, (BLOCKS, …): of the half-step grid, or at the beginning of
+    each step if `stride` is 2."""
+    thin = lambda x: x[..., : 2 * BLOCK : 2] if stride == 2 else x
+
+    def one_block(block: Block, z: Any, v: Any, hidden: tuple, voltage: Any, rate: Any) -> Any:
+        here, time = system.at(block), block.times(2 * BLOCK + 1, 0.5)
+        one = lambda z, v, h, u, r, t: function(here, z, v, h, u, r, t)
+        axes = (0, 0, tuple(1 for _ in hidden), 0, 0, 0)
+        return jax.vmap(one, in_axes=axes)(*jax.tree.map(thin, (z, v, hidden, voltage, rate, time)))
+
+    blocks = Block(*chunk[2:7])
+    return jax.vmap(one_block)(blocks, motion.z, motion.v, paths, chunk.voltage, chunk.rate)
+
+
+def _force(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any) -> Any:
+    """Total force on the stage."""
+    drive = system.drive(u, r)
+    force = system.gain * u - system.damping * v - system.stiffness * z
+    for effect, h in zip(system.effects, hidden, strict=True):
         if effect.overrides("force"):
-            one = lambda z, v, h, u, r, t, e=effect: e.force(State(z, v, h), system.drive(u, r), t)
-            force = force + jax.vmap(one)(path.z, path.v, hidden, lane.voltage, lane.rate, time)
+            force = force + effect.force(State(z, v, tuple(h)), drive, t)
         if effect.overrides("drive"):
-            one = lambda h, u, r, t, e=effect: e.drive(h, system.drive(u, r), t)
-            force = force + jax.vmap(one)(hidden, lane.voltage, lane.rate, time)
+            force = force + effect.drive(tuple(h), drive, t)
     return force
 
 
-def _readings(system: System, lane: Lane, path: Path, stride: int) -> Array:
-    """What the effects add to the reading of a given motion, at the samples."""
-    time = half_step_time(lane)
-    added = jnp.zeros_like(time[::stride])
-    for effect, hidden in zip(system.effects, _hidden(system, lane, path), strict=True):
+def _shown(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any) -> Any:
+    """The reading of the sensor."""
+    drive, shown = system.drive(u, r), z
+    for effect, h in zip(system.effects, hidden, strict=True):
         if effect.overrides("sensor"):
-            one = lambda z, v, h, u, r, t, e=effect: e.sensor(State(z, v, h), system.drive(u, r), t)
-            arguments = (path.z, path.v, hidden, lane.voltage, lane.rate, time)
-            added = added + jax.vmap(one)(*jax.tree.map(lambda x: x[::stride], arguments))
-    return added
+            shown = shown + effect.sensor(State(z, v, tuple(h)), drive, t)
+    return shown
 
 
-def _linearised(system: System, lane: Lane, path: Path) -> tuple[Array, Array]:
-    """−∂a/∂z and −∂a/∂v along the motion, hidden states held."""
-    time = half_step_time(lane)
-
-    def acceleration(z: Array, v: Array, hidden: Any, u: Array, r: Array, t: Array) -> Array:
-        drive = system.drive(u, r)
-        force = -system.damping * v - system.stiffness * z
-        for effect, own in zip(system.effects, hidden, strict=True):
-            if effect.overrides("force"):
-                force = force + effect.force(State(z, v, own), drive, t)
-        return -force / system.mass
-
-    both = jax.vmap(jax.jacfwd(acceleration, argnums=(0, 1)))
-    return both(path.z, path.v, _hidden(system, lane, path), lane.voltage, lane.rate, time)
+def linearised(equation: Equation, tape: Tape, values: np.ndarray, moved: Sequence[Motion]) -> tuple[Dynamics, ...]:
+    """A model linearised along a motion, hidden states held; per chunk."""
+    acting = [e for e in equation.model.effects if e.overrides("force") or e.overrides("sensor")]
+    carry = tuple(np.zeros(len(effect.state0())) for effect in equation.model.effects)
+    found = []
+    for chunk, motion in zip(tape.chunks, moved, strict=True):
+        if acting:
+            carry, *parts = slopes(equation, equation.constants, values, motion, carry, chunk)
+        else:  # nothing to differentiate
+            parts = _linear(equation, values, chunk)
+        found.append(Dynamics(*parts))
+    return tuple(found)
 
 
-def _sensor_slopes(system: System, lane: Lane, path: Path, stride: int) -> tuple[Array, Array]:
-    """∂(reading)/∂z and ∂(reading)/∂v at the samples."""
-    time = half_step_time(lane)
-
-    def reading(z: Array, v: Array, hidden: Any, u: Array, r: Array, t: Array) -> Array:
-        drive = system.drive(u, r)
-        extra = [
-            effect.sensor(State(z, v, own), drive, t)
-            for effect, own in zip(system.effects, hidden, strict=True)
-            if effect.overrides("sensor")
-        ]
-        return z + sum(extra, 0.0 * v)
-
-    arguments = (path.z, path.v, _hidden(system, lane, path), lane.voltage, lane.rate, time)
-    return jax.vmap(jax.jacfwd(reading, argnums=(0, 1)))(*jax.tree.map(lambda x: x[::stride], arguments))
+def _linear(equation: Equation, values: np.ndarray, chunk: Chunk) -> tuple[np.ndarray, ...]:
+    mass, omega = equation.constants[0], 2 * np.pi * float(values[0])
+    whole = mass + np.asarray(chunk.load)
+    grid, steps = np.ones((BLOCKS, 2 * BLOCK + 1)), np.ones((BLOCKS, BLOCK))
+    share = (mass / whole)[:, None]
+    return whole, share * omega**2 * grid, share * omega / float(values[1]) * grid, steps, 0.0 * steps
 
 
-def _respond(push: Array, stiffness: Array, damping: Array, h: Numbers, substeps: int) -> tuple[Array, Array]:
-    """Linear time-varying response to (d, 2 n + 1) accelerations, at rest before; (d, samples) each."""
-    grids = (push.T, stiffness, damping)
-    inputs = tuple((grid[:-1:2], grid[1::2], grid[2::2]) for grid in grids)
+@program
+def slopes(
+    equation: Equation, constants: Numbers, values: Numbers, motion: Motion, carry: tuple, chunk: Chunk
+) -> tuple:
+    """One chunk of `linearised`: the carry, and what `Dynamics` holds."""
+    system = assemble(equation, constants, values)
+    carry, paths = _memories(system, motion, carry, chunk)
 
-    def step(y: tuple[Array, Array], x: Any) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-        (p0, pm, p1), (k0, km, k1), (c0, cm, c1) = x
-        z, v = y
-        a1 = p0 - k0 * z - c0 * v
-        za, va = z + h / 2 * v, v + h / 2 * a1
-        a2 = pm - km * za - cm * va
-        zb, vb = z + h / 2 * va, v + h / 2 * a2
-        a3 = pm - km * zb - cm * vb
-        zc, vc = z + h * vb, v + h * a3
-        a4 = p1 - k1 * zc - c1 * vc
-        y = (z + h / 6 * (v + 2 * va + 2 * vb + vc), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4))
-        return y, y
+    def by_state(function: Any) -> Any:
+        one = lambda system, z, v, h, u, r, t: jax.jacfwd(lambda a, b: function(system, a, b, h, u, r, t), (0, 1))(z, v)
+        return one
 
-    rest = jnp.zeros_like(push[:, 0])
-    _, (z, v) = lax.scan(step, (rest, rest), inputs)
-    thin = lambda x: jnp.concatenate([rest[:, None], x[substeps - 1 :: substeps].T], axis=1)
-    return thin(z), thin(v)
+    force = _at_points(by_state(_force), system, motion, paths, chunk, 1)
+    shown = _at_points(by_state(_shown), system, motion, paths, chunk, 2)
+    mass = constants[0] + chunk.load
+    stiffness, damping = (-slope / mass[:, None] for slope in force)
+    return (carry, mass, stiffness, damping, *shown)
+
+
+def push_columns(tape: Tape, dynamics: Sequence[Dynamics], pushes: Sequence[np.ndarray]) -> np.ndarray:
+    """Change of the readings by given extra forces on the stage, through the model's dynamics linearised on the motion.
+
+    **Arguments:** `pushes`, per chunk (d, BLOCKS, 2 BLOCK + 1) N on the half-step grid.
+
+    **Returns:** (d, samples), m.
+    """
+    columns = []
+    for first in range(0, len(pushes[0]), _COLUMNS):
+        carry, found = (np.zeros(_COLUMNS),) * 2, []
+        for chunk, along, push in zip(tape.chunks, dynamics, pushes, strict=True):
+            part = push[first : first + _COLUMNS]
+            filled = np.zeros((BLOCKS, 2 * BLOCK + 1, _COLUMNS))
+            filled[..., : len(part)] = np.moveaxis(part, 0, -1)
+            carry, rows = answer(None, filled, along, carry, chunk.step, chunk.first, chunk.count)
+            found.append(rows)
+        columns.append(tape.at_samples(found))
+    return np.concatenate(columns)[: len(pushes[0])]
+
+
+@program
+def answer(
+    _: None, pushes: Numbers, along: Dynamics, carry: tuple, steps: Numbers, first: Numbers, count: Numbers
+) -> tuple:
+    """One chunk of `push_columns`: a linear time-varying oscillator, at rest at the beginning of every record.
+
+    **Returns:** the carry (z, v), (d,) each; changes of the readings, (BLOCKS, BLOCK, d).
+    """
+
+    def one_block(k: Any, state: tuple) -> tuple:
+        z, v, out = state
+        z, v = (jnp.where(first[k] > 0, 0.0, x) for x in (z, v))
+        h = steps[k]
+        at_three = lambda grid: (grid[:-1:2], grid[1::2], grid[2::2])
+        inputs = (at_three(pushes[k] / along.mass[k]), at_three(along.stiffness[k]), at_three(along.damping[k]))
+
+        def step(y: tuple, x: Any) -> tuple:
+            ((p0, pm, p1), (k0, km, k1), (c0, cm, c1)), by_z, by_v = x
+            z, v = y
+            a1 = p0 - k0 * z - c0 * v
+            za, va = z + h / 2 * v, v + h / 2 * a1
+            a2 = pm - km * za - cm * va
+            zb, vb = z + h / 2 * va, v + h / 2 * a2
+            a3 = pm - km * zb - cm * vb
+            zc, vc = z + h * vb, v + h * a3
+            a4 = p1 - k1 * zc - c1 * vc
+            after = (z + h / 6 * (v + 2 * va + 2 * vb + vc), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4))
+            return after, by_z * z + by_v * v
+
+        (z, v), said = lax.scan(step, (z, v), (inputs, along.by_z[k], along.by_v[k]))
+        return z, v, lax.dynamic_update_index_in_dim(out, said, k, 0)
+
+    out = jnp.zeros((BLOCKS, BLOCK, pushes.shape[-1]))
+    z, v, out = lax.fori_loop(0, count, one_block, (*carry, out))
+    return (z, v), out

@@ -15,7 +15,6 @@ from ..fit import Fit, fit
 from ..fit.fit import minimise
 from ..fit.guess import DataScales
 from ..fit.one_tone import gain_of
-from ..fit.problem import evaluate
 from ..fit.rebuild import fit_at
 from ..model import Model, make_effect
 from .score import Bench, Candidate
@@ -134,16 +133,15 @@ def weigh(bench: Bench, model: Model, candidate: Candidate, start: np.ndarray, m
 
 def _weighed(bench: Bench, model: Model, candidate: Candidate, start: np.ndarray, most: int) -> Confirmed:
     found = minimise(model, bench.fit.campaign, initial=start, most=most)
-    at = evaluate(found.static, found.data, found.best.unknowns)
-    records = bench.fit.campaign.fitted
+    readings = found.best.found.readings
     rows = [
-        (record.response - np.asarray(at.readings[g])[lane, :n])[None]
-        for record, (g, lane, n) in zip(records, found.layout.places, strict=True)
+        (record.response - readings[own])[None]
+        for record, own in zip(bench.fit.campaign.fitted, found.data.tape.slices, strict=True)
     ]
     with np.errstate(over="ignore", invalid="ignore"):  # a motion without bound
         chi2 = float(sum(np.sum(whiten(piece, row) ** 2) for piece, row in zip(bench.pieces, rows, strict=True)))
     gain = 1.0 - (chi2 - bench.n) / bench.excess
-    values = np.asarray(at.values)
+    values = found.values
     possible = np.isfinite(chi2) and is_possible(model, values, model.effects[-1], bench.fit.scales)
     criterion = chi2 + len(found.static.free) * float(np.log(bench.n)) if possible else np.inf
     return Confirmed(candidate, model, values, chi2, gain, criterion)

@@ -27,8 +27,7 @@ from ..effects.effect import AbstractEffect
 from ..fit import Fit
 from ..fit.assemble import assemble, begin
 from ..fit.problem import evaluate
-from ..response import make_groups
-from ..response.groups import Layout
+from ..response import Tape, lay_out
 from .confirm import accept, confirm
 from .equivalences import equivalence
 from .score import Bench, Candidate
@@ -144,8 +143,8 @@ def _alike(one: Waveform, other: Waveform) -> bool:
     return one.kind == other.kind and abs(one.hertz / other.hertz - 1) < _NEAR
 
 
-def _lay_out(rivals: Sequence[Fit], waves: Sequence[Waveform], time: np.ndarray) -> tuple[Campaign, tuple, Layout]:
-    """The proposals as records from rest, packed once for all rivals."""
+def _lay_out(rivals: Sequence[Fit], waves: Sequence[Waveform], time: np.ndarray) -> tuple[Campaign, Tape]:
+    """The proposals as records from rest, laid out once for all rivals."""
     first = rivals[0]
     channel, floor = Channel("", 1.0), NoiseFloor(1.0)
     records = tuple(
@@ -154,17 +153,16 @@ def _lay_out(rivals: Sequence[Fit], waves: Sequence[Waveform], time: np.ndarray)
     resonance = 1.0 / first.scales.period
     finest = max(_STEPS, *(fitted.model.steps_per_period for fitted in rivals))
     substeps = max(math.ceil(finest * resonance * (time[1] - time[0])), 1)
-    groups, layout = make_groups(records, resonance, float(first.values[1]), substeps=[substeps] * len(records))
-    return Campaign("proposals", records, first.campaign.device), groups, layout
+    tape = lay_out(records, resonance, float(first.values[1]), substeps=[substeps] * len(records))
+    return Campaign("proposals", records, first.campaign.device), tape
 
 
-def _predict(fitted: Fit, campaign: Campaign, groups: tuple, layout: Layout) -> _Prediction:
+def _predict(fitted: Fit, campaign: Campaign, tape: Tape) -> _Prediction:
     """Readings of a fitted model and their derivatives by its fitted parameters."""
-    static, data = assemble(fitted.model, campaign, groups, layout, fitted.values)
-    found = evaluate(static, data, begin(groups, static))
-    scale = np.asarray(data.scale)[:, None]
-    readings = np.stack([np.asarray(found.readings[g])[lane] for g, lane, _ in layout.places])
-    slopes = np.stack([np.asarray(found.by_x[g])[:, lane] / scale for g, lane, _ in layout.places])
+    static, data = assemble(fitted.model, campaign, campaign.fitted, tape, fitted.values)
+    found = evaluate(static, data, begin(data, static))
+    readings = np.stack([found.readings[own] for own in tape.slices])
+    slopes = np.stack([found.by_x[:, own] / data.scale[:, None] for own in tape.slices])
     doubt = max(fitted.fitted.error_over_noise, 1.0)  # a model that does not reach the noise floor knows less
     return _Prediction(readings, slopes, fitted.linear.jacobian.T @ fitted.linear.jacobian / doubt**2)
 

@@ -124,11 +124,10 @@ def locate(bench: Bench) -> Where:
 def _all_samples(bench: Bench) -> list[_Samples]:
     scene, found = bench.scene, []
     ends = [*bench.starts[1:], bench.n]
-    places = zip(bench.fit.campaign.fitted, scene.layout.places, bench.starts, ends, strict=True)
-    for record, (g, lane, n), first, last in places:
-        stride = 2 * scene.static.substeps[g]
-        kept = slice(stride * record.skip, stride * (n - 1) + 1, stride)
-        z, v = (x[lane][kept] for x in scene.paths[g])
+    places = zip(bench.fit.campaign.fitted, scene.tape.spans, scene.paths, bench.starts, ends, strict=True)
+    for record, span, path, first, last in places:
+        n, stride = span.samples, 2 * span.substeps
+        z, v = (x[stride * record.skip :: stride] for x in path)
         z = z - np.mean(z)
         turns = None if record.period is None else np.arange(record.skip, n) / float(record.period)
         found.append(

@@ -102,12 +102,9 @@ def _largest(bench: Bench, seen: tuple[Places, ...]) -> tuple[Places, str, slice
     """The places of the record that moved most, its name, and the points of its last period."""
     records = bench.fit.campaign.fitted
     chosen = max(range(len(records)), key=lambda i: float(np.ptp(records[i].response)))
-    group, lane, n = bench.scene.layout.places[chosen]
-    place = seen[group]
-    per_sample = (place["z"].shape[1] - 1) // max(bench.scene.data.groups[group].response.shape[1] - 1, 1)
-    points = (n - 1) * per_sample + 1
-    one = {k: x[..., lane : lane + 1, :points] for k, x in place.items() if k != "step"}
-    omega = float(np.asarray(bench.scene.data.groups[group].lanes.omega)[lane])
+    place = seen[chosen]
+    points = place["z"].shape[1]
+    omega = bench.scene.tape.lanes[chosen].omega
     period = 2 * np.pi / omega if omega > 0 else np.inf
-    count = int(min(np.ceil(period / place["step"][lane]) + 1, points))
-    return one, records[chosen].name, slice(points - count, points)
+    count = int(min(np.ceil(period / place["step"][0]) + 1, points))
+    return place, records[chosen].name, slice(points - count, points)

@@ -22,10 +22,9 @@ from scipy.signal import lfilter
 from ..campaign.device import Platform
 from ..effects.effect import AbstractEffect
 from ..fit import Fit
-from ..fit.problem import evaluate
 from ..model import Model, make_effect
 from ..response import Equation
-from .columns import contributions, push_columns
+from .columns import Terms, contributions, push_columns
 from .side_by_side import at_once
 from .trajectory import Scene, lay_out
 from .whiten import Piece, make_piece, prediction_filter, whiten
@@ -143,10 +142,10 @@ def prepare(fit: Fit, believed: bool = False) -> Bench:
     """
     scene = lay_out(fit)
     records = fit.campaign.fitted
-    found = evaluate(scene.static, scene.data, scene.unknowns)
+    solved = scene.solved
     pieces = []
-    for record, (g, lane, n) in zip(records, scene.layout.places, strict=True):
-        rows = np.asarray(found.by_start[g])[:, lane, :n] if record.start != "rest" else None
+    for record, own in zip(records, scene.tape.slices, strict=True):
+        rows = solved.found.by_start[:, own] if record.start != "rest" else None
         pieces.append(make_piece(record, rows))
     lengths = [len(r.time) - r.skip for r in records]
     starts = tuple(int(x) for x in np.concatenate([[0], np.cumsum(lengths)[:-1]]))
@@ -154,17 +153,17 @@ def prepare(fit: Fit, believed: bool = False) -> Bench:
     empty = np.zeros((0, len(residual)))
     bench = Bench(fit, scene, tuple(pieces), starts, empty.T, residual, residual, empty, np.zeros((0, len(fit.values))))
     # A shape at its bound cannot move as its column says: to project that out would hide a misfit that remains.
-    fitted = [i for i in scene.static.free if "at-bound" not in fit.estimates[i].flags]
+    fitted = [i for i in solved.static.free if "at-bound" not in fit.estimates[i].flags]
     # A quality factor that had to be held (steady sines of one frequency) may be wrong: its error is no missing effect.
     free = sorted({*fitted, 1}) if "held" in fit.estimates[1].flags else fitted
     directions = np.eye(len(fit.values))[free] * np.where(fit.values[free] == 0, 1.0, fit.values[free])[:, None]
-    along_measured = stack(bench, fit.model, np.tile(fit.values, (len(free), 1)), directions)
+    along_measured = stack(bench, fit.model, np.tile(fit.values, (len(free), 1)), directions, linear=True)
     measured = _without(bench, along_measured, directions)
     if believed or bench.fit_chi2 - measured.chi2 < _CREDIBLE * max(bench.fit_chi2 - bench.n, bench.n):
         return measured
-    chosen = [scene.static.free.index(i) for i in fitted]
+    chosen = [solved.static.free.index(i) for i in fitted]
     bench = replace(bench, credible=False)
-    return _without(bench, by_record(bench, [np.asarray(rows)[chosen] for rows in found.by_x]), np.zeros((0, 0)))
+    return _without(bench, by_record(bench, solved.found.by_x[chosen]), np.zeros((0, 0)))
 
 
 def _without(bench: Bench, known: np.ndarray, directions: np.ndarray) -> Bench:
@@ -174,25 +173,27 @@ def _without(bench: Bench, known: np.ndarray, directions: np.ndarray) -> Bench:
     return replace(bench, absorbed=absorbed, residual=residual, known=known, directions=directions)
 
 
-def stack(bench: Bench, model: Model, values: np.ndarray, directions: np.ndarray) -> np.ndarray:
+def stack(bench: Bench, model: Model, values: np.ndarray, directions: np.ndarray, linear: bool = False) -> np.ndarray:
     """Whitened columns of all fitted records, (d, n): what moving the parameters of `model` along each direction does.
 
-    `values` and `directions` are (d, m). The terms of `model` push; the bench's own model answers.
+    `values` and `directions` are (d, m). The terms of `model` push, its linear ones only if asked for; the bench's own
+    model answers.
     """
-    scene, fitted = bench.scene, bench.fit
-    found = []
-    layers = zip(scene.static.substeps, scene.data.groups, scene.paths, scene.own, strict=True)
-    for substeps, group, path, own in layers:
-        pushes, seen = contributions(Equation(model), substeps, values, directions, group.lanes, path, own)
-        through = push_columns(Equation(fitted.model), substeps, fitted.values, np.asarray(pushes), group.lanes, path)
-        found.append(through + np.asarray(seen))
-    return by_record(bench, found)
+    scene, asked = bench.scene, Terms(Equation(model), linear)
+    both = contributions(asked, scene.tape, values, directions, scene.moved, scene.seen)
+    forces, shown = zip(*both, strict=True)
+    rows = np.zeros((len(values), scene.tape.samples))
+    if asked.push:
+        rows += push_columns(scene.tape, scene.dynamics, forces)
+    if asked.show:
+        rows += scene.tape.at_samples([np.moveaxis(part, 0, -1) for part in shown])
+    return by_record(bench, rows)
 
 
-def by_record(bench: Bench, found: Sequence[np.ndarray]) -> np.ndarray:
-    """Readings (d, lanes, samples) per group as whitened rows of all fitted records, (d, n)."""
-    places = zip(bench.pieces, bench.scene.layout.places, strict=True)
-    return np.concatenate([whiten(piece, found[g][:, lane, :n]) for piece, (g, lane, n) in places], axis=1)
+def by_record(bench: Bench, rows: np.ndarray) -> np.ndarray:
+    """Readings (d, samples) as whitened rows of the counted ones, (d, n)."""
+    pairs = zip(bench.pieces, bench.scene.tape.slices, strict=True)
+    return np.concatenate([whiten(piece, rows[:, own]) for piece, own in pairs], axis=1)
 
 
 def _orthonormal(rows: np.ndarray, like: np.ndarray | None = None) -> np.ndarray:

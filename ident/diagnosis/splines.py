@@ -18,7 +18,8 @@ from scipy.signal import lfilter
 
 from ..effects.dependence import COORDINATES
 from ..effects.effect import Scale
-from ..response import Group
+from ..response.lane import Lane
+from .trajectory import Path
 
 UNITS = {
     "z": "m",
@@ -36,7 +37,7 @@ _TIMES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 40.0)  # of the relaxations, in 
 
 _STEPS = (0.003, 0.006, 0.0125, 0.025, 0.05, 0.1)  # widths of the steps, in parts of the largest value
 
-# SI. Each coordinate and "rate", V̇: (lanes, points); "z history", "V history": (rows, lanes, points); "step": (lanes,).
+# SI. Each coordinate and "rate", V̇: (1, points); "z history", "V history": (rows, 1, points); "step": (1,).
 Places = dict[str, np.ndarray]
 
 
@@ -48,27 +49,24 @@ class Size(NamedTuple):
     largest: float
 
 
-def places(group: Group, z: np.ndarray, v: np.ndarray, stride: int, period: float, largest: Sequence[float]) -> Places:
-    """The coordinates and memories along a motion, SI.
+def places(lane: Lane, path: Path, stride: int, period: float, largest: Sequence[float]) -> Places:
+    """The coordinates and memories along the motion of one record, SI.
 
-    **Arguments:** `z`, `v`: (lanes, points); `stride` thins the drive's half-step grid to those points; `period` of the
-    resonance, s; `largest`: absolute values of z and V in all records.
+    **Arguments:** `stride` thins the half-step grid; `period` of the resonance, s; `largest`: absolute values of z and
+    V in all records.
     """
-    lanes = group.lanes
-    omega = np.where(lanes.omega > 0, lanes.omega, np.inf)[:, None]
-    half = 0.5 * np.asarray(lanes.step)
-    time = half[:, None] * np.arange(lanes.voltage.shape[1])
-    thin = lambda x: np.asarray(x)[:, ::stride]
-    found = {"z": z, "v": v, "V": thin(lanes.voltage), "dV": thin(lanes.rate / omega), "t": thin(time)}
-    found["rate"] = thin(lanes.rate)
-    found["step"] = half * stride
+    omega, half = lane.omega if lane.omega > 0 else np.inf, 0.5 * lane.step
+    thin = lambda x: np.asarray(x)[None, ::stride]
+    time = half * np.arange(len(lane.voltage))
+    found = {"z": thin(path.z), "v": thin(path.v), "V": thin(lane.voltage), "dV": thin(lane.rate / omega)}
+    found |= {"t": thin(time), "rate": thin(lane.rate), "step": np.array([half * stride])}
     for name, size in zip(("z", "V"), largest, strict=True):
         found[f"{name} history"] = memories(found[name], found["step"], period, size)
     return found
 
 
 def sizes(found: list[Places]) -> dict[str, Size]:
-    """Range of each coordinate over all groups."""
+    """Range of each coordinate over all records."""
     ranges = {}
     for name in COORDINATES:
         low = min(float(np.min(place[name])) for place in found)

@@ -14,7 +14,7 @@ import numpy as np
 from ..fit.fit import minimise
 from ..model import Model
 from ..response import Equation
-from .columns import contributions
+from .columns import Terms, contributions
 from .score import Bench
 
 _SHARES = (0.3, 0.6)  # of the stiffness, taken over
@@ -39,36 +39,37 @@ def split_starts(bench: Bench, model: Model, base: np.ndarray) -> list[np.ndarra
     if size is None:
         return []
     axes = [(0.0,) if p.kind == "amplitude" else [g * getattr(scales, p.scale) for g in p.grid] for p in declared]
+    points = np.array([np.concatenate([base, point]) for point in itertools.product(*axes)])
+    taken_by = len(base) + size
+    mass = model.linear.mass
+    stiffness, damping = model.spring_and_damper(base[0], base[1], mass)
+    if not stiffness > 0:
+        return []
     starts = []
-    for point in itertools.product(*axes):
-        spring, damper = _likeness(bench, model, np.concatenate([base, point]), len(base) + size)
+    for point, (spring, damper) in zip(points, _likeness(bench, model, points, taken_by), strict=True):
         for share in _SHARES if np.isfinite(spring) and spring > 0 else ():
-            start = np.concatenate([base, point])
-            mass = model.linear.mass
-            omega, quality = 2 * np.pi * base[0], base[1]
-            start[len(base) + size] = taken = share * mass * omega**2 / spring
-            damping = mass * omega / quality
-            left = max(damping - taken * damper, _LEAST_DAMPING * damping)
+            start = point.copy()
+            start[taken_by] = share * stiffness / spring
+            left = max(damping - start[taken_by] * damper, _LEAST_DAMPING * damping)
             start[0] = base[0] * np.sqrt(1 - share)
-            start[1] = mass * omega * np.sqrt(1 - share) / left
+            start[1] = 2 * np.pi * start[0] * mass / left
             starts.append(start)
     campaign = bench.fit.campaign
     ended = [minimise(model, campaign, initial=start, most=_FEW) for start in starts]
     return [found.values for found in sorted(ended, key=lambda found: found.error)[:_KEPT]]
 
 
-def _likeness(bench: Bench, model: Model, values: np.ndarray, size: int) -> tuple[float, float]:
+def _likeness(bench: Bench, model: Model, values: np.ndarray, size: int) -> list[tuple[float, float]]:
     """Stiffness (N/m) and damping (N s/m) that the effect looks like on the measured motion, per unit of the parameter
-    at position `size`."""
-    gram, right = np.zeros((2, 2)), np.zeros(2)
-    for substeps, group, path, own in zip(
-        bench.scene.static.substeps, bench.scene.data.groups, bench.scene.paths, bench.scene.own, strict=True
-    ):
-        at, along = values[None], np.eye(len(values))[[size]]
-        force, _ = contributions(Equation(model), substeps, at, along, group.lanes, path, own)
-        moved = np.stack([np.ravel(path.z), np.ravel(path.v)])
+    at position `size`, for each set of `values` (k, m)."""
+    scene = bench.scene
+    along = np.tile(np.eye(values.shape[1])[size], (len(values), 1))
+    gram, right = np.zeros((2, 2)), np.zeros((2, len(values)))
+    pushed = contributions(Terms(Equation(model), False), scene.tape, values, along, scene.moved, scene.seen)
+    for (force, _), motion in zip(pushed, scene.moved, strict=True):
+        moved = np.stack([np.ravel(motion.z), np.ravel(motion.v)])
         gram += moved @ moved.T
-        right += moved @ np.ravel(np.asarray(force))
+        right += moved @ force.reshape(len(values), -1).T
     unit = np.sqrt(np.diag(gram))
-    spring, damper = -np.linalg.solve(gram / np.outer(unit, unit), right / unit) / unit
-    return float(spring), float(damper)
+    found = -np.linalg.solve(gram / np.outer(unit, unit), right / unit[:, None]) / unit[:, None]
+    return [(float(spring), float(damper)) for spring, damper in found.T]

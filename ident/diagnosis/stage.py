@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ..effects.dependence import Side
-from ..response import Equation
 from .columns import push_columns
 from .score import Bench, by_record
 from .splines import Places, Size, places, sizes
@@ -34,12 +33,11 @@ class Stage(NamedTuple):
 def set_stage(bench: Bench) -> Stage:
     """The coordinates along all fitted records."""
     scene, scales = bench.scene, bench.fit.scales
-    largest = (scales.displacement, scales.voltage)
-    groups = scene.data.groups
-    moved = [places(g, p.z, p.v, 1, scales.period, largest) for g, p in zip(groups, scene.paths, strict=True)]
+    largest, lanes = (scales.displacement, scales.voltage), scene.tape.lanes
+    moved = [places(lane, p, 1, scales.period, largest) for lane, p in zip(lanes, scene.paths, strict=True)]
     own = [
-        places(g, p.z[:, :: 2 * substeps], p.v[:, :: 2 * substeps], 2 * substeps, scales.period, largest)
-        for g, p, substeps in zip(groups, scene.own, scene.static.substeps, strict=True)
+        places(lane, p, 2 * span.substeps, scales.period, largest)
+        for lane, p, span in zip(lanes, scene.own, scene.tape.spans, strict=True)
     ]
     linear, omega = bench.fit.model.linear, 2 * np.pi * float(bench.fit.values[0])
     force_unit = linear.mass * omega**2 * scales.displacement
@@ -49,16 +47,13 @@ def set_stage(bench: Bench) -> Stage:
 def rows_of(bench: Bench, stage: Stage, side: Side, functions: Callable[[Places], np.ndarray]) -> np.ndarray:
     """Whitened rows (k, n) of functions of the coordinates, not projected.
 
-    **Arguments:** `functions`: from the coordinates of a group to (k, lanes, points), in units of `force_unit` (pushed
+    **Arguments:** `functions`: from the coordinates of a record to (k, 1, points), in units of `force_unit` (pushed
     through the model's dynamics) or, for a sensor, of `sensor_unit` (added to the readings).
     """
+    scene = bench.scene
     if side == "sensor":
-        return by_record(bench, [stage.sensor_unit * functions(place) for place in stage.modelled])
-    scene, equation = bench.scene, Equation(bench.fit.model)
-    found = []
-    for substeps, group, path, place in zip(
-        scene.static.substeps, scene.data.groups, scene.paths, stage.moved, strict=True
-    ):
-        pushes = stage.force_unit * functions(place)
-        found.append(np.asarray(push_columns(equation, substeps, bench.fit.values, pushes, group.lanes, path)))
-    return by_record(bench, found)
+        shown = np.concatenate([functions(place)[:, 0] for place in stage.modelled], axis=1)
+        return by_record(bench, stage.sensor_unit * shown)
+    grids = [stage.force_unit * functions(place)[:, 0] for place in stage.moved]
+    pushes = [np.moveaxis(part, 1, 0) for part in scene.tape.windows(grids)]
+    return by_record(bench, push_columns(scene.tape, scene.dynamics, pushes))

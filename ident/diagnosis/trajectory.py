@@ -12,10 +12,10 @@ says and the readings are not its path. (The cube of a reading that saturates ha
 
 from __future__ import annotations
 
-from functools import partial
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
-import equinox as eqx
 import jax
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
@@ -23,14 +23,9 @@ from scipy.signal import savgol_filter
 
 from ..campaign.record import Trace
 from ..fit import Fit
-from ..fit.assemble import assemble, begin
-from ..fit.problem import Data, Static, Unknowns, evaluate
-from ..fit.reading import fit_starts
-from ..response import make_groups
-from ..response.groups import Layout
-from ..response.lane import Lane, half_step_time
-from ..response.transient import assemble as bind
-from ..response.transient import integrate
+from ..fit.result import Solved
+from ..response import Tape
+from .columns import Dynamics, Motion, linearised
 
 _NOISE = 1.5  # residual over noise, squared, up to which a residual may be noise whose floor is not well known
 
@@ -40,38 +35,49 @@ class Diverged(ArithmeticError):
 
 
 class Path(NamedTuple):
-    """Displacement and velocity on the half-step grid of each lane, (lanes, 2 n + 1), m and m/s."""
+    """Displacement and velocity on the half-step grid of a record, (points,), m and m/s."""
 
     z: np.ndarray
     v: np.ndarray
 
 
-class Scene(NamedTuple):
-    """A fit laid out for diagnosis: the arrays of its fitted records, and the trajectories in them.
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A fit laid out for diagnosis: its arrays, and the trajectories in its fitted records.
 
-    **Arguments:** `residuals`: per record (n,), measured − model, m; `paths`: per group, the corrected trajectory;
+    **Arguments:** `residuals`: per record (n,), measured − model, m; `paths`: per record, the corrected trajectory;
     `own`: the model's.
     """
 
-    static: Static
-    data: Data
-    layout: Layout
-    unknowns: Unknowns
+    solved: Solved
     paths: tuple[Path, ...]
     own: tuple[Path, ...]
     residuals: tuple[np.ndarray, ...]
 
+    @property
+    def tape(self) -> Tape:
+        """Where the records are."""
+        return self.solved.data.tape
 
-@eqx.filter_jit
-def _states(static: Static, data: Data, values: np.ndarray, starts: tuple) -> tuple:
-    def one(substeps: int, start: jax.Array, lane: Lane) -> tuple:
-        system = bind(static.equation, values, lane)
-        return integrate(system, substeps, start, lane, half_step_time(lane))[:2]
+    @cached_property
+    def moved(self) -> tuple[Motion, ...]:
+        """The corrected trajectories as programs take them."""
+        return _motions(self.tape, self.paths)
 
-    return tuple(
-        jax.vmap(partial(one, substeps))(s * group.free * group.start_scale, group.lanes)
-        for substeps, s, group in zip(static.substeps, starts, data.groups, strict=True)
-    )
+    @cached_property
+    def seen(self) -> tuple[Motion, ...]:
+        """The model's own."""
+        return _motions(self.tape, self.own)
+
+    @cached_property
+    def dynamics(self) -> tuple[Dynamics, ...]:
+        """The model linearised along the corrected trajectories."""
+        return linearised(self.solved.static.equation, self.tape, self.solved.found.values, self.moved)
+
+
+def _motions(tape: Tape, paths: tuple[Path, ...]) -> tuple[Motion, ...]:
+    both = (tape.windows([path[k] for path in paths]) for k in range(2))
+    return tuple(Motion(*jax.device_put(pair)) for pair in zip(*both, strict=True))
 
 
 def lay_out(fit: Fit) -> Scene:
@@ -79,31 +85,20 @@ def lay_out(fit: Fit) -> Scene:
 
     **Raises:** Diverged if the model's motion has no bound.
     """
-    records = fit.campaign.fitted
-    groups, layout = make_groups(records, 1.0 / fit.scales.period, float(fit.values[1]), fit.model.steps_per_period)
-    static, data = assemble(fit.model, fit.campaign, groups, layout, fit.values, fit.scales)
-    unknowns = begin(groups, static)
-    if static.starts_free:
-        unknowns = fit_starts(static, data, unknowns)
-    found = evaluate(static, data, unknowns)
-    states = _states(static, data, np.asarray(fit.values), unknowns.starts)
-    paths, own = ([Path(*np.zeros((2, *g.lanes.voltage.shape))) for g in groups] for _ in range(2))
-    residuals = []
-    for record, (g, lane, n) in zip(records, layout.places, strict=True):
-        residual = record.response - np.asarray(found.readings[g])[lane, :n]
+    solved, paths, own, residuals = fit.solved, [], [], []
+    tape, response = solved.data.tape, solved.found.response
+    for record, part, span, lane in zip(fit.campaign.fitted, tape.slices, tape.spans, tape.lanes, strict=True):
+        residual = record.response - response.readings[part]
         if not np.all(np.isfinite(residual)):
             raise Diverged(record.name)
-        z, v = (np.asarray(x[lane, :n]) for x in states[g])
+        z, v = response.z[part], response.v[part]
         correction, rate = _trusted(residual, record) * _smooth(residual, record.step, fit.scales.period)
-        grid = record.time[0] + 0.5 * np.asarray(groups[g].lanes.step)[lane] * np.arange(paths[g].z.shape[1])
-        inside = np.minimum(grid, record.time[-1])
-        for path, spline in (
-            (paths[g], CubicHermiteSpline(record.time, z + correction, v + rate)),
-            (own[g], CubicHermiteSpline(record.time, z, v)),
-        ):
-            path.z[lane], path.v[lane] = spline(inside), spline(inside, 1)
+        inside = np.minimum(record.time[0] + 0.5 * lane.step * np.arange(span.points), record.time[-1])
+        for found, at in ((paths, (z + correction, v + rate)), (own, (z, v))):
+            spline = CubicHermiteSpline(record.time, *at)
+            found.append(Path(spline(inside), spline(inside, 1)))
         residuals.append(residual)
-    return Scene(static, data, layout, unknowns, tuple(paths), tuple(own), tuple(residuals))
+    return Scene(solved, tuple(paths), tuple(own), tuple(residuals))
 
 
 def _trusted(residual: np.ndarray, record: Trace) -> float:

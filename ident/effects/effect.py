@@ -15,16 +15,20 @@ From this one definition come the simulation, its derivatives, the fit, the help
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from types import MappingProxyType
+from pathlib import Path
+from types import FunctionType, MappingProxyType
 from typing import Any, ClassVar, Literal, NamedTuple, Self
 
 import jax
 
 from ..campaign.device import Device, Platform
 from ..campaign.record import Trace
+
+_LIBRARY = f"{__package__}.library."
 
 Scalar = Any  # a float outside, a traced JAX scalar inside a simulation
 Scale = Literal["displacement", "velocity", "voltage", "period", "duration", "one"]
@@ -223,10 +227,42 @@ class AbstractEffect:
         """The same effect on another device."""
         return type(self)(device, self.settings, **self.values)
 
+    def carrying(self, values: Mapping[str, Scalar], prepared: Any) -> Self:
+        """The same effect with other numbers, those of `prepare` included: nothing is prepared again."""
+        changed = object.__new__(type(self))
+        changed.__dict__.update(self.__dict__, values=MappingProxyType(dict(values)), prepared=prepared)
+        return changed
+
+    def accompanied(self, partner: AbstractEffect) -> Self:
+        """The same effect with another partner, its own numbers as they are."""
+        changed = object.__new__(type(self))
+        changed.__dict__.update(self.__dict__, partner=partner)
+        return changed
+
     @property
     def key(self) -> tuple[Any, ...]:
-        """What decides the compiled code: the class, its settings and the device, but not the parameter values."""
-        return (type(self), tuple(sorted(self.settings.items())), self.device)
+        """What decides the compiled code: the class, its settings and, if it reads it, the device, but not the
+        parameter values."""
+        return (type(self), tuple(sorted(self.settings.items())), self.device if self._reads_device else None)
+
+    @property
+    def fingerprint(self) -> str | None:
+        """The same in words that hold for every process; None if no file tells whether the class has changed."""
+        cls, told = type(self), ""
+        if not cls.__module__.startswith(_LIBRARY):
+            written = next((f for f in vars(cls).values() if isinstance(f, FunctionType)), None)
+            file = None if written is None else Path(written.__code__.co_filename)
+            if file is None or "<locals>" in cls.__qualname__ or not file.is_file():
+                return None
+            told = hashlib.sha256(file.read_bytes()).hexdigest()
+        return repr((cls.__module__, cls.__qualname__, told, *self.key[1:]))
+
+    @property
+    def _reads_device(self) -> bool:
+        """Whether the device decides the code. Effects of the library read it in `prepare` alone; of others nobody
+        knows."""
+        cls = type(self)
+        return cls.platform_only or cls.overrides("prepare") or not cls.__module__.startswith(_LIBRARY)
 
     @classmethod
     def overrides(cls, method: str) -> bool:

@@ -2,35 +2,45 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..campaign.campaign import Campaign
+from ..campaign.record import Trace
 from ..model import Model, ModelParameter
-from ..response import Equation, Group
-from ..response.groups import Layout
+from ..response import Equation, Tape
 from .coordinates import to_coordinates
 from .guess import DataScales
 from .problem import Data, Static, Unknowns
 
+_TIED_FOR = 0.25  # of a period of the resonance: displacement and velocity at the start, two numbers, need no more
 _ON = 0.1  # of a limit: data scales of other records of the same device differ by that
 
 
 def assemble(
     model: Model,
     campaign: Campaign,
-    groups: tuple[Group, ...],
-    layout: Layout,
+    records: Sequence[Trace],
+    tape: Tape,
     values: np.ndarray,
     scales: DataScales | None = None,
+    held: bool = False,
 ) -> tuple[Static, Data]:
-    """The arrays of a fit whose unknowns are the model's fitted parameters, at `values` (m,) SI."""
+    """The arrays of a fit to the records on a tape, whose unknowns are the model's fitted parameters, at `values` (m,)
+    SI; if `held`, only the initial states."""
     parameters = model.parameters
-    free = tuple(i for i, p in enumerate(parameters) if p.fitted)
+    fitted = [i for i, p in enumerate(parameters) if p.fitted]
+    free = () if held else tuple(fitted)
     bounds = np.array([bounds_of(parameters[i], float(values[i]), scales) for i in free]).reshape(-1, 2)
     priors = [campaign.priors.get(parameters[i].name) for i in free]
+    values = np.asarray(values, float)
     data = Data(
-        groups,
-        np.asarray(values, float),
+        tape,
+        np.concatenate([record.response for record in records]),
+        np.concatenate([_weight(record, float(values[0])) for record in records]),
+        np.array([_start_scale(record, float(values[0])) for record in records]),
+        values,
         bounds[:, 0],
         bounds[:, 1],
         np.ones(len(free)),
@@ -38,8 +48,28 @@ def assemble(
         np.array([0.0 if p is None else p.mean for p in priors]),
         np.array([0.0 if p is None else 1.0 / p.deviation for p in priors]),
     )
-    static = Static(Equation(model), layout.substeps, free, any(bool(np.any(group.free)) for group in groups))
-    return static, at_values(data, static, np.asarray(values, float))
+    moving = bool(np.any(data.start_scale))
+    static = Static(Equation(model), free, moving, len(fitted) + 2 * moving)
+    return static, at_values(data, static, values)
+
+
+def _weight(record: Trace, frequency: float) -> np.ndarray:
+    """1/σ of the samples that count, (n,).
+
+    Of skipped ones the first hold the initial state: without them nothing does, and a start that is free runs away to
+    where it mimics a little of what the model lacks. They weigh as much as any sample, for what a wrong model gains by
+    such a start grows with its misfit in noise floors too.
+    """
+    index = np.arange(len(record.time))
+    first = index < max(round(_TIED_FOR / (frequency * record.step)), 5)
+    counted = (index >= record.skip) | (first if record.start != "rest" else False)
+    return counted / record.noise.sigma
+
+
+def _start_scale(record: Trace, frequency: float) -> np.ndarray:
+    """Typical displacement and velocity of a record that does not start at rest, else zero."""
+    amplitude = float(np.max(np.abs(record.response))) or 1.0
+    return (record.start != "rest") * amplitude * np.array([1.0, 2 * np.pi * frequency])
 
 
 def bounds_of(parameter: ModelParameter, value: float, scales: DataScales | None) -> tuple[float, float]:
@@ -63,16 +93,16 @@ def at_values(data: Data, static: Static, values: np.ndarray) -> Data:
     return data._replace(template=values, anchor=anchor, scale=scale)
 
 
-def begin(groups: tuple[Group, ...], static: Static) -> Unknowns:
+def begin(data: Data, static: Static) -> Unknowns:
     """Unknowns to start from: x = 0, initial states read off the first samples."""
-    return Unknowns(np.zeros(len(static.free)), tuple(_measured_start(group) for group in groups))
+    starts = [_measured_start(data.response[own], lane.step * span.substeps)
+              for own, lane, span in zip(data.tape.slices, data.tape.lanes, data.tape.spans, strict=True)]  # fmt: skip
+    scale = np.where(data.start_scale > 0, data.start_scale, 1.0)
+    return Unknowns(np.zeros(len(static.free)), np.where(data.start_scale > 0, np.array(starts) / scale, 0.0))
 
 
-def _measured_start(group: Group) -> np.ndarray:
-    """Displacement and velocity read off the first samples, in units of the group's scale."""
-    stride = max(1, round((group.lanes.voltage.shape[1] - 1) / 2 / (group.response.shape[1] - 1)))
-    step = np.asarray(group.lanes.step) * stride
-    few = min(5, group.response.shape[1])
-    line = np.polynomial.polynomial.polyfit(np.arange(few), group.response[:, :few].T, min(2, few - 1))
-    start = np.stack([line[0], line[1] / step], axis=1)
-    return start / group.start_scale * group.free
+def _measured_start(response: np.ndarray, step: float) -> np.ndarray:
+    """Displacement and velocity read off the first samples."""
+    few = min(5, len(response))
+    line = np.polynomial.polynomial.polyfit(np.arange(few), response[:few], min(2, few - 1))
+    return np.array([line[0], line[1] / step])

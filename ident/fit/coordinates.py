@@ -11,26 +11,26 @@ from __future__ import annotations
 
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 
 _EDGE = 1e-9  # of the range: a start on a bound is moved inside by this much
 
 
-def to_values(coordinates: Any, lower: Any, upper: Any) -> Any:
+def to_values(coordinates: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
     """Physical values from coordinates, elementwise; `lower` is −inf, 0 or positive, `upper` inf or finite."""
-    positive, ranged = jnp.isfinite(lower), jnp.isfinite(upper)
-    logarithm = jnp.where(positive & ~ranged, coordinates, 0.0)
-    low, length = _range(jnp, lower, upper, ranged)
-    inside = low + length / (1.0 + jnp.exp(-4.0 * jnp.where(ranged, coordinates, 0.0) / length))
-    return jnp.where(positive, jnp.exp(jnp.where(ranged, inside, logarithm)), coordinates)
+    positive, ranged = np.isfinite(lower), np.isfinite(upper)
+    logarithm = np.where(positive & ~ranged, coordinates, 0.0)
+    low, length = _range(lower, upper, ranged)
+    with np.errstate(over="ignore"):  # far outside a range the value is the bound
+        inside = low + length / (1.0 + np.exp(-4.0 * np.where(ranged, coordinates, 0.0) / length))
+        return np.where(positive, np.exp(np.where(ranged, inside, logarithm)), coordinates)
 
 
 def to_coordinates(values: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
     """Coordinates of physical values."""
     positive, ranged = np.isfinite(lower), np.isfinite(upper)
     logarithm = np.log(np.where(positive, np.maximum(values, 1e-300), 1.0))
-    low, length = _range(np, lower, upper, ranged)
+    low, length = _range(lower, upper, ranged)
     share = np.clip((logarithm - low) / length, _EDGE, 1 - _EDGE)
     inside = length / 4 * np.log(share / (1 - share))
     return np.where(ranged, inside, np.where(positive, logarithm, values))
@@ -40,12 +40,12 @@ def slopes(values: np.ndarray, lower: Any, upper: Any) -> np.ndarray:
     """dp/dc at physical values."""
     lower, upper = np.asarray(lower), np.asarray(upper)
     positive, ranged = np.isfinite(lower), np.isfinite(upper)
-    low, length = _range(np, lower, upper, ranged)
+    low, length = _range(lower, upper, ranged)
     share = (np.log(np.where(ranged, np.maximum(values, 1e-300), 1.0)) - low) / length
     inside = 4.0 * np.clip(share * (1 - share), _EDGE, 0.25)
     return np.where(positive, values, 1.0) * np.where(ranged, inside, 1.0)
 
 
-def _range(xp: Any, lower: Any, upper: Any, ranged: Any) -> tuple[Any, Any]:
-    low = xp.log(xp.where(ranged, lower, 1.0))
-    return low, xp.where(ranged, xp.log(xp.where(ranged, upper, 2.0)) - low, 1.0)
+def _range(lower: Any, upper: Any, ranged: Any) -> tuple[Any, Any]:
+    low = np.log(np.where(ranged, lower, 1.0))
+    return low, np.where(ranged, np.log(np.where(ranged, upper, 2.0)) - low, 1.0)

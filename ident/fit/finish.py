@@ -8,16 +8,16 @@ from typing import NamedTuple
 import numpy as np
 
 from ..campaign.campaign import Campaign
+from ..campaign.record import Trace
 from ..model import Model, ModelParameter
-from ..response import make_groups
-from ..response.groups import Layout
+from ..response import lay_out
 from .coordinates import slopes
 from .guess import DataScales
 from .identifiability import identifiability
 from .judge import combine, score_record
-from .problem import Data, Static, Unknowns, evaluate, physical, read_groups
+from .problem import Data, Static, readings
 from .reading import read
-from .result import Estimate, Fit, SigmaChoice, Start
+from .result import Estimate, Fit, SigmaChoice, Solved, Start
 from .solve import Solution
 from .uncertainty import Linearisation, covariance, linearise
 
@@ -27,7 +27,6 @@ class Minimum(NamedTuple):
 
     static: Static
     data: Data
-    layout: Layout
     best: Solution
     starts: tuple[Start, ...]
     scales: DataScales
@@ -40,29 +39,30 @@ class Minimum(NamedTuple):
     @property
     def values(self) -> np.ndarray:
         """(m,) SI, all parameters of the model."""
-        return np.asarray(physical(self.static, self.data, self.best.unknowns.x))
+        return self.best.found.values
 
 
 def finish(model: Model, campaign: Campaign, minimum: Minimum, sigma: SigmaChoice) -> Fit:
     """Everything that is known of a solution."""
-    static, data, layout, best, starts, scales = minimum
-    unknowns, records = best.unknowns, campaign.fitted
-    found = evaluate(static, data, unknowns)
-    values = np.asarray(found.values)
+    static, data, best, starts, scales = minimum
+    found, records = best.found, campaign.fitted
+    values = found.values
     free, parameters = list(static.free), model.parameters
-    in_x = linearise(found, layout, records)
-    scale = np.asarray(data.scale)
+    in_x = linearise(found, data, records)
+    scale = data.scale
     linear = Linearisation(in_x.jacobian / scale, in_x.residual, in_x.spread / np.outer(scale, scale))
     stretch = slopes(values[free], data.lower, data.upper)  # d(physical value)/d(coordinate)
-    spectrum = covariance(linear, np.asarray(data.prior_weight) * stretch)
+    spectrum = covariance(linear, data.prior_weight * stretch)
     judged = identifiability([parameters[i] for i in free], values[free], stretch, spectrum)
-    inside = [np.asarray(found.readings[g])[lane, :n] for g, lane, n in layout.places]
-    finer, heldout = _finer_and_heldout(model, campaign, static, data, unknowns, layout, values, scales)
+    inside = [found.readings[own] for own in data.tape.slices]
+    finer = _finer(model, records, minimum)
     step_error = max(
-        float(np.max(np.abs(a - b))) / record.noise.sigma for record, a, b in zip(records, inside, finer, strict=True)
+        float(np.max(np.abs(found.readings[own] - finer[own]))) / record.noise.sigma
+        for record, own in zip(records, data.tape.slices, strict=True)
     )
-    readings = _in_order(campaign, inside, heldout)
-    scores = tuple(score_record(record, r) for record, r in zip(campaign.traces, readings, strict=True))
+    heldout = read(model, values, campaign.heldout) if campaign.heldout else []
+    told = _in_order(campaign, inside, heldout)
+    scores = tuple(score_record(record, r) for record, r in zip(campaign.traces, told, strict=True))
     error = combine([s for s in scores if not s.holdout])
     factor = error.error_over_noise**2 if sigma == "scaled" and error is not None else 1.0
     matrix = factor * spectrum.matrix * np.outer(stretch, stretch)
@@ -74,7 +74,7 @@ def finish(model: Model, campaign: Campaign, minimum: Minimum, sigma: SigmaChoic
         static.free,
         matrix,
         judged.combinations,
-        readings,
+        told,
         scores,
         starts,
         sigma,
@@ -83,41 +83,21 @@ def finish(model: Model, campaign: Campaign, minimum: Minimum, sigma: SigmaChoic
         scales,
         spectrum,
         linear,
+        Solved(static, data, best.unknowns, found),
     )
+
+
+def _finer(model: Model, records: Sequence[Trace], minimum: Minimum) -> np.ndarray:
+    """Readings with half the step, (samples,)."""
+    static, data, best, _, scales = minimum
+    steps = [2 * span.substeps for span in data.tape.spans]
+    tape = lay_out(records, 1.0 / scales.period, float(minimum.values[1]), substeps=steps)
+    return readings(static, data._replace(tape=tape), best.unknowns)
 
 
 def _in_order(campaign: Campaign, fitted: list[np.ndarray], heldout: list[np.ndarray]) -> tuple[np.ndarray, ...]:
     inside, outside = iter(fitted), iter(heldout)
     return tuple(next(outside) if record.holdout else next(inside) for record in campaign.traces)
-
-
-def _finer_and_heldout(
-    model: Model,
-    campaign: Campaign,
-    static: Static,
-    data: Data,
-    unknowns: Unknowns,
-    layout: Layout,
-    values: np.ndarray,
-    scales: DataScales,
-) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Readings of the fitted records with half the step, and of the held-out records; one program computes both."""
-    coarse = lambda records: make_groups(records, 1.0 / scales.period, float(values[1]), model.steps_per_period)[1]
-    alone = campaign.heldout if any(record.start != "rest" for record in campaign.heldout) else ()
-    beside = () if alone else campaign.heldout
-    # The held-out ones with half a step too: most campaigns are then one group, which is traced and compiled once.
-    steps = [2 * s for s in (*layout.per_record, *coarse(beside).per_record)]
-    groups, places = make_groups((*campaign.fitted, *beside), 1.0 / scales.period, float(values[1]), substeps=steps)
-    starts = [np.zeros_like(group.free) for group in groups]
-    for (group, lane, _), (old, old_lane, _) in zip(places.places, layout.places, strict=False):
-        scale = np.asarray(data.groups[old].start_scale) / groups[group].start_scale
-        starts[group][lane] = np.asarray(unknowns.starts[old])[old_lane] * scale
-    paths = read_groups(
-        static._replace(substeps=places.substeps), data._replace(groups=groups), Unknowns(unknowns.x, tuple(starts))
-    )
-    found = [np.asarray(paths[group])[lane, :n] for group, lane, n in places.places]
-    inside = len(campaign.fitted)
-    return found[:inside], read(model, values, alone) if alone else found[inside:]
 
 
 def _at_bound(value: float, lower: float, upper: float, error: float) -> bool:

@@ -11,14 +11,13 @@ from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
 from ..errors import UserError
 from ..model import Model
-from ..response import make_groups
-from ..response.groups import Layout
+from ..response import lay_out
 from . import solve
 from .assemble import assemble, at_values, begin
 from .finish import Minimum, finish
 from .guess import LinearGuess, data_scales
 from .one_tone import gain_of, hold_dragged, hold_gain, hold_quality
-from .problem import Data, Evaluation, Static, evaluate
+from .problem import Data, Static, evaluate
 from .result import Fit, SigmaChoice, Start
 from .starts import base_values, first_guess, random_points, starting_points
 
@@ -68,9 +67,8 @@ def fit(
         if held is not model:
             model, found = held, minimise(held, campaign, robust=robust, initial=initial, report=report)
     if sigma == "fitted":
-        at = evaluate(found.static, found.data, found.best.unknowns)
-        campaign = _with_residual_noise(campaign, at, found.layout)
-        again = fit(model, campaign, robust=robust, initial=np.asarray(at.values), report=report)
+        campaign = _with_residual_noise(campaign, found)
+        again = fit(model, campaign, robust=robust, initial=found.values, report=report)
         return replace(again, sigma="fitted", starts=found.starts)
     report("uncertainties")
     return finish(model, campaign, found, sigma)
@@ -101,48 +99,44 @@ def minimise(
         guess = first_guess(model, records)
     scales = data_scales(records, guess.frequency)
     base = told[0] if told else base_values(model, guess, scales)
-    groups, layout = make_groups(records, max(guess.frequency, float(base[0])), guess.quality, model.steps_per_period)
-    static, data = assemble(model, campaign, groups, layout, base, scales)
+    tape = lay_out(records, max(guess.frequency, float(base[0])), guess.quality, model.steps_per_period)
+    static, data = assemble(model, campaign, records, tape, base, scales)
     report(f"compiling the model ({len(static.free)} parameters, {len(records)} records)")
     points = told or starting_points(model, base, scales)
     if not told and starts:
         points = [base, *random_points(model, base, starts, spread, seed)]
     candidates = _first_errors(static, data, points)[: None if starts or told else _KEPT_STARTS]
-    samples = sum(int(np.count_nonzero(group.weight)) for group in groups)
+    samples = int(np.count_nonzero(data.weight))
     per_sample = lambda cost: float(np.sqrt(cost / samples))
     solutions = []
     for number, (first, point) in enumerate(candidates, 1):
         report(f"least squares, start {number} of {len(candidates)}")
         there = at_values(data, static, point)
-        solutions.append((first, *solve.least_squares(static, there, begin(groups, static), robust, most)))
+        solutions.append((first, *solve.least_squares(static, there, begin(data, static), robust, most)))
         if not starts and not told and per_sample(solutions[-1][2].cost) < _AT_THE_FLOOR:
             break
     _, data, best = min(solutions, key=lambda s: s[2].cost if np.isfinite(s[2].cost) else np.inf)
     table = tuple(Start(first, per_sample(s.cost), s.steps, s.converged) for first, _, s in solutions)
-    return Minimum(static, data, layout, best, table, scales)
+    return Minimum(static, data, best, table, scales)
 
 
 def _first_errors(static: Static, data: Data, points: list[np.ndarray]) -> list[tuple[float, np.ndarray]]:
     """Starting points with the error over noise at each, best first; the initial states are fitted for the
     judgement."""
     judged = []
+    samples = int(np.count_nonzero(data.weight))
     for point in points:
-        unknowns = begin(data.groups, static)
-        found = evaluate(static, at_values(data, static, point), unknowns)
-        n, cost = 0, 0.0
-        for residual, group in zip(found.residuals, data.groups, strict=True):
-            n += int(np.count_nonzero(group.weight))
-            cost += float(np.sum(np.asarray(residual) ** 2))
-        judged.append((float(np.sqrt(cost / n)), point))
+        found = evaluate(static, at_values(data, static, point), begin(data, static))
+        judged.append((float(np.sqrt(found.residuals @ found.residuals / samples)), point))
     return sorted(judged, key=lambda pair: pair[0])
 
 
-def _with_residual_noise(campaign: Campaign, found: Evaluation, layout: Layout) -> Campaign:
-    records, places = list(campaign.records), iter(layout.places)
+def _with_residual_noise(campaign: Campaign, found: Minimum) -> Campaign:
+    records, places = list(campaign.records), iter(found.data.tape.slices)
     for i, record in enumerate(records):
         if isinstance(record, Trace) and not record.holdout:
-            group, lane, n = next(places)
-            residual = np.asarray(found.residuals[group])[lane, record.skip : n] * record.noise.sigma
+            own = next(places)
+            residual = found.best.found.residuals[own][record.skip :] * record.noise.sigma
             noise = replace(record.noise, sigma=float(np.std(residual)), method="residual of the fit")
             records[i] = replace(record, noise=noise)
     return replace(campaign, records=tuple(records))

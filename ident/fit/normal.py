@@ -1,6 +1,6 @@
 """Normal equations of a fit: the cost, its gradient and its Gauss–Newton matrix, from one evaluation.
 
-The unknowns in one vector: x first, then displacement and velocity of every lane, group by group.
+The unknowns in one vector: x first, then displacement and velocity of every record.
 """
 
 from __future__ import annotations
@@ -28,42 +28,34 @@ class Normal(NamedTuple):
 
 def pack(unknowns: Unknowns) -> np.ndarray:
     """Unknowns as one vector."""
-    return np.concatenate([np.asarray(unknowns.x), *(np.ravel(s) for s in unknowns.starts)])
+    return np.concatenate([np.asarray(unknowns.x), np.ravel(unknowns.starts)])
 
 
 def unpack(vector: np.ndarray, like: Unknowns) -> Unknowns:
     """One vector as unknowns of the shapes of `like`."""
     p = len(like.x)
-    starts, first = [], p
-    for s in like.starts:
-        starts.append(vector[first : first + s.size].reshape(s.shape))
-        first += s.size
-    return Unknowns(vector[:p], tuple(starts))
+    return Unknowns(vector[:p], vector[p:].reshape(like.starts.shape))
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a trial whose motion has no bound is refused for its cost
 def normal_equations(static: Static, data: Data, vector: np.ndarray, found: Evaluation, robust: bool) -> Normal:
     """Normal equations of data, priors and ridge at one point, the unknowns in one `vector`."""
     p = len(static.free)
-    gradient, matrix, cost, first = np.zeros_like(vector), np.zeros((len(vector),) * 2), 0.0, p
-    for residual, by_x, by_start in zip(found.residuals, found.by_x, found.by_start, strict=True):
-        r, jx, js = np.asarray(residual), np.asarray(by_x), np.asarray(by_start)
-        if robust:
-            r, slope = _soften(r)
-            jx, js = jx * slope, js * slope
-        row, flat = r.ravel(), jx.reshape(p, -1)
-        cost += float(row @ row)
-        gradient[:p] += flat @ row
-        matrix[:p, :p] += flat @ flat.T
-        if static.starts_free:
-            for lane in range(r.shape[0]):
-                own = slice(first + 2 * lane, first + 2 * lane + 2)
-                gradient[own] = js[:, lane] @ r[lane]
-                matrix[own, own] = js[:, lane] @ js[:, lane].T
-                matrix[:p, own] = jx[:, lane] @ js[:, lane].T
-                matrix[own, :p] = matrix[:p, own].T
-        first += 2 * r.shape[0]
-    return _with_prior(Normal(np.asarray(cost), gradient, matrix), found, static, data, vector)
+    gradient, matrix = np.zeros_like(vector), np.zeros((len(vector),) * 2)
+    r, jx, js = found.residuals, found.by_x, found.by_start
+    if robust:
+        r, slope = _soften(r)
+        jx, js = jx * slope, js * slope
+    gradient[:p] = jx @ r
+    matrix[:p, :p] = jx @ jx.T
+    if static.starts_free:
+        for record, part in enumerate(data.tape.slices):
+            own = slice(p + 2 * record, p + 2 * record + 2)
+            gradient[own] = js[:, part] @ r[part]
+            matrix[own, own] = js[:, part] @ js[:, part].T
+            matrix[:p, own] = jx[:, part] @ js[:, part].T
+            matrix[own, :p] = matrix[:p, own].T
+    return _with_prior(Normal(np.asarray(float(r @ r)), gradient, matrix), found, static, data, vector)
 
 
 def _with_prior(data_part: Normal, found: Evaluation, static: Static, data: Data, vector: np.ndarray) -> Normal:

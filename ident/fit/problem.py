@@ -1,122 +1,122 @@
-"""A fit as arrays: residuals in units of the noise floor, and their Jacobian record by record.
+"""A fit as arrays: residuals in units of the noise floor, and their Jacobian.
 
 The unknowns are x, the fitted parameters in unbounded coordinates (ln p for positive ones) divided by `scale`, and the
 initial states of the records that do not start at rest. A record's initial state moves that record only, so the
-Jacobian costs p + 2 tangent simulations whatever the number of records (p if all start at rest).
+Jacobian costs p + 2 tangent simulations whatever the number of records (p if all start at rest). Samples of all records
+stand one after another, (samples,); `data.tape.slices` says where each record is.
 """
 
 from __future__ import annotations
 
-from functools import partial
 from typing import NamedTuple
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
-from ..response import Equation, Group, simulate_group
-from ..runtime import compiler_options
-from .coordinates import to_values
-
-Numbers = Array | np.ndarray
+from ..response import Equation, Response, Tape, respond
+from ..response.transient import fitting_width
+from .coordinates import slopes, to_values
 
 
 class Static(NamedTuple):
-    """What decides the compiled program.
+    """What a fit is about.
 
-    **Arguments:** `equation`; `substeps` per group; `free`, positions of the fitted parameters in the model's list;
-    `starts_free`, whether any record's initial state is fitted.
+    **Arguments:** `equation`; `free`, positions of the fitted parameters in the model's list; `starts_free`, whether
+    any record's initial state is fitted; `width`, how many directions a simulation takes at least, so that models with
+    few free parameters need no program of their own.
     """
 
     equation: Equation
-    substeps: tuple[int, ...]
     free: tuple[int, ...]
     starts_free: bool
+    width: int = 0
 
 
 class Data(NamedTuple):
-    """What changes without recompiling.
+    """The numbers of a fit.
 
     **Arguments:**
 
-    - `groups`: the records; `template`: (m,) SI values of all parameters, fitted or not.
+    - `tape`: the drives; `response`, (samples,) measured, m; `weight`, (samples,) 1/σ, zero where a sample is not
+      counted; `start_scale`, (records, 2) typical displacement and velocity, the unit of the fitted initial states,
+      zero where a record starts at rest.
+    - `template`: (m,) SI values of all parameters, fitted or not.
     - `lower`, `upper`: (p,) bounds of the fitted ones (see coordinates); `scale`, `anchor`: (p,) unit and origin of x.
     - `prior_mean`, `prior_weight`: (p,) SI; weight 1/deviation, 0 without a prior.
     """
 
-    groups: tuple[Group, ...]
-    template: Numbers
-    lower: Numbers
-    upper: Numbers
-    scale: Numbers
-    anchor: Numbers
-    prior_mean: Numbers
-    prior_weight: Numbers
+    tape: Tape
+    response: np.ndarray
+    weight: np.ndarray
+    start_scale: np.ndarray
+    template: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+    scale: np.ndarray
+    anchor: np.ndarray
+    prior_mean: np.ndarray
+    prior_weight: np.ndarray
 
 
 class Unknowns(NamedTuple):
-    """`x` (p,) and, per group, `starts` (lanes, 2) in units of the group's `start_scale`."""
+    """`x` (p,) and `starts` (records, 2) in units of `start_scale`."""
 
-    x: Numbers
-    starts: tuple[Numbers, ...]
+    x: np.ndarray
+    starts: np.ndarray
 
 
 _WORST = 1e8  # residual of a simulation that overflowed: finite, so that the step is rejected rather than the fit lost
 
 
-def physical(static: Static, data: Data, x: Numbers) -> Array:
+def physical(static: Static, data: Data, x: np.ndarray) -> np.ndarray:
     """All parameters of the model in SI, (m,), from the unknowns x (p,)."""
-    values = to_values(x * data.scale + data.anchor, data.lower, data.upper)
-    return jnp.asarray(data.template).at[jnp.array(static.free, int)].set(values)
-
-
-def predict(static: Static, data: Data, unknowns: Unknowns) -> tuple[Array, ...]:
-    """Sensor readings, one (lanes, n) array per group, m."""
-    values = physical(static, data, unknowns.x)
-    return tuple(
-        simulate_group(static.equation, substeps, values, starts * group.free * group.start_scale, group.lanes)
-        for substeps, starts, group in zip(static.substeps, unknowns.starts, data.groups, strict=True)
-    )
+    values = np.array(data.template, float)
+    values[list(static.free)] = to_values(x * data.scale + data.anchor, data.lower, data.upper)
+    return values
 
 
 class Evaluation(NamedTuple):
     """A model at one point.
 
-    **Arguments:** `values`, (m,) SI; per group `readings` and `residuals` (model − measured)/σ, (lanes, n), and the
-    residuals' derivatives `by_x` (p, lanes, n) and `by_start` (2, lanes, n), the latter empty if all start at rest.
+    **Arguments:** `values`, (m,) SI; its `response`; `residuals` (model − measured)/σ, (samples,), and their
+    derivatives `by_x` (p, samples) and `by_start` (2, samples), by the initial state of each sample's own record, empty
+    if all start at rest.
     """
 
-    values: Array
-    readings: tuple[Array, ...]
-    residuals: tuple[Array, ...]
-    by_x: tuple[Array, ...]
-    by_start: tuple[Array, ...]
+    values: np.ndarray
+    response: Response
+    residuals: np.ndarray
+    by_x: np.ndarray
+    by_start: np.ndarray
+
+    @property
+    def readings(self) -> np.ndarray:
+        """(samples,) m."""
+        return self.response.readings
 
 
-@partial(jax.jit, static_argnums=0, compiler_options=compiler_options())
+@np.errstate(over="ignore", invalid="ignore")  # a motion without bound is refused for its cost
 def evaluate(static: Static, data: Data, unknowns: Unknowns) -> Evaluation:
-    """Residuals and Jacobian in one pass of tangent simulations."""
-    p = unknowns.x.shape[0]
-    directions = jnp.eye(p + 2 * static.starts_free)
+    """Residuals and Jacobian in one march."""
+    values, p, tape = physical(static, data, unknowns.x), len(static.free), data.tape
+    directions = np.zeros((max(p + 2 * static.starts_free, static.width), len(values)))
+    free = list(static.free)
+    directions[np.arange(p), free] = slopes(values[free], data.lower, data.upper) * data.scale
+    kicks = np.zeros((len(directions), *unknowns.starts.shape))
+    if static.starts_free:
+        for k in range(2):
+            kicks[p + k, :, k] = data.start_scale[:, k]
+    found = respond(static.equation, tape, values, unknowns.starts * data.start_scale, directions, kicks)
+    residuals = (found.readings - data.response) * data.weight
+    residuals = np.where(np.abs(residuals) < _WORST, residuals, _WORST)
+    change = found.slopes * data.weight
+    change[~np.isfinite(change)] = 0.0
+    return Evaluation(values, found, residuals, change[:p], change[p : p + 2 * static.starts_free])
 
-    def misfit(at: Unknowns) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
-        readings = predict(static, data, at)
-        residuals = ((r - g.response) * g.weight for r, g in zip(readings, data.groups, strict=True))
-        return tuple(jnp.where(jnp.abs(r) < _WORST, r, _WORST) for r in residuals), readings
 
-    def along(direction: Array) -> tuple[tuple[Array, ...], tuple[Array, ...], tuple[Array, ...]]:
-        step = direction[p:] if static.starts_free else jnp.zeros(2)
-        starts = tuple(jnp.broadcast_to(step, s.shape) for s in unknowns.starts)
-        return jax.jvp(misfit, (unknowns,), (Unknowns(direction[:p], starts),), has_aux=True)
-
-    residuals, tangents, readings = jax.vmap(along, out_axes=(None, 0, None))(directions)
-    tangents = tuple(jnp.where(jnp.isfinite(t), t, 0.0) for t in tangents)
+def readings(static: Static, data: Data, unknowns: Unknowns) -> np.ndarray:
+    """Model readings alone, (samples,) m."""
+    width = fitting_width(max(len(static.free) + 2 * static.starts_free, static.width))  # the program that is there
+    nothing = np.zeros((width, len(data.template)))
+    starts, kicks = unknowns.starts * data.start_scale, np.zeros((len(nothing), *unknowns.starts.shape))
     values = physical(static, data, unknowns.x)
-    return Evaluation(values, readings, residuals, tuple(t[:p] for t in tangents), tuple(t[p:] for t in tangents))
-
-
-@partial(jax.jit, static_argnums=0, compiler_options=compiler_options())
-def read_groups(static: Static, data: Data, unknowns: Unknowns) -> tuple[Array, ...]:
-    """Model readings alone, per group."""
-    return predict(static, data, unknowns)
+    return respond(static.equation, data.tape, values, starts, nothing, kicks).readings

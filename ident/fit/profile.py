@@ -18,7 +18,7 @@ import numpy as np
 
 from ..errors import UserError
 from ..model import Model, ModelParameter
-from ..response import make_groups
+from ..response import lay_out
 from ..units import format_quantity
 from . import solve
 from .assemble import assemble, at_values, begin
@@ -175,10 +175,10 @@ def _steps(fit: Fit, index: int) -> tuple[bool, float, float]:
 
 def _problem(fit: Fit, name: str) -> tuple[Static, Data]:
     model = replace(fit.model, held=fit.model.held | {name}, freed=fit.model.freed - {name})
-    groups, layout = make_groups(
-        fit.campaign.fitted, 1.0 / fit.scales.period, float(fit.values[1]), fit.model.steps_per_period
-    )
-    return assemble(model, fit.campaign, groups, layout, fit.values)
+    records = fit.campaign.fitted
+    tape = lay_out(records, 1.0 / fit.scales.period, float(fit.values[1]), fit.model.steps_per_period)
+    static, data = assemble(model, fit.campaign, records, tape, fit.values)
+    return static._replace(width=len(fit.free) + 2 * static.starts_free), data  # the program of the fit
 
 
 def _fit_held(
@@ -188,12 +188,12 @@ def _fit_held(
     start = np.array(values, float)
     start[index] = np.exp(at) if logarithmic else at
     if not static.free:  # nothing else to fit: the error itself
-        found = evaluate(static, at_values(data, static, start), begin(data.groups, static))
-        cost = sum(float(np.sum(np.asarray(r) ** 2)) for r in found.residuals)
+        found = evaluate(static, at_values(data, static, start), begin(data, static))
+        cost = float(found.residuals @ found.residuals)
         return _Point(at, cost, start, bool(np.isfinite(cost)))
-    begun = at_values(data, static, start), begin(data.groups, static)
-    moved, solution = solve.least_squares(static, *begun, robust)
-    end = np.asarray(evaluate(static, moved, solution.unknowns).values)
+    begun = at_values(data, static, start), begin(data, static)
+    _, solution = solve.least_squares(static, *begun, robust)
+    end = solution.found.values
     usable = solution.converged and bool(np.all(np.isfinite(end)))
     return _Point(at, solution.cost if usable else np.nan, end if usable else start, usable)
 

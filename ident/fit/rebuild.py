@@ -8,7 +8,7 @@ import numpy as np
 
 from ..campaign.campaign import Campaign
 from ..model import Model
-from ..response import make_groups
+from ..response import lay_out
 from . import solve
 from .assemble import assemble, begin
 from .finish import Minimum, finish
@@ -38,10 +38,10 @@ def fit_at(
     guess = first_guess(model, records)
     scales = data_scales(records, guess.frequency)
     first = float(base_values(model, guess, scales)[0])  # the search chose its solver step from the same numbers
-    groups, layout = make_groups(records, max(guess.frequency, first), guess.quality, model.steps_per_period)
-    static, data = assemble(model, campaign, groups, layout, np.asarray(values, float), scales)
-    data, unknowns, _ = solve.rescale(static, data, begin(groups, static))
-    if any(record.start != "rest" for record in records):
-        unknowns = fit_starts(static, data, unknowns)
-    there = solve.Solution(unknowns, float("nan"), 0, converged)
-    return finish(model, campaign, Minimum(static, data, layout, there, tuple(starts), scales), sigma)
+    tape = lay_out(records, max(guess.frequency, first), guess.quality, model.steps_per_period)
+    static, data = assemble(model, campaign, records, tape, np.asarray(values, float), scales)
+    data, unknowns, found = solve.rescale(static, data, begin(data, static))
+    if static.starts_free:
+        unknowns, found = fit_starts(static, data, unknowns)
+    there = solve.Solution(unknowns, float("nan"), 0, converged, found)
+    return finish(model, campaign, Minimum(static, data, there, tuple(starts), scales), sigma)

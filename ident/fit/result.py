@@ -13,6 +13,7 @@ from ..model import Model
 from .guess import DataScales
 from .identifiability import Combination
 from .judge import RecordScore, Score, combine
+from .problem import Data, Evaluation, Static, Unknowns
 from .reading import read
 from .uncertainty import Covariance, Linearisation
 
@@ -40,6 +41,15 @@ class Estimate(NamedTuple):
     flags: tuple[str, ...]
 
 
+class Solved(NamedTuple):
+    """The arrays of a fit and the model at its minimum, initial states included."""
+
+    static: Static
+    data: Data
+    unknowns: Unknowns
+    found: Evaluation
+
+
 @dataclass(frozen=True, eq=False)
 class Fit:
     """A model fitted to a campaign; a value, changed only by fitting again.
@@ -52,7 +62,7 @@ class Fit:
     - `readings`: model reading of each trace of the campaign, in the campaign's order, m.
     - `starts`: every start and where it ended; `sigma`: which standard deviation the error bars stand on.
     - `step_error`: largest discretisation error of any fitted record, in units of its noise floor.
-    - `linear`: the fit as a linear regression, for diagnosis.
+    - `linear`: the fit as a linear regression, and `solved`: its arrays, for diagnosis.
     """
 
     model: Model
@@ -71,6 +81,7 @@ class Fit:
     scales: DataScales
     spectrum: Covariance
     linear: Linearisation
+    solved: Solved
 
     @property
     def fitted(self) -> Score:

@@ -16,17 +16,15 @@ S. Boyd, L. Vandenberghe, Convex Optimization, 2004, §9.5.1 (decrement).
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any, NamedTuple
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import lineax as lx
 import numpy as np
 import optimistix as optx
 
-from ..runtime import compiler_options
+from ..programs import program
 from .coordinates import slopes
 from .normal import Normal, normal_equations, pack, unpack
 from .problem import Data, Evaluation, Static, Unknowns, evaluate
@@ -43,22 +41,28 @@ _FIRST_STEP = 100.0  # the inverse of the first damping
 _FARTHEST = 0.5  # in ln p, for positive parameters in one step
 
 
+_SIZES = (8, 16, 32)  # of the normal equations as they are solved: one program for all that have fewer unknowns
+
+
 class Solution(NamedTuple):
-    """Where one start ended: `unknowns`, the `cost` Σ r² there, the number of `steps`, and whether it `converged`."""
+    """Where one start ended: `unknowns`, the `cost` Σ r² and the model there, the number of `steps`, and whether it
+    `converged`."""
 
     unknowns: Unknowns
     cost: float
     steps: int
     converged: bool
+    found: Evaluation
 
 
 class _Turn(NamedTuple):
-    """After a trial: whether it was `accepted`, the `units` (u,) of the unknowns, the next `move` (u,)."""
+    """After a trial: whether it was `accepted`, the `units` (u,) of the unknowns, the next `move` (u,), and the `reach`
+    of the trust region."""
 
     accepted: Any
     units: Any
     move: Any
-    search: Any
+    reach: Any
 
 
 def _info(normal: Normal, units: Any) -> Any:
@@ -66,18 +70,33 @@ def _info(normal: Normal, units: Any) -> Any:
     return optx.FunctionInfo.EvalGradHessian(normal.cost, normal.gradient / units, matrix)
 
 
-@partial(jax.jit, compiler_options=compiler_options())
-def _advance(point: Normal, trial: Normal, moved: Any, last: _Turn, first: Any) -> _Turn:
-    """Accept or reject a trial that lies `moved` away from the point, then propose the next move."""
+@program
+def _advance(_: None, point: Normal, trial: Normal, moved: Any, units: Any, reach: Any, first: Any) -> tuple:
+    """Accept or reject a trial that lies `moved` away from the point, then propose the next move; as of `_Turn`."""
     still = jnp.zeros_like(moved)
-    old, new = _info(point, last.units), _info(trial, last.units)
-    step, accept, _, search = _SEARCH.step(first, still, moved * last.units, old, new, last.search)
+    old, new = _info(point, units), _info(trial, units)
+    state, tree = jax.tree.flatten(_SEARCH.init(still, jax.eval_shape(_info, point, units)))
+    assert len(state) == 1  # a trust region is one number
+    step, accept, _, state = _SEARCH.step(first, still, moved * units, old, new, jax.tree.unflatten(tree, [reach]))
     accept = accept & jnp.isfinite(trial.cost)
     here = Normal(*(jnp.where(accept, b, a) for a, b in zip(point, trial, strict=True)))
-    units = jnp.maximum(last.units, jnp.sqrt(jnp.diagonal(here.matrix)))
+    units = jnp.maximum(units, jnp.sqrt(jnp.diagonal(here.matrix)))
     info = _info(here, units)
     move, _ = _DESCENT.step(step, _DESCENT.query(still, info, _DESCENT.init(still, info)))
-    return _Turn(accept, units, move / units, search)
+    return accept, units, move / units, jax.tree.leaves(state)[0]
+
+
+def _turn(point: Normal, trial: Normal, moved: np.ndarray, last: _Turn, first: bool) -> _Turn:
+    """`_advance` with unknowns added that change nothing, up to a size for which there is a program."""
+    size = len(moved)
+    more = next((n for n in _SIZES if n >= size), -(-size // _SIZES[-1]) * _SIZES[-1]) - size
+    matrix = lambda normal: np.block([[normal.matrix, np.zeros((size, more))], [np.zeros((more, size)), np.eye(more)]])
+    fill = lambda normal: Normal(normal.cost, np.pad(normal.gradient, (0, more)), matrix(normal))
+    units = np.pad(last.units, (0, more), constant_values=1.0)
+    accept, units, move, reach = _advance(
+        None, fill(point), fill(trial), np.pad(moved, (0, more)), units, last.reach, np.array(first)
+    )
+    return _Turn(bool(accept), np.asarray(units)[:size], np.asarray(move)[:size], np.asarray(reach))
 
 
 def _decrement(normal: Normal, units: np.ndarray) -> float:
@@ -91,24 +110,25 @@ def _decrement(normal: Normal, units: np.ndarray) -> float:
     return float(0.5 * np.sum(slope[seen] ** 2 / curvature[seen]))
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a start whose motion has no bound has no scale either
 def rescale(static: Static, data: Data, unknowns: Unknowns) -> tuple[Data, Unknowns, Evaluation]:
     """Choose the unit of every x such that a unit step changes the residuals by one at this point; the model there."""
     found = evaluate(static, data, unknowns)
-    squares = sum(np.sum(np.asarray(j) ** 2, axis=(1, 2)) for j in found.by_x)
-    stretch = slopes(np.asarray(found.values)[list(static.free)], data.lower, data.upper) * np.asarray(data.scale)
-    length = np.sqrt(squares + (np.asarray(data.prior_weight) * stretch) ** 2)
-    coordinates = np.asarray(unknowns.x) * np.asarray(data.scale) + np.asarray(data.anchor)
+    squares = np.sum(found.by_x**2, axis=1)
+    stretch = slopes(found.values[list(static.free)], data.lower, data.upper) * data.scale
+    length = np.sqrt(squares + (data.prior_weight * stretch) ** 2)
+    coordinates = unknowns.x * data.scale + data.anchor
     usable = np.isfinite(length) & (length > 0)
     share = 1.0 / np.where(usable, length, 1.0)
-    found = found._replace(by_x=tuple(np.asarray(j) * share[:, None, None] for j in found.by_x))
-    scale = np.asarray(data.scale) * share
+    scale = data.scale * share
+    found = found._replace(by_x=found.by_x * share[:, None])
     return data._replace(scale=scale, anchor=coordinates), Unknowns(np.zeros_like(scale), unknowns.starts), found
 
 
 def _farthest(data: Data, start: Unknowns) -> np.ndarray:
     """How far each unknown may go in one step, (u,)."""
-    reach = np.where(np.isfinite(np.asarray(data.lower)), _FARTHEST / np.asarray(data.scale), np.inf)
-    return np.concatenate([reach, *(np.full(np.size(s), np.inf) for s in start.starts)])
+    reach = np.where(np.isfinite(data.lower), _FARTHEST / data.scale, np.inf)
+    return np.concatenate([reach, np.full(start.starts.size, np.inf)])
 
 
 def least_squares(
@@ -117,23 +137,19 @@ def least_squares(
     """Minimise from one starting point in at most so many steps; the data as rescaled there, and the solution."""
     data, start, found = rescale(static, data, start)
     farthest = _farthest(data, start)
-    data = data._replace(groups=jax.device_put(data.groups))
     y = pack(start)
     point = trial = normal_equations(static, data, y, found, robust)
-    moved = np.zeros_like(y)
-    search = _SEARCH.init(y, jax.eval_shape(_info, point, y))
-    search = eqx.tree_at(lambda s: s.step_size, search, np.array(_FIRST_STEP))
-    turn = _Turn(np.array(True), np.sqrt(np.diagonal(point.matrix)), moved, search)
+    moved, best, converged = np.zeros_like(y), found, False
+    turn = _Turn(True, np.sqrt(np.diagonal(point.matrix)), moved, np.array(_FIRST_STEP))
     for steps in range(1, most + 1):
-        turn = _advance(point, trial, moved, turn, np.array(steps == 1))
+        turn = _turn(point, trial, moved, turn, steps == 1)
         if turn.accepted:
-            y, point = y + moved, trial
-        promised = _decrement(point, np.asarray(turn.units))
-        if promised < _SMALL_GAIN + _SMALL_SHARE * float(point.cost):
-            return data, Solution(unpack(y, start), 2 * float(point.cost), steps, True)
-        if float(turn.search.step_size) < _LEAST_STEP:
+            y, point, best = y + moved, trial, found
+        promised = _decrement(point, turn.units)
+        converged = promised < _SMALL_GAIN + _SMALL_SHARE * float(point.cost)
+        if converged or float(turn.reach) < _LEAST_STEP:
             break
         moved = np.clip(turn.move, -farthest, farthest)
         found = evaluate(static, data, unpack(y + moved, start))
         trial = normal_equations(static, data, y + moved, found, robust)
-    return data, Solution(unpack(y, start), 2 * float(point.cost), steps, False)
+    return data, Solution(unpack(y, start), 2 * float(point.cost), steps, converged, best)

@@ -17,8 +17,7 @@ import numpy as np
 
 from ..campaign.record import NoiseFloor, Trace
 from ..campaign.recursive import recursive_filter
-from ..response.groups import Layout
-from .problem import Evaluation
+from .problem import Data, Evaluation
 
 
 class Linearisation(NamedTuple):
@@ -33,17 +32,16 @@ class Linearisation(NamedTuple):
     spread: np.ndarray
 
 
-def linearise(found: Evaluation, layout: Layout, records: Sequence[Trace]) -> Linearisation:
+def linearise(found: Evaluation, data: Data, records: Sequence[Trace]) -> Linearisation:
     """Collect the Jacobian of all records, initial states projected out, and the spread that their noise causes."""
     rows, residuals = [], []
-    p = found.by_x[0].shape[0]
+    p = len(found.by_x)
     spread = np.zeros((p, p))
-    for record, (group, lane, n) in zip(records, layout.places, strict=True):
-        counted = slice(record.skip, n)
-        jacobian = np.asarray(found.by_x[group])[:, lane, counted].T
-        residual = np.asarray(found.residuals[group])[lane, counted]
+    for record, own in zip(records, data.tape.slices, strict=True):
+        counted = slice(own.start + record.skip, own.stop)
+        jacobian, residual = found.by_x[:, counted].T, found.residuals[counted]
         if record.start != "rest":
-            basis, _ = np.linalg.qr(np.asarray(found.by_start[group])[:, lane, counted].T)
+            basis, _ = np.linalg.qr(found.by_start[:, counted].T)
             jacobian = jacobian - basis @ (basis.T @ jacobian)
             residual = residual - basis @ (basis.T @ residual)
         rows.append(jacobian)

@@ -12,7 +12,6 @@ from ..errors import UserError
 from .linear import LinearPart, linear_part
 from .parameters import ModelParameter
 
-
 _LEAST_QUALITY = {"oscillator": 0.5, "overdamped": 1e-4}
 
 
@@ -80,7 +79,7 @@ class Model:
     @property
     def key(self) -> tuple[Any, ...]:
         """What decides the compiled code."""
-        return (self.device, self.form, tuple(effect.key for effect in self.effects))
+        return (self.form, tuple(effect.key for effect in self.effects))
 
     @property
     def parameters(self) -> tuple[ModelParameter, ...]:
@@ -120,9 +119,8 @@ class Model:
                            doc="quality factor"),
         )  # fmt: skip
 
-    def spring_and_damper(self, first: Any, second: Any) -> tuple[Any, Any]:
-        """Stiffness (N/m) and damping (N s/m) of the linear part from its first two parameters."""
-        mass = self.linear.mass
+    def spring_and_damper(self, first: Any, second: Any, mass: Any) -> tuple[Any, Any]:
+        """Stiffness (N/m) and damping (N s/m) of the linear part from its first two parameters and its mass, kg."""
         if self.form == "no-spring":
             return 0.0 * first, mass / second
         omega = 2 * math.pi * first

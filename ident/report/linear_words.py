@@ -41,8 +41,8 @@ def worse_than_static(fit: Fit) -> str:
     if simple is None or not share > _WORSE * simple.left:
         return ""
     return (
-        f"This fit is worse than gain and offset alone: they leave {percent_text(simple.left)} of the signal, it leaves "
-        f"{percent_text(share)}. Nothing that it says of the device holds."
+        f"This fit is worse than gain and offset alone: they leave {percent_text(simple.left)} of the signal, it "
+        f"leaves {percent_text(share)}. Nothing that it says of the device holds."
     )
 
 

@@ -1,7 +1,8 @@
 """Solving the equation of motion for the measured drive."""
 
-from .groups import Group as Group
-from .groups import make_groups as make_groups
-from .transient import Equation as Equation
-from .transient import simulate as simulate
-from .transient import simulate_group as simulate_group
+from .ensemble import respond_many as respond_many
+from .substeps import lay_out as lay_out
+from .system import Equation as Equation
+from .tape import Tape as Tape
+from .transient import Response as Response
+from .transient import respond as respond

@@ -1,14 +1,15 @@
-"""One record as the solver sees it."""
+"""The drive of one record as the solver sees it."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
-Numbers = Array | np.ndarray
+from ..campaign.drive import drive_frequency, half_step_drive
+from ..campaign.record import Trace
+
+Numbers = Any  # NumPy outside a program, JAX inside
 
 
 class Lane(NamedTuple):
@@ -18,14 +19,16 @@ class Lane(NamedTuple):
     grid; `omega`, rad/s; `load`, kg; `moving`, 1 if the record begins in motion.
     """
 
-    step: Numbers
-    voltage: Numbers
-    rate: Numbers
-    omega: Numbers
-    load: Numbers
-    moving: Numbers | float = 0.0
+    step: float
+    voltage: np.ndarray
+    rate: np.ndarray
+    omega: float
+    load: float = 0.0
+    moving: float = 0.0
 
 
-def half_step_time(lane: Lane) -> Array:
-    """Time since the first sample on the half-step grid, s."""
-    return jnp.asarray(0.5 * lane.step * jnp.arange(lane.voltage.shape[0]))
+def lane_of(record: Trace, substeps: int) -> Lane:
+    """The drive of a record with so many steps of the solver per sample."""
+    voltage, rate = half_step_drive(record, substeps)
+    moving = float(record.begins_in_motion)
+    return Lane(record.step / substeps, voltage, rate, drive_frequency(record), record.load, moving)

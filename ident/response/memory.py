@@ -6,61 +6,82 @@ states would carry a tangent for every unknown of the model; here it carries tho
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
 from ..effects.effect import AbstractEffect, Drive, State
-from .lane import Lane, Numbers, half_step_time
+from .lane import Numbers
 from .runge_kutta import runge_kutta, stages, steps_of
 
+Hidden = tuple[Array, ...]
 
-def memory_along(
-    effect: AbstractEffect, gain: Numbers, omega: Numbers, lane: Lane, z: Numbers, v: Numbers
-) -> tuple[Array, ...]:
-    """Hidden states of one effect along a given motion, each (2 n + 1,) on the half-step grid.
 
-    `gain`, N/V, and `omega`, rad/s, of the drive; `z` and `v`, (2 n + 1,) m and m/s. Between the steps of the method
-    the states follow the cubic that has their rates at both ends.
+class Seen(NamedTuple):
+    """What an effect sees in a block, (points,) on the half-step grid: `z`, `v`, `voltage`, `rate`, `time`; and what is
+    constant there: the `step`, `omega`, `gain`, `moving`."""
+
+    z: Numbers
+    v: Numbers
+    voltage: Numbers
+    rate: Numbers
+    time: Numbers
+    step: Numbers
+    omega: Numbers
+    gain: Numbers
+    moving: Numbers
+
+    def drive(self, voltage: Numbers, rate: Numbers) -> Drive:
+        """The drive as the effects see it."""
+        return Drive(voltage, rate, self.omega, self.gain, self.moving)
+
+    @property
+    def first(self) -> Drive:
+        """The drive at the first point."""
+        return self.drive(self.voltage[0], self.rate[0])
+
+
+def memory_along(effect: AbstractEffect, hidden: Hidden, seen: Seen) -> tuple[Hidden, Hidden]:
+    """Hidden states of one effect along a given motion: those at the end, and each (points,) on the half-step grid.
+
+    `hidden`: those at the first point. Between the steps of the method they follow the cubic that has their rates at
+    both ends.
     """
-    drive = lambda voltage, rate: Drive(voltage, rate, omega, gain, lane.moving)
-    first = effect.begun(drive(jnp.asarray(lane.voltage)[0], jnp.asarray(lane.rate)[0]))
-    if not first:
-        return ()
-
+    if not hidden:
+        return (), ()
     # Adding a zero that depends on the parameters gives the carry the type it will have under differentiation.
-    nothing = 0.0 * gain + 0.0 * sum(effect.values.values())
-    begin = tuple(jnp.asarray(h) + nothing for h in first)
+    nothing = 0.0 * seen.gain + 0.0 * sum(effect.values.values())
+    hidden = tuple(h + nothing for h in hidden)
     if effect.overrides("follow"):
-        return _followed(effect, begin, drive, lane)
+        return _followed(effect, hidden, seen)
 
-    def rate(hidden: tuple[Array, ...], at: tuple[Array, ...]) -> tuple[Array, ...]:
+    def rate(hidden: Hidden, at: tuple[Array, ...]) -> Hidden:
         z, v, voltage, slope, t = at
-        return effect.rate(State(z, v, hidden), drive(voltage, slope), t)
+        return effect.rate(State(z, v, hidden), seen.drive(voltage, slope), t)
 
-    def advance(hidden: tuple[Array, ...], x: tuple[tuple[Array, ...], ...]) -> tuple[tuple[Array, ...], tuple]:
-        hidden = runge_kutta(rate, hidden, stages(x), lane.step)
+    def advance(hidden: Hidden, x: tuple[tuple[Array, ...], ...]) -> tuple[Hidden, Hidden]:
+        hidden = runge_kutta(rate, hidden, stages(x), seen.step)
         return hidden, hidden
 
-    grids = (z, v, lane.voltage, lane.rate, half_step_time(lane))
-    _, path = lax.scan(advance, begin, steps_of(grids))
-    at_steps = tuple(jnp.concatenate([a[None], b]) for a, b in zip(begin, path, strict=True))
+    grids = (seen.z, seen.v, seen.voltage, seen.rate, seen.time)
+    end, path = lax.scan(advance, hidden, steps_of(grids))
+    at_steps = tuple(jnp.concatenate([a[None], b]) for a, b in zip(hidden, path, strict=True))
     rates = jax.vmap(rate)(at_steps, tuple(jnp.asarray(grid)[::2] for grid in grids))
-    return tuple(_with_midpoints(h, r, lane.step) for h, r in zip(at_steps, rates, strict=True))
+    return end, tuple(_with_midpoints(h, r, seen.step) for h, r in zip(at_steps, rates, strict=True))
 
 
-def _followed(
-    effect: AbstractEffect, begin: tuple[Array, ...], drive: Callable[[Array, Array], Drive], lane: Lane
-) -> tuple[Array, ...]:
-    def advance(hidden: tuple[Array, ...], at: tuple[Array, ...]) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
-        hidden = effect.follow(hidden, drive(*at[:2]), drive(*at[2:]), 0.5 * lane.step)
+def _followed(effect: AbstractEffect, hidden: Hidden, seen: Seen) -> tuple[Hidden, Hidden]:
+    def advance(hidden: Hidden, at: tuple[Array, ...]) -> tuple[Hidden, Hidden]:
+        # A padded block has no step, and nothing happens in it.
+        step = jnp.where(seen.step > 0, 0.5 * seen.step, 1.0)
+        hidden = effect.follow(hidden, seen.drive(*at[:2]), seen.drive(*at[2:]), step)
         return hidden, hidden
 
-    voltage, rate = jnp.asarray(lane.voltage), jnp.asarray(lane.rate)
-    _, path = lax.scan(advance, begin, (voltage[:-1], rate[:-1], voltage[1:], rate[1:]))
-    return tuple(jnp.concatenate([a[None], b]) for a, b in zip(begin, path, strict=True))
+    voltage, rate = jnp.asarray(seen.voltage), jnp.asarray(seen.rate)
+    end, path = lax.scan(advance, hidden, (voltage[:-1], rate[:-1], voltage[1:], rate[1:]))
+    return end, tuple(jnp.concatenate([a[None], b]) for a, b in zip(hidden, path, strict=True))
 
 
 def _with_midpoints(x: Array, rate: Array, step: Numbers) -> Array:
@@ -87,39 +108,67 @@ def _can_remember(effect: AbstractEffect, state: State) -> bool:
     return True
 
 
-def remembered_force(effect: AbstractEffect, gain: Numbers, omega: Numbers, lane: Lane) -> Array:
-    """Force of an effect that follows the drive alone, (2 n + 1,) N on the half-step grid; arguments as above.
-
-    Its memory has tangents along those parameters that it depends on, its force along all of the effect's and the gain.
-    """
-    names = tuple(effect.values)
+def shaping(effect: AbstractEffect) -> tuple[str, ...]:
+    """Names of the parameters on which the memory of an effect depends."""
     state = State(0.0, 0.0, effect.state0())
-    shaping = [i for i, name in enumerate(names) if not _can_remember(effect.with_values(**{name: None}), state)]
+    return tuple(name for name in effect.values if not _can_remember(effect.with_values(**{name: None}), state))
 
-    def memory(some: Array, unknowns: Array, omega: Array, lane: Lane) -> tuple[Array, ...]:
-        values = dict(zip(names, unknowns, strict=False)) | {names[i]: x for i, x in zip(shaping, some, strict=True)}
-        still = jnp.zeros_like(lane.voltage)
-        return memory_along(effect.with_values(**values), unknowns[-1], omega, lane, still, still)
 
-    def acting(unknowns: Array, hidden: tuple[Array, ...], omega: Array, lane: Lane) -> Array:
+class Remembered(NamedTuple):
+    """Memory of one effect between blocks: `hidden` states, (h,), and their derivatives `slopes`, (q, h), by the
+    parameters on which they depend."""
+
+    hidden: Array
+    slopes: Array
+
+
+def remembered_force(
+    effect: AbstractEffect, memory: Remembered, first: Numbers, seen: Seen
+) -> tuple[Remembered, Array, Array]:
+    """Force of an effect that follows the drive alone: what it remembers at the end of the block; (points,) N on the
+    half-step grid; and the derivatives, (values + 1, points), by its own parameters and the gain.
+
+    `first`: whether the record begins here. The memory has tangents along those parameters that it depends on alone.
+    """
+    names, bends = tuple(effect.values), shaping(effect)
+    values = dict(effect.values)
+    changed = lambda some: effect.with_values(**(values | dict(zip(bends, some, strict=True))))
+
+    def begun(some: Array) -> Array:
+        return jnp.stack([jnp.asarray(h, float) for h in changed(some).begun(seen.first)])
+
+    def along(some: Array, hidden: Array) -> tuple[Array, Array]:
+        end, path = memory_along(changed(some), tuple(hidden), seen)
+        return jnp.stack(end), jnp.stack(path)
+
+    some = jnp.stack([jnp.asarray(values[name], float) for name in bends]) if bends else jnp.zeros(0)
+    axes = jnp.eye(len(bends))
+    begin = begun(some)
+    hidden = jnp.where(first > 0, begin, memory.hidden)
+    if bends:
+        begin_slopes = jax.vmap(lambda axis: jax.jvp(begun, (some,), (axis,))[1])(axes)
+        bent = jnp.where(first > 0, begin_slopes, memory.slopes)
+        one = lambda axis, change: jax.jvp(along, (some, hidden), (axis, change))
+        (end, path), (end_slopes, changes) = jax.vmap(one, out_axes=(None, 0))(axes, bent)
+    else:
+        (end, path), end_slopes, changes = along(some, hidden), memory.slopes, jnp.zeros((0, *hidden.shape))
+
+    def acting(unknowns: Array, path: Array) -> Array:
         at = effect.with_values(**dict(zip(names, unknowns, strict=False)))
-        one = lambda h, u, r, t: at.drive(h, Drive(u, r, omega, unknowns[-1], lane.moving), t)
-        return jax.vmap(one)(hidden, lane.voltage, lane.rate, half_step_time(lane))
+        drive = lambda u, r: Drive(u, r, seen.omega, unknowns[-1], seen.moving)
+        one = lambda h, u, r, t: at.drive(tuple(h), drive(u, r), t)
+        return jax.vmap(one, in_axes=(1, 0, 0, 0))(path, seen.voltage, seen.rate, seen.time)
 
-    @jax.custom_jvp
-    def force(unknowns: Array, omega: Array, lane: Lane) -> Array:
-        return acting(unknowns, memory(unknowns[jnp.array(shaping, int)], unknowns, omega, lane), omega, lane)
+    unknowns = jnp.stack([jnp.asarray(x, float) for x in (*values.values(), seen.gain)])
+    slopes = []
+    for i, axis in enumerate(jnp.eye(len(unknowns))):
+        bend = names[i] if i < len(names) else ""
+        change = changes[bends.index(bend)] if bend in bends else jnp.zeros_like(path)
+        slopes.append(jax.jvp(acting, (unknowns, path), (axis, change))[1])
+    return Remembered(end, end_slopes), acting(unknowns, path), jnp.stack(slopes)
 
-    @force.defjvp
-    def _(primals: tuple, tangents: tuple) -> tuple[Array, Array]:
-        unknowns, *given = primals
-        some, axes = unknowns[jnp.array(shaping, int)], jnp.eye(len(unknowns))
-        along = lambda axis: jax.jvp(lambda x: memory(x, unknowns, *given), (some,), (axis,))
-        hidden, changes = jax.vmap(along, out_axes=(None, 0))(jnp.eye(len(shaping)))
-        slopes = []
-        for i, axis in enumerate(axes):
-            change = [c[shaping.index(i)] for c in changes] if i in shaping else [jnp.zeros_like(h) for h in hidden]
-            slopes.append(jax.jvp(lambda x, h: acting(x, h, *given), (unknowns, hidden), (axis, tuple(change)))[1])
-        return acting(unknowns, hidden, *given), tangents[0] @ jnp.stack(slopes)
 
-    return force(jnp.stack([jnp.asarray(x, float) for x in (*effect.values.values(), gain)]), omega, lane)
+def forgotten(effect: AbstractEffect) -> tuple[Any, Any]:
+    """Shapes of what an effect remembers: of `hidden` and of `slopes`."""
+    size = len(effect.state0())
+    return (size,), (len(shaping(effect)), size)

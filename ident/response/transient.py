@@ -1,8 +1,9 @@
-"""Transient response: fixed-step Runge–Kutta of order 4 in one scan, driven by the measured voltage.
+"""Transient response: fixed-step Runge–Kutta of order 4 along the tape, driven by the measured voltage.
 
-One lane is one record. The carry is a tuple of scalars, so that XLA keeps the whole loop in registers. Forces of the
-momentary drive are computed in the loop too: read from memory, with their tangents, they would cost more. Those that
-remember the drive are integrated before it (`memory`).
+The state is a tuple of scalars and its derivatives are vectors, so that XLA keeps the whole loop in registers and fills
+the vector units. Derivatives are taken of one step, not of the loop. Forces of the momentary drive are computed in the
+loop too: read from memory, with their tangents, they would cost more. Those that remember the drive are integrated
+block by block before it (`memory`).
 
 Source: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 1993, §II.1.
 """
@@ -10,147 +11,202 @@ Source: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equa
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
-from typing import Any, NamedTuple
+from functools import cached_property, partial
+from typing import Any
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
-from jax import Array, lax
+import numpy as np
+from jax import lax
 
-from ..effects.effect import AbstractEffect, Drive, State
-from ..model import Model
-from .lane import Lane, Numbers, half_step_time
-from .memory import follows_drive_alone, remembered_force
+from ..programs import program
+from .lane import Numbers
+from .memory import Remembered, Seen, forgotten, remembered_force
 from .runge_kutta import runge_kutta, stages, steps_of
+from .system import Block, Equation, System, assemble, begun, derivative, reading, slices, tangents
+from .tape import BLOCK, BLOCKS, Chunk, Tape
+
+WIDTHS = (4, 8, 12)
+"""Numbers of directions that one march takes: those that fill the vector units (5 of them take longer than 8)."""
 
 
 @dataclass(frozen=True, eq=False)
-class Equation:
-    """A model as a static argument of compiled code: two are equal if they compile to the same program."""
+class Response:
+    """What a march says, at the samples of all records of a tape."""
 
-    model: Model
+    tape: Tape
+    directions: int
+    marches: tuple[tuple[tuple[Numbers, ...], ...], ...]
+    """Per march and chunk, at the beginning of each step: readings, z, v, and derivatives along some directions."""
 
-    def __hash__(self) -> int:
-        return hash(self.model.key)
+    @cached_property
+    def readings(self) -> np.ndarray:
+        """(samples,) m."""
+        return self._part(0)[0]
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Equation) and self.model.key == other.model.key
+    @cached_property
+    def z(self) -> np.ndarray:
+        """Displacement of the stage, (samples,) m."""
+        return self._part(1)[0]
+
+    @cached_property
+    def v(self) -> np.ndarray:
+        """Velocity of the stage, (samples,) m/s."""
+        return self._part(2)[0]
+
+    @cached_property
+    def slopes(self) -> np.ndarray:
+        """Derivatives of the readings, (d, samples)."""
+        return np.concatenate([self._part(3, march) for march in range(len(self.marches))])[: self.directions]
+
+    def _part(self, k: int, march: int = 0) -> np.ndarray:
+        return self.tape.at_samples([chunk[k] for chunk in self.marches[march]])
 
 
-class System(NamedTuple):
-    """Everything that is constant along one trajectory; `slices`: each effect's part of the hidden states, None if it
-    follows the drive alone and is integrated before the motion."""
+def respond(
+    equation: Equation,
+    tape: Tape,
+    values: Numbers,
+    starts: Numbers,
+    directions: np.ndarray | None = None,
+    kicks: np.ndarray | None = None,
+) -> Response:
+    """Sensor readings of all records of a tape, and how they change along directions.
 
-    effects: tuple[AbstractEffect, ...]
-    slices: tuple[slice | None, ...]
-    mass: Any
-    damping: Any
-    stiffness: Any
-    gain: Any
-    omega: Any
-    moving: Any
-
-    def drive(self, voltage: Any, rate: Any) -> Drive:
-        """The drive as the effects see it."""
-        return Drive(voltage, rate, self.omega, self.gain, self.moving)
-
-
-def simulate(equation: Equation, substeps: int, values: Array, start: Numbers, lane: Lane) -> Array:
-    """Sensor reading at the samples of one record.
-
-    **Arguments:** `substeps`, solver steps per sample; `values`, (p,) physical parameters in the order of
-    `model.parameters`; `start`, (2,) displacement and velocity at the first sample; `lane`, the record.
-
-    **Returns:** (n / substeps + 1,) m.
+    **Arguments:** `values`, (m,) SI, in the order of `model.parameters`; `starts`, (records, 2) m and m/s at the first
+    samples; `directions`, (d, m) changes of the values, and `kicks`, (d, records, 2), of the starts; without them there
+    are no derivatives.
     """
-    system = assemble(equation, values, lane)
-    half_time = half_step_time(lane)
-    whole_state = any(effect.overrides("sensor") for effect in system.effects)
-    path = integrate(system, substeps, start, lane, half_time, whole_state)
-    return _reading(system, path, lane, half_time, 2 * substeps)
+    starts, values = np.asarray(starts, float), np.asarray(values, float)
+    if directions is None or kicks is None:
+        return Response(tape, 0, (_pass(equation, tape, values, starts, None, None),))
+    width = fitting_width(len(directions))
+    marches = []
+    for first in range(0, max(len(directions), 1), width):
+        own = slice(first, first + width)
+        along = _filled(directions[own], width), _filled(kicks[own], width)
+        marches.append(_pass(equation, tape, values, starts, *along))
+    return Response(tape, len(directions), tuple(marches))
 
 
-def integrate(
-    system: System, substeps: int, start: Numbers, lane: Lane, half_time: Array, whole_state: bool = True
-) -> tuple[Array, ...]:
-    """State (z, v, hidden …) at the samples, or z alone; each (n / substeps + 1,)."""
-    grids: tuple[Numbers, ...] = (lane.voltage, lane.rate, half_time)
-    before = [effect for effect, own in zip(system.effects, system.slices, strict=True) if own is None]
-    if before:
-        forces = [remembered_force(effect, system.gain, system.omega, lane) for effect in before]
-        grids += (jnp.sum(jnp.stack(forces), axis=0),)
-    # Adding a zero that depends on the parameters gives the carry the type it will have under differentiation.
-    nothing = 0.0 * system.stiffness
-    drive = system.drive(jnp.asarray(lane.voltage)[0], jnp.asarray(lane.rate)[0])
-    memory = (h for effect in system.effects if effect not in before for h in effect.begun(drive))
-    carry = tuple(x + nothing for x in (start[0], start[1], *memory))
-
-    slope = jax.jit(partial(derivative, system))  # traced once instead of four times
-
-    def advance(y: tuple[Array, ...], x: Any) -> tuple[tuple[Array, ...], Any]:
-        y = runge_kutta(slope, y, stages(x), lane.step)
-        return y, (y if whole_state else y[:1])
-
-    _, path = lax.scan(advance, carry, steps_of(grids))
-    return tuple(jnp.concatenate([a[None], b[substeps - 1 :: substeps]]) for a, b in zip(carry, path, strict=False))
+def fitting_width(directions: int) -> int:
+    """How many directions one march takes, if there are so many in all."""
+    return next((w for w in WIDTHS if w >= directions), WIDTHS[1])
 
 
-def assemble(equation: Equation, values: Numbers, lane: Lane) -> System:
-    """Bind parameter values, (m,) SI, to the equation of motion of one record."""
-    (frequency, quality, gain), effects = equation.model.bind(values)
-    linear = equation.model.linear
-    stiffness, damping = equation.model.spring_and_damper(frequency, quality)
-    slices: list[slice | None] = []
-    first = 0
-    for effect in effects:
-        if follows_drive_alone(effect):
-            slices.append(None)
-            continue
-        slices.append(slice(first, first + len(effect.state0())))
-        first += len(effect.state0())
-    return System(
-        effects,
-        tuple(slices),
-        linear.mass + lane.load,
-        damping,
-        stiffness,
-        linear.force_per_gain * gain,
-        lane.omega,
-        lane.moving,
+def _filled(rows: np.ndarray, count: int) -> np.ndarray:
+    return np.concatenate([rows, np.zeros((count - len(rows), *rows.shape[1:]))])
+
+
+def _pass(
+    equation: Equation, tape: Tape, values: np.ndarray, starts: np.ndarray,
+    directions: np.ndarray | None, kicks: np.ndarray | None,
+) -> tuple[tuple[Numbers, ...], ...]:  # fmt: skip
+    width = None if directions is None else len(directions)
+    carry, begin, found = rest(equation, width), tape.begun(starts), []
+    kick: list[np.ndarray | None] = [None] * len(begin)
+    if kicks is not None:
+        flat = np.moveaxis(kicks, 0, 1).reshape(len(starts), -1)
+        kick = [part.reshape(BLOCKS, -1, 2) for part in tape.begun(flat)]
+    for chunk, own, change in zip(tape.chunks, begin, kick, strict=True):
+        carry, *said = march(equation, equation.constants, values, directions, own, change, carry, chunk)
+        found.append(tuple(said))
+    return tuple(found)
+
+
+def rest(equation: Equation, width: int | None) -> tuple:
+    """What goes from chunk to chunk, before the first: state, its derivatives along so many directions (None: there are
+    none), and what is remembered of the drive."""
+    size = 2 + equation.stepped
+    pairs = zip(equation.model.effects, equation.follow_drive, strict=True)
+    memories = [forgotten(effect) for effect, before in pairs if before]
+    return (
+        tuple(np.zeros(()) for _ in range(size)),
+        None if width is None else tuple(np.zeros(width) for _ in range(size)),
+        tuple((np.zeros(hidden), np.zeros(slopes)) for hidden, slopes in memories),
     )
 
 
-def derivative(system: System, y: tuple[Array, ...], at: tuple[Array, ...]) -> tuple[Array, ...]:
-    """(ż, v̇, hidden rates) of the state `y` at `at` = (V, V̇, t), and the remembered force if there is one."""
-    voltage, rate, t, *remembered = at
-    z, v, *hidden = y
-    drive = system.drive(voltage, rate)
-    force, rates = sum(remembered, system.gain * voltage - system.damping * v - system.stiffness * z), []
-    for effect, own in zip(system.effects, system.slices, strict=True):
-        if own is None:
-            continue
-        memory = tuple(hidden[own])
-        state = State(z, v, memory)
-        if effect.overrides("force"):
-            force = force + effect.force(state, drive, t)
-        if effect.overrides("drive"):
-            force = force + effect.drive(memory, drive, t)
-        if memory:
-            rates += effect.rate(state, drive, t)
-    return (v, force / system.mass, *rates)
+@program
+def march(
+    equation: Equation,
+    constants: Numbers,
+    values: Numbers,
+    directions: Numbers | None,
+    begin: Numbers,
+    kick: Numbers | None,
+    carry: tuple,
+    chunk: Chunk,
+) -> tuple:
+    """March through one chunk.
+
+    **Arguments:** `constants` of the equation; `directions`, (d, m), or None if no derivative is asked for; `begin`,
+    (BLOCKS, 2), and `kick`, (BLOCKS, d, 2), the initial states and their derivatives at the first blocks of records;
+    `carry` as of `rest`.
+
+    **Returns:** the carry; at the beginning of each step readings, z and v, (BLOCKS, BLOCK), and slopes, (BLOCKS,
+    BLOCK, d) or None.
+    """
+    parts = slices(equation)
+    whole = assemble(equation, constants, values)
+    fixed = eqx.filter(whole.numbers, eqx.is_inexact_array, inverse=True)
+    changing = lambda values: eqx.filter(assemble(equation, constants, values).numbers, eqx.is_inexact_array)
+    numbers, along = tangents(changing, (values,), (directions,))
+    system_of = lambda numbers: whole.with_numbers(eqx.combine(numbers, fixed))
+
+    def one_block(k: Any, state: tuple) -> tuple:
+        y, dy, memories, *out = state
+        block = Block(*(field[k] for field in chunk[2:7]))
+        voltage, rate, first = chunk.voltage[k], chunk.rate[k], chunk.first[k]
+        time = block.times(2 * BLOCK + 1, 0.5)
+        seen = Seen(None, None, voltage, rate, time, block.step, block.omega, numbers[3], block.moving)
+        memories, forces, pushes = _before(equation, system_of(numbers), along, memories, first, seen)
+
+        beginning = lambda numbers, start: begun(system_of(numbers).at(block), parts, start, voltage[0], rate[0])
+        fresh = tangents(beginning, (numbers, begin[k]), (along, None if kick is None else kick[k]))
+        y, dy = jax.tree.map(lambda a, b: jnp.where(first > 0, a, b), fresh, (y, dy))
+
+        def ahead(numbers: Any, y: tuple, remembered: tuple, at: tuple) -> tuple:
+            system = system_of(numbers).at(block)
+            slope = jax.jit(partial(derivative, system, parts))  # traced once instead of four times
+            inputs = [(*now, *force) for now, force in zip(stages(at), stages(remembered), strict=True)]
+            return runge_kutta(slope, y, inputs, block.step), reading(system, parts, y, stages(at)[0])
+
+        def advance(state: tuple, x: tuple) -> tuple:
+            (y, dy), (at, remembered, changes) = state, x
+            f = lambda numbers, y, remembered: ahead(numbers, y, remembered, at)
+            (after, shown), change = tangents(f, (numbers, y, remembered), (along, dy, changes))
+            dafter, dshown = change or (None, None)
+            return (after, dafter), (shown, y[0], y[1], dshown)
+
+        inputs = (steps_of((voltage, rate, time)), steps_of(forces), pushes and steps_of(pushes))
+        (y, dy), said = lax.scan(advance, (y, dy), inputs)
+        out = jax.tree.map(lambda a, b: lax.dynamic_update_index_in_dim(a, b, k, 0), tuple(out), said)
+        return (y, dy, memories, *out)
+
+    plain = jnp.zeros((BLOCKS, BLOCK))
+    wide = None if directions is None else jnp.zeros((BLOCKS, BLOCK, directions.shape[0]))
+    out = (plain, plain, plain, wide)
+    y, dy, memories, *out = lax.fori_loop(0, chunk.count, one_block, (*carry, *out))
+    return ((y, dy, memories), *out)
 
 
-def _reading(system: System, path: tuple[Array, ...], lane: Lane, half_time: Array, stride: int) -> Array:
-    reading = path[0]
-    voltage, rate, time = (grid[::stride] for grid in (lane.voltage, lane.rate, half_time))
-    for effect, own in zip(system.effects, system.slices, strict=True):
-        if own is not None and effect.overrides("sensor"):
-            hidden = tuple(path[2:][own])
-            one = lambda z, v, h, u, r, t, effect=effect: effect.sensor(State(z, v, h), system.drive(u, r), t)
-            reading = reading + jax.vmap(one)(path[0], path[1], hidden, voltage, rate, time)
-    return reading
-
-
-def simulate_group(equation: Equation, substeps: int, values: Array, starts: Numbers, lanes: Lane) -> Array:
-    """Sensor readings of records of equal length: `starts` (lanes, 2), every field of `lanes` with a leading axis."""
-    return jax.vmap(partial(simulate, equation, substeps, values))(starts, lanes)
+def _before(
+    equation: Equation, system: System, along: Any, memories: tuple, first: Any, seen: Seen
+) -> tuple[tuple, tuple, tuple]:
+    """What the effects that follow the drive alone remember; their force, (points,), and its derivatives along the
+    directions, (points, d); nothing where there are none."""
+    own = [i for i, before in enumerate(equation.follow_drive) if before]
+    kept, forces, pushes = [], [], []
+    for i, memory in zip(own, memories, strict=True):
+        still = jnp.zeros_like(seen.time)
+        after, force, slopes = remembered_force(
+            system.effects[i], Remembered(*memory), first, seen._replace(z=still, v=still)
+        )
+        kept.append(tuple(after))
+        forces.append(force)
+        if along is not None:  # by its own parameters and the gain, (values + 1, d)
+            pushes.append(slopes.T @ jnp.stack([*along[4][i][0].values(), along[3]]))
+    nothing = None if along is None else ()
+    return tuple(kept), (sum(forces),) if own else (), (sum(pushes),) if pushes else nothing

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-import jax.numpy as jnp
 import numpy as np
 from scipy.integrate import solve_ivp
 
@@ -17,8 +16,9 @@ from ident.campaign.device import Oscillator
 from ident.effects.effect import AbstractEffect
 from ident.effects.registry import built_in
 from ident.model import Model
+from ident.response import Equation, respond
 from ident.response.lane import Lane
-from ident.response.transient import Equation, simulate
+from ident.response.tape import lay
 
 FREQUENCY, QUALITY, GAIN = 500.0, 20.0, 2.0
 OMEGA0 = 2 * np.pi * FREQUENCY
@@ -48,16 +48,10 @@ def measured(*effects: AbstractEffect, substeps: int = 1) -> np.ndarray:
     """Reading at TIME by the package, `substeps` Runge-Kutta steps per sample, (n,) m."""
     model = Model(Oscillator(), effects)
     half = np.linspace(0.0, DURATION, 2 * SAMPLES * substeps + 1)
-    lane = Lane(
-        jnp.array(DURATION / (SAMPLES * substeps)),
-        jnp.array(voltage(half)),
-        jnp.array(voltage_rate(half)),
-        jnp.array(TONES[0][1]),
-        jnp.array(0.0),
-    )
+    lane = Lane(DURATION / (SAMPLES * substeps), voltage(half), voltage_rate(half), TONES[0][1])
     own = [value for effect in model.effects for value in effect.values.values()]
-    values = jnp.array([FREQUENCY, QUALITY, GAIN, *own])
-    return np.asarray(simulate(Equation(model), substeps, values, jnp.zeros(2), lane))
+    values = np.array([FREQUENCY, QUALITY, GAIN, *own])
+    return respond(Equation(model), lay([lane], [substeps]), values, np.zeros((1, 2))).readings
 
 
 @dataclass(frozen=True)

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 from ident.effects.effect import Drive
-from ident.response.lane import Lane
-from ident.response.memory import follows_drive_alone, memory_along, remembered_force
+from ident.response.memory import Remembered, Seen, follows_drive_alone, forgotten, memory_along, remembered_force
 from tests.effects.harness import (
     DURATION,
     GAIN,
@@ -129,22 +127,35 @@ def test_the_loop_of_plays_does_not_depend_on_the_frequency():
 
 @pytest.mark.parametrize("name", ["bouc-wen-drive", "creep", "drive-lag"])  # those of plays are bounded: see below
 def test_memories_of_the_drive_alone_are_told_and_have_the_tangents_of_a_difference(name):
-    drive = Lane(*map(jnp.asarray, (TIME[1], voltage(TIME), voltage_rate(TIME), 1.0, 0.0)))
+    drive = _seen(voltage(TIME), voltage_rate(TIME), TIME[1])
     effect = make(name)
     assert follows_drive_alone(effect) and follows_drive_alone(make("prandtl-ishlinskii"))
     at = {p.name: 1e-3 if p.unit == "s" else 0.7 for p in effect.parameters}
 
     def force(values, gain):
         bound = effect.with_values(**dict(zip(at, values, strict=True)))
-        return remembered_force(bound, gain, drive.omega, drive)
+        return _force(bound, drive._replace(gain=gain))
 
     values = jnp.array(list(at.values()))
+    _, slopes = force(values, 2.0)
     for i, value in enumerate(at.values()):
         step = jnp.zeros(len(at)).at[i].set(1e-5 * value)
-        difference = (force(values + step, 2.0) - force(values - step, 2.0)) / 2
-        tangent = jax.jvp(lambda x: force(x, 2.0), (values,), (step,))[1]
+        difference = (force(values + step, 2.0)[0] - force(values - step, 2.0)[0]) / 2
+        tangent = 1e-5 * value * slopes[i]
         np.testing.assert_allclose(tangent, difference, rtol=0, atol=1e-3 * np.max(np.abs(difference)))
-    np.testing.assert_allclose(jax.jvp(lambda g: force(values, g), (2.0,), (2.0,))[1], force(values, 2.0), rtol=1e-12)
+    np.testing.assert_allclose(2.0 * slopes[-1], force(values, 2.0)[0], rtol=1e-12)
+
+
+def _seen(volts: np.ndarray, slope: np.ndarray, step: float) -> Seen:
+    """A drive on the half-step grid, of frequency 1 rad/s and unit gain, without a motion."""
+    still, time = jnp.zeros(len(volts)), 0.5 * step * np.arange(len(volts))
+    return Seen(still, still, jnp.asarray(volts), jnp.asarray(slope), time, step, 1.0, 1.0, 0.0)
+
+
+def _force(effect, seen: Seen) -> tuple[np.ndarray, np.ndarray]:
+    """Force of an effect that follows the drive alone from the beginning of a record, and its derivatives."""
+    hidden, slopes = (jnp.zeros(shape) for shape in forgotten(effect))
+    return remembered_force(effect, Remembered(hidden, slopes), 1.0, seen)[1:]
 
 
 @pytest.mark.parametrize("name", ["bouc-wen", "viscoelastic-support", "second-mode", "sensor-lag", "electrostriction"])
@@ -163,14 +174,14 @@ def test_plays_of_a_record_under_voltage_are_where_the_voltage_has_taken_them(le
 @pytest.mark.parametrize("reach", [1.5, 3.0, 9.0])
 def test_tangents_of_narrow_plays_stay_finite_and_point_the_right_way(reach):
     swing = 9 * np.sin(2 * np.pi * np.linspace(0, 3, 2881))
-    drive = Lane(*map(jnp.asarray, (2.0, swing, np.gradient(swing), 1.0, 0.0)))
+    drive = _seen(swing, np.gradient(swing), 2.0)
 
     def held(width):
         effect = make("prandtl-ishlinskii", weight=1.0).with_values(weight=1.0, tilt=0.0, reach=width)
-        return remembered_force(effect, 1.0, 1.0, drive)
+        return _force(effect, drive)
 
-    _, tangent = jax.jvp(held, (reach,), (1.0,))
-    difference = (held(reach * 1.02) - held(reach * 0.98)) / (0.04 * reach)
+    tangent = held(reach)[1][list(make("prandtl-ishlinskii").values).index("reach")]
+    difference = (held(reach * 1.02)[0] - held(reach * 0.98)[0]) / (0.04 * reach)
     cosine = tangent @ difference / np.linalg.norm(tangent) / np.linalg.norm(difference)
     assert np.linalg.norm(tangent) < 3 * np.linalg.norm(difference) and cosine > 0.9
 
@@ -184,8 +195,9 @@ def test_a_yielding_element_under_voltage_is_loaded_by_it(level):
 
 def _remembered(effect, volts: np.ndarray, duration: float) -> np.ndarray:
     step = 2 * duration / (len(volts) - 1)
-    lane = Lane(*map(jnp.asarray, (step, volts, np.gradient(volts, step / 2), 1.0, 0.0)))
-    return np.array(memory_along(effect, 1.0, 1.0, lane, 0 * lane.voltage, 0 * lane.voltage))
+    seen = _seen(volts, np.gradient(volts, step / 2), step)
+    begin = tuple(jnp.asarray(h, float) for h in effect.begun(seen.first))
+    return np.array(memory_along(effect, begin, seen)[1])
 
 
 def test_the_reading_without_effects_is_the_reference():

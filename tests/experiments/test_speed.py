@@ -1,15 +1,12 @@
 """The two sides of the speed study solve the same problem; times are left to the study itself."""
 
-from functools import partial
-
-import jax
 import numpy as np
 import pytest
 
 from experiments.benchmarks import peers, speed
 from ident.fit import solve
-from ident.fit.assemble import assemble, begin
-from ident.response import simulate
+from ident.fit.assemble import begin
+from ident.response import respond
 
 
 @pytest.fixture(scope="module")
@@ -18,15 +15,15 @@ def case() -> speed.Setting:
 
 
 def test_one_simulation_is_the_same_on_both_sides(case) -> None:
-    ours = jax.jit(partial(simulate, case.equation, 1))(case.truth, np.zeros(2), case.lane)
+    ours = respond(case.equation, case.tape, case.truth, np.zeros((1, 2))).readings
     theirs = peers.simulate(case.theta, *case.peer, np.empty(len(case.response)))
-    assert np.max(np.abs(np.asarray(ours) - theirs)) < 1e-3 * np.std(theirs)  # σ23 is rounded on one side
+    assert np.max(np.abs(ours - theirs)) < 1e-3 * np.std(theirs)  # σ23 is rounded on one side
 
 
 def test_both_searches_end_at_one_minimum(case) -> None:
     move = case.starts(3)[2]
-    static, data = assemble(case.model, case.campaign, case.groups, speed.layout(case), case.from_start(move))
-    ours = solve.least_squares(static, data, begin(case.groups, static))[1]
+    static, data = case.assembled(case.from_start(move))
+    ours = solve.least_squares(static, data, begin(data, static))[1]
     theirs = peers.fit_numba(case.theta * move, *case.peer, case.response, speed.SIGMA)
     assert ours.converged
     assert ours.cost == pytest.approx(2 * theirs.cost, rel=1e-3)

@@ -9,7 +9,7 @@ from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.effects.registry import built_in
 from ident.fit.reading import read
 from ident.model import Model
-from ident.response import make_groups
+from ident.response import lay_out
 
 
 def sine(hertz: float, volts: float, periods: int, per_period: int = 64, **more) -> Trace:
@@ -64,8 +64,8 @@ def test_hysteresis_alone_gives_no_offset_and_residual_stress_does():
 def test_an_effect_with_a_kink_gets_a_finer_step(effect):
     records = [sine(500.0, 1.0, 4, per_period=40, noise=NoiseFloor(0.1))]
     smooth, sharp = Model(Oscillator()), Model(Oscillator(), (built_in()[effect](),))
-    plain = make_groups(records, 500.0, 20.0, smooth.steps_per_period)[1].substeps[0]
-    finer = make_groups(records, 500.0, 20.0, sharp.steps_per_period)[1].substeps[0]
+    plain = lay_out(records, 500.0, 20.0, smooth.steps_per_period).spans[0].substeps
+    finer = lay_out(records, 500.0, 20.0, sharp.steps_per_period).spans[0].substeps
     assert finer * 40 >= sharp.steps_per_period
     assert finer > plain
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -10,8 +12,9 @@ from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.fit import fit
+from ident.fit.assemble import assemble
 from ident.model import Model
-from ident.response import make_groups
+from ident.response import lay_out
 
 ONE, STEP, SIGMA = Channel("V", 1.0), 1e-3, 1e-3
 OMEGA = 2 * np.pi * 40
@@ -29,19 +32,22 @@ def record(skip: int, cubic: float = 0.0) -> Trace:
     return Trace("a.csv", t, drive(t), noisy, ONE, ONE, NoiseFloor(SIGMA), "unknown", skip=skip)
 
 
+def weights(trace: Trace) -> np.ndarray:
+    """What each sample weighs in a fit, in units of 1/σ."""
+    tape, model = lay_out([trace], 40.0, 20.0), Model(Oscillator())
+    values = np.array([40.0, 20.0, 1.0])
+    return assemble(model, Campaign("a", (trace,), Oscillator()), [trace], tape, values)[1].weight * SIGMA
+
+
 def test_the_first_of_the_skipped_samples_hold_the_start_and_the_others_weigh_nothing():
-    (group,), _ = make_groups([record(200)], 40.0, 20.0)
-    weight = group.weight[0] * SIGMA
+    weight = weights(record(200))
     assert np.all(weight[200:] == 1.0)
     assert np.count_nonzero(weight[:200]) == 6  # a quarter of a period
     assert np.all(weight[:6] == 1.0)
 
 
 def test_records_from_rest_need_no_such_thing():
-    from dataclasses import replace
-
-    (group,), _ = make_groups([replace(record(200), start="rest")], 40.0, 20.0)
-    assert not np.any(group.weight[0][:200])
+    assert not np.any(weights(replace(record(200), start="rest"))[:200])
 
 
 @pytest.mark.parametrize("skip", [0, 300])

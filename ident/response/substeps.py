@@ -1,0 +1,43 @@
+"""How finely the solver divides each record."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..campaign.record import Trace
+from .lane import lane_of
+from .tape import Tape, lay
+
+
+def lay_out(
+    records: Sequence[Trace], frequency: float, quality: float, finest: int = 0, substeps: Sequence[int] | None = None
+) -> Tape:
+    """Records on a tape, with a solver step small enough for their noise floors.
+
+    **Arguments:** `frequency` (Hz) and `quality` of the resonance, roughly; `finest`, steps per period of the
+    resonance that the sharpest effect of the model needs; `substeps`, solver steps per sample of each record, if they
+    are to be other than that.
+    """
+    substeps = substeps or [_substeps(record, frequency, quality, finest) for record in records]
+    return lay([lane_of(record, each) for record, each in zip(records, substeps, strict=True)], substeps)
+
+
+def _substeps(record: Trace, frequency: float, quality: float, finest: int) -> int:
+    """Steps per sample for which the method's error moves the natural frequency by less than a tenth of its error bar.
+
+    The phase error of Runge–Kutta steps is (ωh)⁴/120 per radian. It always has the same sign, so that samples do not
+    average it as they do the noise: near resonance ln ω is known to σ/(2Q √n rms); a tenth of that is allowed.
+    (With σ/10 instead of σ/(10 √n) 400 simulated campaigns returned frequencies 0.18 error bars too high.)
+    In an excerpt no frequency is reported: σ/10 is fine, and so is half of the steps that sharp effects need.
+    """
+    signal = float(np.std(record.response)) or 1.0
+    share = 0.1 / (1.0 if record.excerpt else math.sqrt(len(record.time)))
+    allowed = share * min(max(record.noise.sigma / signal, 1e-4), 0.1)
+    largest = (120 * allowed / max(2 * quality, 2.0)) ** 0.25
+    if finest:
+        largest = min(largest, 2 * math.pi / finest * (2 if record.excerpt else 1))
+    omega = 2 * math.pi * frequency
+    return int(np.clip(math.ceil(omega * record.step / largest - 0.05), 1, 32))

@@ -1,0 +1,168 @@
+"""The equation of motion with numbers in it, and what of it the loops of a program need."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from ..effects.effect import AbstractEffect, Drive, State
+from ..model import Model
+from .lane import Numbers
+from .memory import follows_drive_alone
+
+
+@dataclass(frozen=True, eq=False)
+class Equation:
+    """A model as what decides a program: two are equal if they compile to the same one."""
+
+    model: Model
+
+    def __hash__(self) -> int:
+        return hash(self.model.key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Equation) and self.model.key == other.model.key
+
+    @cached_property
+    def fingerprint(self) -> str | None:
+        """The same for other processes; None if an effect has no file that could tell whether it changed."""
+        told = [effect.fingerprint for effect in self.model.effects]
+        return None if None in told else repr((self.model.form, told))
+
+    @cached_property
+    def constants(self) -> np.ndarray:
+        """Mass, kg, and force per unit of the gain, N/V."""
+        return np.array([self.model.linear.mass, self.model.linear.force_per_gain])
+
+    @cached_property
+    def follow_drive(self) -> tuple[bool, ...]:
+        """Of each effect, whether it follows the drive alone; such a one is integrated before the motion."""
+        return tuple(follows_drive_alone(effect) for effect in self.model.effects)
+
+    @property
+    def stepped(self) -> int:
+        """Hidden states that are integrated with the motion."""
+        pairs = zip(self.model.effects, self.follow_drive, strict=True)
+        return sum(len(effect.state0()) for effect, before in pairs if not before)
+
+
+class Block(NamedTuple):
+    """What is constant in a block of a record, as in `tape.Chunk`."""
+
+    step: Any
+    clock: Any
+    omega: Any
+    load: Any
+    moving: Any
+
+    def times(self, points: int, spacing: float) -> Array:
+        """Times of the points of the block, s since the first sample of the record; `spacing` in steps."""
+        return self.clock + spacing * self.step * jnp.arange(points)
+
+
+class System(NamedTuple):
+    """Everything of a model that is constant along a record; numbers and, among the effects, code."""
+
+    effects: tuple[AbstractEffect, ...]
+    mass: Any
+    damping: Any
+    stiffness: Any
+    gain: Any
+    omega: Any = 0.0
+    moving: Any = 0.0
+
+    def drive(self, voltage: Any, rate: Any) -> Drive:
+        """The drive as the effects see it."""
+        return Drive(voltage, rate, self.omega, self.gain, self.moving)
+
+    def at(self, block: Block) -> System:
+        """The same in a block of a record."""
+        return self._replace(mass=self.mass + block.load, omega=block.omega, moving=block.moving)
+
+    @property
+    def numbers(self) -> Any:
+        """Its numbers alone, a tree of arrays."""
+        own = tuple((dict(effect.values), effect.prepared) for effect in self.effects)
+        return (self.mass, self.damping, self.stiffness, self.gain, own)
+
+    def with_numbers(self, numbers: Any) -> System:
+        """The same with other numbers, as `numbers` gives them."""
+        *linear, own = numbers
+        effects: dict[str, AbstractEffect] = {}
+        for effect, (values, prepared) in zip(self.effects, own, strict=True):
+            effects[effect.name] = effect.carrying(values, prepared)
+        joined = (e.accompanied(effects[e.needs]) if e.needs else e for e in effects.values())
+        return System(tuple(joined), *linear, self.omega, self.moving)
+
+
+def assemble(equation: Equation, constants: Numbers, values: Numbers) -> System:
+    """Bind parameter values, (m,) SI, to the equation of motion; `constants` as the equation's own."""
+    (frequency, quality, gain), effects = equation.model.bind(values)
+    stiffness, damping = equation.model.spring_and_damper(frequency, quality, constants[0])
+    return System(effects, constants[0], damping, stiffness, constants[1] * gain)
+
+
+def slices(equation: Equation) -> tuple[slice | None, ...]:
+    """Each effect's part of the hidden states of the motion; None if it follows the drive alone."""
+    found: list[slice | None] = []
+    first = 0
+    for effect, before in zip(equation.model.effects, equation.follow_drive, strict=True):
+        size = 0 if before else len(effect.state0())
+        found.append(None if before else slice(first, first + size))
+        first += size
+    return tuple(found)
+
+
+def derivative(
+    system: System, parts: tuple[slice | None, ...], y: tuple[Any, ...], at: tuple[Any, ...]
+) -> tuple[Any, ...]:
+    """(ż, v̇, hidden rates) of the state `y` at `at` = (V, V̇, t), and the remembered force if there is one."""
+    voltage, rate, t, *remembered = at
+    z, v, *hidden = y
+    drive = system.drive(voltage, rate)
+    force, rates = sum(remembered, system.gain * voltage - system.damping * v - system.stiffness * z), []
+    for effect, own in zip(system.effects, parts, strict=True):
+        if own is None:
+            continue
+        memory = tuple(hidden[own])
+        state = State(z, v, memory)
+        if effect.overrides("force"):
+            force = force + effect.force(state, drive, t)
+        if effect.overrides("drive"):
+            force = force + effect.drive(memory, drive, t)
+        if memory:
+            rates += effect.rate(state, drive, t)
+    return (v, force / system.mass, *rates)
+
+
+def reading(system: System, parts: tuple[slice | None, ...], y: tuple[Any, ...], at: tuple[Any, ...]) -> Any:
+    """What the sensor shows of the state `y` at `at` = (V, V̇, t)."""
+    voltage, rate, t = at
+    z, v, *hidden = y
+    shown = z
+    for effect, own in zip(system.effects, parts, strict=True):
+        if own is not None and effect.overrides("sensor"):
+            shown = shown + effect.sensor(State(z, v, tuple(hidden[own])), system.drive(voltage, rate), t)
+    return shown
+
+
+def begun(system: System, parts: tuple[slice | None, ...], start: Any, voltage: Any, rate: Any) -> tuple[Any, ...]:
+    """The state (z, v, hidden …) at the first sample of a record; `start` (2,) displacement and velocity."""
+    drive = system.drive(voltage, rate)
+    hidden = [h for effect, own in zip(system.effects, parts, strict=True) if own is not None
+              for h in effect.begun(drive)]  # fmt: skip
+    return tuple(jnp.asarray(x, float) for x in (start[0], start[1], *hidden))
+
+
+def tangents(function: Any, at: tuple, along: tuple) -> Any:
+    """f and its derivatives along (d, …) directions of all its arguments: f(at), (d, …); None where `along` is None."""
+    if along[0] is None:
+        return function(*at), None
+    one = lambda *change: jax.jvp(function, at, change)
+    return jax.vmap(one, out_axes=(None, 0))(*along)
