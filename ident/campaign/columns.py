@@ -59,8 +59,8 @@ _RESPONSE_STRONG = _words(
     "displacement, disp, deflection, output, response, position, vibrometer, ldv, motion, travel, vout, weg, auslenkung"
 )
 _RESPONSE_WEAK = _words(
-    "y, z, x, q, sensor, measured, measurement, laser, out, reading, signal, angle, theta, phi, rotation, tilt, winkel, "
-    "strain, velocity, speed, acceleration, accel, accelerometer"
+    "y, z, x, q, sensor, measured, measurement, laser, out, reading, signal, angle, theta, phi, rotation, tilt, "
+    "winkel, strain, velocity, speed, acceleration, accel, accelerometer"
 )
 _FREQUENCY = _words("f, freq, frequency, frequenz, drive frequency, excitation frequency, w, omega")
 _FREQUENCY_STRONG = _words("freq, frequency, frequenz, omega, hz")

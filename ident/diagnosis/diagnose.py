@@ -15,6 +15,7 @@ from .effect_file import write_effect
 from .enough import adequate
 from .experiments import NextExperiment, next_experiments, rank_experiments
 from .locate import Where, locate
+from .prune import hurts
 from .score import Bench, prepare
 from .shorten import is_long, working
 from .ties import Unseen, unseen
@@ -80,7 +81,8 @@ def diagnose(
         write_effect(unknown, effect_file, free_name(base))
         return answer(unknown, effect_file)
     beyond = go_beyond(base, found.bench if kept else bench, effect_file, report)
-    if beyond.fit.fitted.error_over_noise < found.final.fitted.error_over_noise:
+    better = beyond.fit.fitted.error_over_noise < found.final.fitted.error_over_noise
+    if better and not hurts(base, beyond.fit):  # what bends to the fitted records alone is written, but not kept
         name = beyond.fit.model.names[-1]
         gain = 1 - (beyond.fit.fitted.error_over_noise**2 - 1) / max(base.fitted.error_over_noise**2 - 1, 1e-9)
         step = Step(name, beyond.unknown.share, gain, (name,), "effect", beyond.fit)
