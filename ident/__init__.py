@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from .fit import Fit as Fit
     from .fit.fit import fit as fit_model  # noqa: F401
     from .fit.profile import profile as profile
+    from .fit.start_model import start_model as start_model
     from .model import Model as Model
     from .model import build_model as build_model
     from .model import make_effect as make_effect
@@ -58,6 +59,7 @@ _STORY = {
     "fit_model": ("fit.fit", "fit"),
     "Fit": ("fit", "Fit"),
     "profile": ("fit.profile", "profile"),
+    "start_model": ("fit.start_model", "start_model"),
     "write_run": ("report.run_folder", "write_run"),
     "load_run": ("report.run_folder", "load_run"),
 }

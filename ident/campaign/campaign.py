@@ -40,6 +40,7 @@ class Campaign:
     - `priors`: per full parameter name ("residual-stress.sigma12").
     - `notes`: what was assumed and what the data checks found, one sentence each, to be printed.
     - `checksums`: SHA-256 of every file read.
+    - `linear`: the form of the linear model, "auto" if the records decide.
     - `files`: what `read_campaign` was given: one TOML file, or data files.
     """
 
@@ -54,6 +55,7 @@ class Campaign:
     path: Path | None = None
     checksums: Mapping[str, str] = field(default_factory=dict)
     files: tuple[Path, ...] = ()
+    linear: str = "auto"
 
     @property
     def traces(self) -> tuple[Trace, ...]:

@@ -13,6 +13,8 @@ from ident.units import format_quantity
 from .device import Device, Oscillator
 from .table import Column
 
+_STILL_UNIFORM = 0.01  # of an interval: a sine of 20 samples a period is then read 0.3 % wrong at most
+
 
 def uniform_time(column: Column, factor: float, notes: list[str]) -> np.ndarray:
     """(n,) the uniform grid that the time column means, s; a `UserError` where it means none.
@@ -67,11 +69,27 @@ def uniform_time(column: Column, factor: float, notes: list[str]) -> np.ndarray:
         do = "resample the record on uniform times (for example with scipy.interpolate.CubicSpline)"
         what = f"sampling is not uniform: a sample is {jitter:.0%} of an interval off the uniform grid"
         raise UserError(what, where=column.place(row), do=do)
-    if jitter > 0.01:
+    if jitter > _STILL_UNIFORM:
         notes.append(
-            f"{column.file}: the sampling times jitter by up to {jitter:.1%} of an interval; taken as uniform."
+            f"{column.file}: the sampling times jitter by up to {jitter:.1%} of an interval; the signals are "
+            "interpolated on a uniform grid by a cubic spline through the samples."
         )
     return factor * (origin + slope * index)
+
+
+def on_grid(column: Column, factor: float, time: np.ndarray, signal: np.ndarray) -> np.ndarray:
+    """A signal (n,) that was sampled at the printed times, on the uniform grid `time` (n,) s that they mean.
+
+    Where print rounds the times more than the clock jitters, the samples are on the grid already.
+    """
+    printed = factor * column.numbers()
+    worst = float(np.max(np.abs(printed - time)))
+    if worst <= max(_STILL_UNIFORM * (time[1] - time[0]), 0.75 * factor * _resolution(column)):
+        return signal
+    from scipy.interpolate import CubicSpline  # here, because its import costs more than reading a campaign
+
+    inside = np.clip(time, printed[0], printed[-1])
+    return CubicSpline(printed, signal)(inside)
 
 
 def _resolution(column: Column) -> float:
@@ -86,6 +104,11 @@ def _resolution(column: Column) -> float:
     digits = max(len(text.strip("+-").replace(column.decimal, "").lstrip("0")) for text in texts)
     largest = max(abs(float(cell.replace(",", "."))) for cell in (cells[0], cells[-1]))
     return 10.0 ** (math.floor(math.log10(largest)) + 1 - max(digits, 1)) if largest > 0 else 0.0
+
+
+_NO_PLATFORM = (
+    '; for a thing that is no platform write device = { kind = "oscillator", output = "m" } in a campaign.toml'
+)
 
 
 def check_plausible(
@@ -103,13 +126,13 @@ def check_plausible(
         return
     size = float(np.max(np.abs(response - np.median(response))))
 
-    def error(what: str, role: str, example: str) -> UserError:
+    def error(what: str, role: str, example: str, more: str = "") -> UserError:
         where = f'{file}, column "{columns[role].header}"' if role in columns else file
-        do = f'correct its unit, in the header or with units = {{ {role} = "{example}" }}'
+        do = f'correct its unit, in the header or with units = {{ {role} = "{example}" }}{more}'
         return UserError(f"{what} cannot be right for a platform", where=where, do=do)
 
     if size > 1e-3:
-        raise error(f"a displacement of {size:.3g} m", "response", "um")
+        raise error(f"a displacement of {size:.3g} m", "response", "um", _NO_PLATFORM)
     if 0 < size < 1e-12:
         raise error(f"a displacement of only {size:.3g} m", "response", "um")
     peak = float(np.max(np.abs(drive)))
@@ -163,15 +186,21 @@ def check_response(column: Column, response: np.ndarray, notes: list[str]) -> No
         notes.append(f"{column.file}: {what}, and a fit will take the flat tops for physics.")
 
 
-def check_drive(file: str, drive: np.ndarray, response: np.ndarray, start: str, notes: list[str]) -> None:
-    """A drive that never changes can only belong to a free decay; a start at rest begins quietly."""
+def check_drive(
+    file: str, drive: np.ndarray, response: np.ndarray, start: str, notes: list[str], undriven: bool = False
+) -> None:
+    """A drive that never changes can only belong to a free decay; a start at rest begins quietly.
+
+    `undriven`: the record has no drive column, which has been said.
+    """
     if np.ptp(drive) == 0:
         if start in ("rest", "steady"):
             what = f'the drive never changes, so nothing happens after start = "{start}"'
             raise UserError(
                 what, where=file, do='name the right drive column, or write start = "unknown" for a free decay'
             )
-        notes.append(f"{file}: the drive is constant; the record is taken as a free decay.")
+        if not undriven:
+            notes.append(f"{file}: the drive is constant; the record is taken as a free decay.")
     varying = response - np.mean(response)
     copy = (drive - np.mean(drive)) * (np.std(response) / max(float(np.std(drive)), 1e-300))
     if np.ptp(drive) > 0 and min(np.max(np.abs(varying - copy)), np.max(np.abs(varying + copy))) < 1e-6 * np.std(

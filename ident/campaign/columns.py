@@ -58,7 +58,10 @@ _RESPONSE = _words(
 _RESPONSE_STRONG = _words(
     "displacement, disp, deflection, output, response, position, vibrometer, ldv, motion, travel, vout, weg, auslenkung"
 )
-_RESPONSE_WEAK = _words("y, z, x, sensor, measured, measurement, laser, out, reading")
+_RESPONSE_WEAK = _words(
+    "y, z, x, q, sensor, measured, measurement, laser, out, reading, signal, angle, theta, phi, rotation, tilt, "
+    "winkel, strain, velocity, speed, acceleration, accel, accelerometer"
+)
 _FREQUENCY = _words("f, freq, frequency, frequenz, drive frequency, excitation frequency, w, omega")
 _FREQUENCY_STRONG = _words("freq, frequency, frequenz, omega, hz")
 _AMPLITUDE = _words("a, amp, amplitude, mag, magnitude, r, amplitude z, z amplitude, z amp, amplitude response")
@@ -142,13 +145,15 @@ def match_columns(
             chosen[role.name] = _given_column(table, role, given[role.name], where)
     for claim in (3, 2, 1, 0):
         for role in roles:
-            if role.name in chosen or (claim == 0 and not role.needed and role.name != "level"):
+            if role.name in chosen or (claim == 0 and not role.needed and role.name not in ("level", "response")):
                 continue
             free = [column for column in table.columns if column not in chosen.values()]
             fits = [c for c in free if _claim(c, role) >= claim and role.accepts(units.get(role.name, c.unit))]
             if claim == 0:  # no name helps: only the unit can tell
                 fits = [c for c in fits if c.unit is not None and not any(_claim(c, r) >= 2 for r in roles)]
                 fits = fits if role.dimension not in (None, NUMBER) and _tells(role, roles, free) else []
+            if claim == 0 and not fits and role.name == "response":
+                fits = _only_one_left(role, roles, chosen, free)
             if len(fits) > 1:
                 raise _ambiguous(table, roles, chosen, role, fits)
             if fits:
@@ -166,6 +171,15 @@ def _role(roles: tuple[Role, ...], name: str) -> Role:
 def _tells(role: Role, roles: tuple[Role, ...], free: list[Column]) -> bool:
     """Whether the unit alone can tell the role: no other role that is still open takes the same unit."""
     return all(other is role or other.dimension != role.dimension or other.own_unit != role.own_unit for other in roles)
+
+
+def _only_one_left(
+    role: Role, roles: tuple[Role, ...], chosen: Mapping[str, Column], free: list[Column]
+) -> list[Column]:
+    """The last column of a table in which every other role has found its own, if it may be what is left."""
+    others = all(other is role or other.name in chosen for other in roles)
+    column = free[0] if len(free) == 1 and others else None
+    return [column] if column is not None and column.unit is not None and role.accepts(column.unit) else []
 
 
 def _with_given_unit(column: Column, units: Mapping[str, str]) -> Column:

@@ -23,6 +23,9 @@ _READINGS: tuple[Dimension, ...] = (
     (-1, 1, -2, 0, 0, 0, 0),
 )
 
+_PUSHES: tuple[Dimension, ...] = (CURRENT, (1, 1, -2, 0, 0, 0, 0), (1, 0, -2, 0, 0, 0, 0))
+"""What may drive a thing that is no platform: a current, a force, an acceleration of its base."""
+
 
 def guess_kind(table: Table) -> str:
     """ "sweep" for a table with a frequency but no time, otherwise "trace"."""
@@ -52,10 +55,12 @@ def renamed(table: Table, chosen: Mapping[str, str | int], units: Mapping[str, s
 
 def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
     """A platform, unless every response is in one unit that is no length; and a sentence that says so."""
-    outputs, inputs = set(), set()
+    outputs, inputs, undriven = set(), set(), 0
     for table in tables:
         kind = guess_kind(table)
         roles = (sweep_roles if kind == "sweep" else trace_roles)(VOLTAGE, LENGTH)
+        if kind == "trace" and len(table.columns) < len(roles):
+            roles, undriven = tuple(role for role in roles if role.name != "drive"), undriven + 1
         found = match_any(table, tuple(replace(role, dimension=None, needed=False) for role in roles))
         for names, units in ((("response", "amplitude"), outputs), (("drive", "level"), inputs)):
             for name in names:
@@ -63,10 +68,13 @@ def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
                 known = find_unit(peak_unit(unit)[0]) if unit else None
                 if known is not None:
                     units.add(known.dimension)
-    if len(outputs) == 1 and (reading := outputs.pop()) in _READINGS:
-        output = base_unit(reading)
-        source = base_unit(inputs.pop()) if len(inputs) == 1 else "V"
+    reading = outputs.pop() if len(outputs) == 1 else None
+    pushed = inputs.pop() if len(inputs) == 1 else VOLTAGE
+    alone = len(tables) == undriven
+    if reading in _READINGS or (reading == LENGTH and (alone or pushed in _PUSHES)):
+        output, source = base_unit(reading), base_unit(pushed)
         units = f'output = "{output}", input = "{source}"'
-        what = f"The response is in {output}, so the device is taken as an oscillator ({units})."
-        return Oscillator(output, source), [what]
+        why = f"The response is in {output}" if reading in _READINGS else f"The drive is in {source}"
+        why = "No record has a drive" if reading == LENGTH and alone else why
+        return Oscillator(output, source), [f"{why}, so the device is taken as an oscillator ({units})."]
     return Platform(), ["No device given: the nominal platform is assumed."]

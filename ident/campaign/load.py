@@ -13,15 +13,16 @@ from ident.units import NUMBER, find_unit
 
 from .added_drive import with_drive
 from .binary_table import READERS
-from .checks import check_drive, check_plausible, check_response, check_sampling, uniform_time
+from .checks import check_drive, check_plausible, check_response, check_sampling, on_grid, uniform_time
 from .columns import match_columns, sweep_roles, trace_roles
 from .device import Device, Oscillator
 from .drive import find_period
-from .guess import guess_kind
+from .guess import guess_kind, match_any
 from .instrument_files import INSTRUMENT_READERS
 from .noise import noise_floor
 from .outliers import find_outliers, without_outliers
 from .record import Channel, NoiseFloor, Record, Sweep, Trace
+from .rest_level import rest_level
 from .spec import SWEEP_NAMES, RecordSpec, signal_units
 from .sweep_noise import sweep_noise_floor
 from .table import Column, Table, peak_unit
@@ -79,13 +80,20 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         roles = roles[1:]
         if "time" in given:
             raise UserError("both rate and a time column are given", where=spec.where, do="remove one of them")
-    columns = match_columns(table, roles, given, units, where=spec.where)
+    without = tuple(role for role in roles if role.name != "drive")
+    fewer = "drive" not in given and len(table.columns) < len(roles)
+    undriven = spec.undriven or (fewer and bool(match_any(table, without)))
+    if undriven and not spec.undriven:
+        notes.append(f"{spec.file}: there is no drive column; the record is taken as a free decay.")
+    columns = match_columns(table, without if undriven else roles, given, units, where=spec.where)
     for column in columns.values():
         _no_peak_unit(column)
-    drive_channel = _channel(columns["drive"], drive_unit, notes, "drive")
     response_channel = _channel(columns["response"], response_unit, notes, "response")
-    drive = columns["drive"].numbers() * drive_channel.factor
     response = columns["response"].numbers() * response_channel.factor
+    drive_channel, drive = Channel(drive_unit, 1.0), np.zeros(len(response))
+    if not undriven:
+        drive_channel = _channel(columns["drive"], drive_unit, notes, "drive")
+        drive = columns["drive"].numbers() * drive_channel.factor
     if len(drive) < 20:
         raise UserError(f"{len(drive)} samples are too few", where=spec.file, do="a record needs at least 20 samples")
     if spec.rate is not None:
@@ -93,6 +101,7 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
     else:
         channel = _channel(columns["time"], "s", notes, "time")
         time = uniform_time(columns["time"], channel.factor, notes)
+        drive, response = (on_grid(columns["time"], channel.factor, time, signal) for signal in (drive, response))
     check_plausible(time, drive, response, columns, device, notes)
     check_response(columns["response"], response, notes)
     outliers = find_outliers(response)
@@ -103,7 +112,13 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         notes.append(f"{spec.file}: {what}; what the neighbours say takes their place.")
         response = without_outliers(response, outliers)
     start = spec.start or "unknown"
-    check_drive(spec.file, drive, response, start, notes)
+    check_drive(spec.file, drive, response, start, notes, undriven)
+    if np.ptp(drive) == 0 and (level := rest_level(response)) is not None:
+        shown = f"{level / response_channel.factor:.6g} {response_channel.unit}"
+        notes.append(
+            f"{spec.file}: displacements are counted from {shown}, the level on which the decay comes to rest."
+        )
+        response = response - level
     period = find_period(drive)
     check_sampling(spec.file, time, drive, period, notes)
     skip = _skip_samples(spec, time)

@@ -99,6 +99,7 @@ def _from_toml(path: Path, columns: Mapping[str, str | int] | None) -> Campaign:
     device = given or Platform()
     model = document.section("model")
     effects = model.texts("effects")
+    linear = model.choice("linear", ("auto", "oscillator", "no-spring"), "auto")
     effect_files = tuple(_effect_file(model, folder, name) for name in model.texts("effect_files"))
     model.check_keys()
     settings, priors = _settings(document.section("effect")), _priors(document.section("priors"))
@@ -127,6 +128,7 @@ def _from_toml(path: Path, columns: Mapping[str, str | int] | None) -> Campaign:
         path,
         _checksums(files, folder),
         (path,),
+        linear,
     )
 
 

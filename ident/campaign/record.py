@@ -80,6 +80,11 @@ class Trace:
         return float((self.time[-1] - self.time[0]) / (len(self.time) - 1))
 
     @property
+    def driven(self) -> bool:
+        """Whether the drive changes within the record; if not, it is a free decay."""
+        return bool(np.ptp(self.drive) > 0)
+
+    @property
     def begins_in_motion(self) -> bool:
         """Whether the drive had been on before the first sample; models are compared on an excerpt as if not."""
         return self.start != "rest" and not self.excerpt

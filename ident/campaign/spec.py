@@ -22,7 +22,7 @@ SWEEP_NAMES = {"drive": "level", "response": "amplitude"}
 
 @dataclass(frozen=True)
 class RecordSpec:
-    """One `[[record]]`; `sine`: what `drive` tells instead of a column.
+    """One `[[record]]`; `sine`: what `drive` tells instead of a column; `undriven`: nothing drove the device.
 
     `noise` and `level` are SI, `skip` is seconds (float) or samples (int), `rate` is Hz."""
 
@@ -43,6 +43,7 @@ class RecordSpec:
     units: Mapping[str, str] = field(default_factory=dict)
     sine: str = ""
     drive_file: Path | None = None
+    undriven: bool = False
 
 
 def signal_units(device: Device) -> tuple[tuple[str, Dimension | None], tuple[str, Dimension | None]]:
@@ -70,6 +71,8 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
     section.used.add("kind")
     start = section.choice("start", ("rest", "steady", "unknown"), "unknown") if "start" in section.values else ""
     section.used.add("start")
+    sine = _sine(section)
+    undriven = sine.lower() == "none"
     spec = RecordSpec(
         file=file,
         path=path,
@@ -86,8 +89,9 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
         quantity=section.choice("quantity", ("fundamental", "half-peak-to-peak"), "fundamental"),  # type: ignore[arg-type]
         columns=_columns(section, kind),
         units=_units(section, device),
-        sine=_sine(section),
+        sine="" if undriven else sine,
         drive_file=_drive_file(section, folder),
+        undriven=undriven,
     )
     section.check_keys()
     for key in ("direction", "quantity", "level") if kind == "trace" else ():
@@ -130,10 +134,13 @@ def _amount(section: Section, key: str, unit: str, dimension: Dimension | None, 
 
 
 def _sine(section: Section) -> str:
-    """What `drive` tells instead of a column."""
+    """What `drive` tells instead of a column: a sine, or that nothing drives the device."""
     value = section.text("drive")
-    if value and not value.lower().startswith("sine"):
-        do = 'write drive = "sine 8 V 317 Hz", or columns = { drive = "…" } to name the column of the drive'
+    if value and value.lower() != "none" and not value.lower().startswith("sine"):
+        do = (
+            'write drive = "sine 8 V 317 Hz", drive = "none" for a ring-down, or columns = { drive = "…" } to name the '
+            "column of the drive"
+        )
         raise section.error("drive", f'"{value}" is not a drive', do)
     return value
 

@@ -13,16 +13,28 @@ from .options import campaign_argument, effects_option, force_option, json_optio
 @campaign_argument
 @effects_option
 @click.option("-o", "--output", metavar="RUN", help="Run folder to write; runs/NAME if not given.")
+@click.option(
+    "--minutes", type=click.FloatRange(min=0, min_open=True), metavar="M",
+    help="Stop after so many minutes and keep what was found.",
+)  # fmt: skip
 @force_option
 @json_option
 @trust_option
 def command(
-    campaign: tuple[str, ...], effects: tuple[str, ...] | None, output: str | None, force: bool, as_json: bool
+    campaign: tuple[str, ...],
+    effects: tuple[str, ...] | None,
+    output: str | None,
+    minutes: float | None,
+    force: bool,
+    as_json: bool,
 ) -> None:
     """Fit CAMPAIGN, see where the model fails, add the effect that explains it, and go on until the noise floor.
 
     The run folder holds the last model with the report of every step, and diagnosis.json. If no effect of the library
     explains the records, what is missing is estimated and written as an effect file of your own to refine.
+
+    The run folder is written after every step. Ctrl-C, or the end of the --minutes, leaves what was found;
+    diagnosis.json then says "finished": false.
 
     \b
     Example:
@@ -39,10 +51,12 @@ def command(
     check_target(folder, force)
 
     from ident.fit import fit
-    from ident.model import build_model
+    from ident.fit.start_model import start_model
 
+    from .limit import Limit
     from .walk import walk
 
-    model = build_model(data, effects)
+    limit = Limit(minutes)
+    model = start_model(data, effects, progress)
     progress(f"fitting {', '.join(model.names) or 'the linear model'}")
-    walk(fit(model, data, report=progress), folder, force=force, as_json=as_json)
+    walk(fit(model, data, report=progress), folder, force=force, as_json=as_json, limit=limit)

@@ -59,9 +59,9 @@ def command(
 
     from ident.fit import fit
     from ident.fit.profile import check_profiled, profile
-    from ident.model import build_model
+    from ident.fit.start_model import start_model
 
-    model = build_model(data, effects)
+    model = start_model(data, effects, progress)
     check_profiled(model, profiles)
     found = fit(model, data, sigma=sigma, robust=robust, starts=starts, seed=seed, report=progress)  # type: ignore[arg-type]
     curves = [profile(found, name, robust=robust, report=progress) for name in profiles]

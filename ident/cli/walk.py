@@ -2,24 +2,41 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .fit import command_line
+from .limit import Limit, OutOfTime
 from .output import progress, say, say_fit, say_json, say_sheet
 
 if TYPE_CHECKING:
     from ident.diagnosis.diagnose import Diagnosis
+    from ident.diagnosis.discover import Step
     from ident.fit import Fit
 
 
-def walk(start: Fit, folder: Path, *, force: bool, as_json: bool) -> None:
-    """Run the loop from a fit, write the last model as a run, and tell the story."""
+def walk(start: Fit, folder: Path, *, force: bool, as_json: bool, limit: Limit) -> None:
+    """Run the loop from a fit, write the last model as a run, and tell the story.
+
+    The folder is written after every step, so that a walk that is stopped leaves what it found.
+    """
     from ident.diagnosis.document import diagnosis_dict, lineage_of
     from ident.report.diagnosis_view import advice, sections
     from ident.report.run_folder import write_run
 
-    found = examine(start, _free_file(folder), keeps_walk=True)
+    kept = _Kept(folder, force)
+    try:
+        kept.keep(start, ())
+        with limit.running():
+            found = examine(start, _free_file(folder), keeps_walk=True, keep=kept.within(limit))
+    except OutOfTime:
+        kept.tell("the time is over", as_json)
+        return
+    except KeyboardInterrupt:
+        kept.tell("stopped", as_json)
+        raise
+    force = True  # what is there is this walk's own
     lineage = lineage_of(found.discovery, "the first fit")
     document = diagnosis_dict(found) | {"advice": advice(found)}
     write_run(
@@ -35,18 +52,68 @@ def walk(start: Fit, folder: Path, *, force: bool, as_json: bool) -> None:
     say(f"report:     {folder / 'report.html'}")
 
 
+class _Kept:
+    """The run folder of a walk that goes on."""
+
+    def __init__(self, folder: Path, force: bool):
+        self.folder, self._force = folder, force
+        self._document: dict[str, Any] = {}
+        self._fit: Fit | None = None
+
+    def keep(self, start: Fit, steps: Sequence[Step]) -> None:
+        """Write the last fit and the steps so far."""
+        from ident.diagnosis.document import lineage_so_far, unfinished_dict
+        from ident.report.run_folder import write_run
+
+        self._fit = steps[-1].fit if steps else start
+        self._document = unfinished_dict(start, steps)
+        write_run(
+            self._fit, self.folder, force=self._force, command=command_line(),
+            lineage=lineage_so_far(start, steps, "the first fit"),
+            documents={"diagnosis.json": self._document}, page=False,
+        )  # fmt: skip
+        self._force = True
+
+    def within(self, limit: Limit) -> Callable[[Fit, Sequence[Step]], None]:
+        """`keep`, which the clock does not interrupt."""
+
+        def kept(start: Fit, steps: Sequence[Step]) -> None:
+            limit.ask()
+            with limit.waiting():
+                self.keep(start, steps)
+
+        return kept
+
+    def tell(self, why: str, as_json: bool) -> None:
+        """What a walk that was stopped has left."""
+        if as_json:
+            say_json(self._document)
+            return
+        if self._fit is not None:
+            say_fit(self._fit)
+            names = ", ".join(step["added"] for step in self._document["steps"]) or "nothing yet"
+            say(f"{why}: added so far: {names}. None of it was questioned, and more may be missing.")
+            say(f"run folder: {self.folder} (`ident report {self.folder}` draws its page)")
+
+
 def _free_file(folder: Path) -> Path:
     """Where an effect file may be written beside a run folder; nothing of the user's is overwritten."""
     names = (folder.with_name(f"{folder.name}_effect{'' if i == 1 else i}.py") for i in range(1, 1000))
     return next(path for path in names if not path.exists())
 
 
-def examine(start: Fit, effect_file: Path | None = None, *, keeps_walk: bool = False) -> Diagnosis:
+def examine(
+    start: Fit,
+    effect_file: Path | None = None,
+    *,
+    keeps_walk: bool = False,
+    keep: Callable[[Fit, Sequence[Step]], None] = lambda _, __: None,
+) -> Diagnosis:
     """The diagnosis of a fit with all effects that its campaign knows; other arguments as in `diagnose`."""
     from ident.diagnosis.diagnose import diagnose
     from ident.effects.registry import registry
 
-    return diagnose(start, registry(start.campaign.effect_files), progress, effect_file, keeps_walk)
+    return diagnose(start, registry(start.campaign.effect_files), progress, effect_file, keeps_walk, keep)
 
 
 def tell(found: Diagnosis) -> None:

@@ -80,9 +80,10 @@ def lineage_entry(
 
 
 def errors(fitted: Fit) -> dict[str, Any]:
-    """Error over noise and rms error (SI) on fitted and on held-out records."""
+    """Error over noise, over the signal, and rms error (SI), on fitted and on held-out records."""
     return {"fitted": _score(fitted.fitted), "holdout": _score(fitted.holdout)}
 
 
 def _score(found: Score | None) -> dict[str, float] | None:
-    return None if found is None else {"rmse": found.rmse, "error_over_noise": found.error_over_noise}
+    names = ("rmse", "error_over_noise", "error_over_signal")
+    return None if found is None else {name: getattr(found, name) for name in names}

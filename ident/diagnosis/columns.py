@@ -211,11 +211,11 @@ def linearised(equation: Equation, tape: Tape, values: np.ndarray, moved: Sequen
 
 
 def _linear(equation: Equation, values: np.ndarray, chunk: Chunk) -> tuple[np.ndarray, ...]:
-    mass, omega = equation.constants[0], 2 * np.pi * float(values[0])
+    mass = equation.constants[0]
+    stiffness, damping = equation.model.spring_and_damper(float(values[0]), float(values[1]), mass)
     whole = mass + np.asarray(chunk.load)
-    grid, steps = np.ones((BLOCKS, 2 * BLOCK + 1)), np.ones((BLOCKS, BLOCK))
-    share = (mass / whole)[:, None]
-    return whole, share * omega**2 * grid, share * omega / float(values[1]) * grid, steps, 0.0 * steps
+    share, steps = np.ones((BLOCKS, 2 * BLOCK + 1)) / whole[:, None], np.ones((BLOCKS, BLOCK))
+    return whole, stiffness * share, damping * share, steps, 0.0 * steps
 
 
 @program

@@ -14,10 +14,12 @@ from ..effects.effect import AbstractEffect
 from ..fit import Fit, fit
 from ..fit.fit import minimise
 from ..fit.guess import DataScales
+from ..fit.one_tone import gain_of
 from ..fit.rebuild import fit_at
 from ..model import Model, make_effect
 from .score import Bench, Candidate
 from .shorten import is_long
+from .splits import split_starts, takes_over
 from .whiten import whiten
 
 
@@ -42,6 +44,7 @@ _SPRING = ("force", ("z",))  # what a law of the displacement alone depends on
 _ABSENT = 0.05  # of an effect's largest amplitude: a smaller one is as good as none
 _FAINT = 0.01  # of what the score predicts: nearly absent, so that the motion is the one without it
 _OFF_BOUND = 3.0
+_LEAVES = 1.2  # χ² per sample: a memory that leaves more may have started in the wrong place
 _RACE = 12  # steps of every start; the best one goes on
 _MOST_STEPS = 60  # a rival that needs more crawls along a valley and comes no nearer
 
@@ -69,6 +72,10 @@ def confirm(
     own = _winner(model, before, starts)
     found = weigh(bench, model, candidate, _winner(model, before, [own, *_reprofiled(model, own, before)]), most)
     if np.isfinite(found.chi2):
+        if takes_over(model) and found.chi2 > _LEAVES * bench.n:
+            taken = split_starts(bench, model, base)
+            other = weigh(bench, model, candidate, _winner(model, before, taken), most) if taken else found
+            return min(found, other, key=lambda one: one.criterion)
         return found
     # Damping of the wrong sign, as scores may predict it where little is known, has no motion to start from.
     amplitudes = {p.name for p in model.effects[-1].declared() if p.kind == "amplitude"}
@@ -90,7 +97,7 @@ def with_effect(before: Fit, effect: type[AbstractEffect]) -> Model:
     A quality factor that had to be held, for a steady sine does not determine it, is free beside the effect, as it is
     in the scores: a wrong one would make another effect of it.
     """
-    free = replace(before.model, undetermined=frozenset())
+    free = replace(before.model, undetermined=before.model.undetermined & {gain_of(before.model)})
     return free + make_effect(before.campaign, effect.name, {effect.name: effect})
 
 
@@ -106,7 +113,25 @@ def base_of(bench: Bench) -> np.ndarray:
 
 
 def weigh(bench: Bench, model: Model, candidate: Candidate, start: np.ndarray, most: int) -> Confirmed:
-    """Refit a model from a start, in at most so many steps, and weigh it against the bench's own."""
+    """Refit a model from a start, in at most so many steps, and weigh it against the bench's own.
+
+    Of the last effect's amplitudes with one sign those that end on the wrong side are held at zero and the rest is
+    refitted: a stop may stand on one side only. An effect of which nothing remains is impossible.
+    """
+    found = _weighed(bench, model, candidate, start, most)
+    if np.isfinite(found.criterion) or not np.isfinite(found.chi2):
+        return found
+    one_sided = {f"{model.effects[-1].name}.{p.name}" for p in model.effects[-1].declared() if p.one_sided}
+    wrong = [i for i, p in enumerate(model.parameters) if p.name in one_sided and found.values[i] < 0]
+    if not 0 < len(wrong) < len(one_sided):
+        return found
+    bounded = replace(model, held=model.held | {model.parameters[i].name for i in wrong})
+    values = found.values.copy()
+    values[wrong] = 0.0
+    return _weighed(bench, bounded, candidate, values, most)
+
+
+def _weighed(bench: Bench, model: Model, candidate: Candidate, start: np.ndarray, most: int) -> Confirmed:
     found = minimise(model, bench.fit.campaign, initial=start, most=most)
     readings = found.best.found.readings
     rows = [

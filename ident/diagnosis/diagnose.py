@@ -11,10 +11,12 @@ from ..campaign.suspect import Suspect
 from ..effects.effect import AbstractEffect
 from ..fit import Fit
 from .beyond import free_name, go_beyond
-from .discover import Discovery, Step, continue_from
+from .discover import Discovery, Keep, Step, continue_from
 from .effect_file import write_effect
+from .enough import adequate
 from .experiments import NextExperiment, next_experiments, rank_experiments
 from .locate import Where, locate
+from .prune import hurts
 from .score import Bench, prepare
 from .shorten import is_long, working
 from .suspects import find_suspects
@@ -59,12 +61,13 @@ def diagnose(
     report: Report = lambda _: None,
     effect_file: Path | None = None,
     keeps_walk: bool = False,
+    keep: Keep = lambda _, __: None,
 ) -> Diagnosis:
     """Locate the misfit, walk the loop, and look beyond the library where it does not reach.
 
     **Arguments:** `effect_file`: where to write what the library lacks; the model with it then ends the walk.
     `keeps_walk`: whether the caller goes on with the last model of the walk; what it lacks is then written, if named
-    effects nearly explain the records, and else what the fit lacks.
+    effects nearly explain the records, and else what the fit lacks. `keep`: as of `continue_from`.
     """
     report("locating the misfit")
     bench = prepare(working(fitted))
@@ -73,13 +76,15 @@ def diagnose(
     if any(suspect.settles for suspect in suspects):
         nothing = Discovery("ambiguous", fitted, (), (), {}, (), bench)
         return Diagnosis(nothing, where, suspects=suspects)
-    found = continue_from(fitted, library, report)
+    found = continue_from(fitted, library, report, keep=keep)
     if found.verdict == "identified" and any(one.kind in BY_OTHERS for one in suspects):
         found = replace(found, verdict="ambiguous")
     answer = partial(Diagnosis, found, where, unseen=unseen(bench, found.ranking, library), suspects=suspects)
     if found.verdict != "not-in-library":
         unknown = _instead(bench, report) if found.lacking else None
         return answer(unknown, next_experiments=measure_next(found, library, report))
+    if not found.steps and adequate(found.bench):
+        return answer()  # the fitted records lack nothing: it is the held-out ones that contradict
     if effect_file is None:
         return answer(_instead(bench, report))
     base, kept = (found.final, found.steps) if keeps_walk and _nearly_explained(found) else (fitted, ())
@@ -88,7 +93,8 @@ def diagnose(
         write_effect(unknown, effect_file, free_name(base))
         return answer(unknown, effect_file)
     beyond = go_beyond(base, found.bench if kept else bench, effect_file, report)
-    if beyond.fit.fitted.error_over_noise < found.final.fitted.error_over_noise:
+    better = beyond.fit.fitted.error_over_noise < found.final.fitted.error_over_noise
+    if better and not hurts(base, beyond.fit):  # what bends to the fitted records alone is written, but not kept
         name = beyond.fit.model.names[-1]
         gain = 1 - (beyond.fit.fitted.error_over_noise**2 - 1) / max(base.fitted.error_over_noise**2 - 1, 1e-9)
         step = Step(name, beyond.unknown.share, gain, (name,), "effect", beyond.fit)

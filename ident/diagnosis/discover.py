@@ -9,7 +9,7 @@ sure: with the true effect absent from the library an impostor still lowers the 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
@@ -21,7 +21,7 @@ from ..fit import Fit, fit
 from ..model import Model
 from .change import try_without
 from .confirm import Confirmed, accept, confirm
-from .enough import ANOTHER_LAW, adequate, laws_differ_by, not_worth_adding, worth_a_name
+from .enough import ANOTHER_LAW, adequate, contradicted, laws_differ_by, not_worth_adding, worth_a_name
 from .lacking import lacking
 from .lone_record import prepare_at_best
 from .parts import Parts
@@ -36,6 +36,8 @@ from .trajectory import Diverged
 Verdict = Literal["adequate", "identified", "ambiguous", "not-in-library"]
 Library = Mapping[str, type[AbstractEffect]]
 Report = Callable[[str], None]
+Keep = Callable[["Fit", "Sequence[Step]"], None]
+"""Called with the first fit and the steps so far after each of them, so that a walk that is stopped has left them."""
 
 MOST_TERMS = 6
 _SHORTLIST = 3  # twice as many if refits keep less than the scores promised
@@ -97,7 +99,13 @@ def discover(
     return continue_from(start, library, report, most)
 
 
-def continue_from(start: Fit, library: Library, report: Report = lambda _: None, most: int = MOST_TERMS) -> Discovery:
+def continue_from(
+    start: Fit,
+    library: Library,
+    report: Report = lambda _: None,
+    most: int = MOST_TERMS,
+    keep: Keep = lambda _, __: None,
+) -> Discovery:
     """The loop from a fit."""
     current, steps = start, []
     ranking: tuple[Candidate, ...] = ()
@@ -122,6 +130,7 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
         steps.append(step)
         current = step.fit
         report(f"added {step.added}: error over noise {current.fitted.error_over_noise:.3g}")
+        keep(start, steps)
     while steps and hurts(steps[-2].fit if len(steps) > 1 else start, steps[-1].fit):
         steps.pop()
     alike: tuple[Parts, ...] = ()
@@ -141,7 +150,7 @@ def continue_from(start: Fit, library: Library, report: Report = lambda _: None,
     steps = [_beside_parts(step, alike) for step in steps]
     remaining = tuple(significant(candidates))
     lacks = lacking(_after_effects(steps, bench), first, report) if steps else 0.0
-    verdict = _verdict(steps, bench, first, lacks)
+    verdict = _verdict(steps, bench, first, lacks, contradicted(steps[-1].fit if steps else start))
     return Discovery(verdict, start, tuple(steps), ranking, gains, remaining, bench, lacks)
 
 
@@ -309,12 +318,13 @@ def _in_order(tried: list[Confirmed], bench: Bench) -> list[Confirmed]:
     return near + sorted((c for c in tried if not c.criterion <= limit), key=lambda c: c.criterion)
 
 
-def _verdict(steps: list[Step], bench: Bench, first: Bench, lacks: float) -> Verdict:
-    """A name is given as sure only if what it leaves is noise, or as little as laws of one kind differ by."""
+def _verdict(steps: list[Step], bench: Bench, first: Bench, lacks: float, contradicted: bool) -> Verdict:
+    """A name is given as sure only if what it leaves is noise, or as little as laws of one kind differ by, and nothing
+    is where held-out records say otherwise."""
     fine = adequate(bench)
     if not steps:
-        return "adequate" if fine else "not-in-library"
+        return "adequate" if fine and not contradicted else "not-in-library"
     if not fine and max(lacks, (bench.chi2 - bench.n) / (first.chi2 - first.n)) > ANOTHER_LAW:
         return "not-in-library"
     tied = any(len(s.tie_set) > 1 for s in steps if s.role == "effect")
-    return "ambiguous" if lacks or tied else "identified"
+    return "ambiguous" if lacks or tied or contradicted else "identified"

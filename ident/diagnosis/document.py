@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from ..fit import Fit
 from .change import lineage_entry
 from .diagnose import Diagnosis
-from .discover import Discovery
+from .discover import Discovery, Step
 
 FORMAT = 1
 _LISTED = 12  # candidates of the ranking worth a reader's time
@@ -18,19 +19,10 @@ def diagnosis_dict(diagnosis: Diagnosis) -> dict[str, Any]:
     found = diagnosis.discovery
     document = {
         "format": FORMAT,
+        "finished": True,
         "verdict": found.verdict,
         "start": _state(found.start),
-        "steps": [
-            {
-                "added": step.added,
-                "predicted_gain": step.predicted_gain,
-                "confirmed_gain": step.confirmed_gain,
-                **_errors(step.fit),
-                "tie_set": list(step.tie_set),
-                "role": step.role,
-            }
-            for step in found.steps
-        ],
+        "steps": [_step(step) for step in found.steps],
         "final": _state(found.final),
         "ranking": [_ranked(found, candidate) for candidate in found.ranking[:_LISTED]],
         "next_experiments": [
@@ -45,15 +37,46 @@ def diagnosis_dict(diagnosis: Diagnosis) -> dict[str, Any]:
     return document
 
 
+def unfinished_dict(start: Fit, steps: Sequence[Step]) -> dict[str, Any]:
+    """`diagnosis.json` of a walk that has not ended: the steps so far. What it would have questioned is open."""
+    return {
+        "format": FORMAT,
+        "finished": False,
+        "verdict": "ambiguous",
+        "start": _state(start),
+        "steps": [_step(step) for step in steps],
+        "final": _state(steps[-1].fit if steps else start),
+        "ranking": [],
+        "next_experiments": [],
+        "summary": "The walk was stopped before its end: effects may be missing, and those named were not questioned.",
+    }
+
+
 def lineage_of(found: Discovery, parent: str) -> list[dict[str, Any]]:
     """One entry per step, for lineage.json and the staircase."""
-    entries, before = [], found.start
-    for step in found.steps:
+    return lineage_so_far(found.start, found.steps, parent)
+
+
+def lineage_so_far(start: Fit, steps: Sequence[Step], parent: str) -> list[dict[str, Any]]:
+    """The same of the steps of a walk that may go on."""
+    entries, before = [], start
+    for step in steps:
         entries.append(
             lineage_entry(before, step.fit, parent if not entries else f"step {len(entries)}", added=step.added)
         )
         before = step.fit
     return entries
+
+
+def _step(step: Step) -> dict[str, Any]:
+    return {
+        "added": step.added,
+        "predicted_gain": step.predicted_gain,
+        "confirmed_gain": step.confirmed_gain,
+        **_errors(step.fit),
+        "tie_set": list(step.tie_set),
+        "role": step.role,
+    }
 
 
 def _ranked(found: Discovery, candidate: Any) -> dict[str, Any]:
@@ -78,4 +101,6 @@ def _errors(fitted: Fit) -> dict[str, Any]:
     return {
         "error_over_noise": fitted.fitted.error_over_noise,
         "holdout_error_over_noise": None if heldout is None else heldout.error_over_noise,
+        "error_over_signal": fitted.fitted.error_over_signal,
+        "holdout_error_over_signal": None if heldout is None else heldout.error_over_signal,
     }

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..fit import Fit
+from ..fit.carry_over import expected_error
 from .score import Bench
 
 ANOTHER_LAW = 0.001  # of the first excess: structured misfit beyond which a name is in doubt; see `lacking`
@@ -13,6 +15,7 @@ _MOST_OF_IT = 0.5  # of what is left: a wrong noise floor leaves nothing that on
 _LEAST = 0.2  # of what is left: where every effect promises less, the library lacks the one that is missing
 SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
 _SAME_WHILE_LACKING = 0.02  # the same as long as ten times as much is unexplained
+_CONTRADICTED = 3.0  # times what is expected, an error held out that no wrong noise floor makes: those are within 2
 _FAR = 4.0  # χ² per sample, more than a wrong noise floor would make
 
 
@@ -23,6 +26,18 @@ def adequate(bench: Bench, explained: float = 0.0) -> bool:
     `explained`: share of what is left that one effect explains; a wrong floor would leave what none does.
     """
     return _at_floor(bench.chi2, bench, explained)
+
+
+def contradicted(fit: Fit) -> bool:
+    """Whether the held-out records clearly say otherwise of a model that stands at the noise floor on the fitted ones:
+    the error there is many noise floors and a good part of the signal, and what the parameters' errors can make of it
+    is not enough."""
+    held = fit.holdout
+    if held is None or held.error_over_noise < _CONTRADICTED * max(fit.fitted.error_over_noise, 1.0):
+        return False
+    if held.error_over_signal < _CONTRADICTED * fit.fitted.error_over_signal:
+        return False
+    return held.error_over_noise > _CONTRADICTED * expected_error(fit)
 
 
 def _at_floor(chi2: float, bench: Bench, explained: float = 0.0) -> bool:

@@ -9,6 +9,8 @@ import jax.numpy as jnp
 
 from .effect import Scalar
 
+_FULLEST = 10.0  # of a loop, β: beyond, unloading is a jump
+_STIFFEST = 30.0  # of the force at which a stiffness has doubled: beyond, no solver follows
 _BARELY, _BEYOND = 1e-6, 1.5  # of the yield: below, x^n has no derivative by n; beyond, only an overshoot of the solver
 
 
@@ -40,7 +42,18 @@ def slip(part: Scalar, rate: Scalar, sharpness: Scalar, fullness: Scalar) -> Sca
     161, §2, with β + γ = 1; β = ½, n → ∞ is the stop operator of Prandtl.
     """
     loaded = jnp.minimum(jnp.clip(jnp.abs(part), _BARELY, _BEYOND) ** sharpness, _BEYOND)
-    return jnp.where(part * rate > 0, 1.0, 1.0 - 2.0 * jnp.clip(fullness, 0.0, 1.0)) * loaded
+    return jnp.where(part * rate > 0, 1.0, 1.0 - 2.0 * jnp.clip(fullness, 0.0, _FULLEST)) * loaded
+
+
+def stiffened(part: Scalar, rate: Scalar, sharpness: Scalar, fullness: Scalar) -> Scalar:
+    """By how much a spring with memory is stiffer than unloaded, for one that stiffens where `slip` yields.
+
+    s = |h|^n where the motion loads it further (h ẋ > 0), (1 + 2β) |h|^n where it unloads; arguments as of `slip`.
+
+    Source: as `slip`, with β + γ = −1, which dissipates for β > 0.
+    """
+    loaded = jnp.clip(jnp.abs(part), _BARELY, _STIFFEST) ** sharpness
+    return jnp.where(part * rate > 0, 1.0, 1.0 + 2.0 * jnp.clip(fullness, 0.0, _FULLEST)) * loaded
 
 
 _EDGE = 24  # sharpness of a play's edge: rounded less, it gains nothing at a hundred steps per period

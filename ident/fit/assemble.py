@@ -14,6 +14,7 @@ from .coordinates import to_coordinates
 from .guess import DataScales
 from .problem import Data, Static, Unknowns
 
+_TIED_FOR = 0.25  # of a period of the resonance: displacement and velocity at the start, two numbers, need no more
 _ON = 0.1  # of a limit: data scales of other records of the same device differ by that
 
 
@@ -37,7 +38,7 @@ def assemble(
     data = Data(
         tape,
         np.concatenate([record.response for record in records]),
-        np.concatenate([_weight(record) for record in records]),
+        np.concatenate([_weight(record, float(values[0])) for record in records]),
         np.array([_start_scale(record, float(values[0])) for record in records]),
         values,
         bounds[:, 0],
@@ -52,8 +53,16 @@ def assemble(
     return static, at_values(data, static, values)
 
 
-def _weight(record: Trace) -> np.ndarray:
-    counted = np.arange(len(record.time)) >= record.skip
+def _weight(record: Trace, frequency: float) -> np.ndarray:
+    """1/σ of the samples that count, (n,).
+
+    Of skipped ones the first hold the initial state: without them nothing does, and a start that is free runs away to
+    where it mimics a little of what the model lacks. They weigh as much as any sample, for what a wrong model gains by
+    such a start grows with its misfit in noise floors too.
+    """
+    index = np.arange(len(record.time))
+    first = index < max(round(_TIED_FOR / (frequency * record.step)), 5)
+    counted = (index >= record.skip) | (first if record.start != "rest" else False)
     return counted / record.noise.sigma
 
 

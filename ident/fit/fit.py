@@ -16,11 +16,11 @@ from ..response import lay_out
 from . import solve
 from .assemble import assemble, at_values, begin
 from .finish import Minimum, finish
-from .guess import LinearGuess, data_scales, guess_linear
-from .one_tone import hold_dragged, hold_quality
+from .guess import LinearGuess, data_scales
+from .one_tone import gain_of, hold_dragged, hold_gain, hold_quality
 from .problem import Data, Evaluation, Static, evaluate
 from .result import Fit, SigmaChoice, Start
-from .starts import base_values, random_points, starting_points
+from .starts import base_values, first_guess, random_points, starting_points
 
 Report = Callable[[str], None]
 _KEPT_STARTS = 4  # of the grid, the ones whose first error is smallest
@@ -53,13 +53,14 @@ def fit(
 
     **Raises:** UserError if there is nothing to fit.
     """
-    model = hold_quality(model, campaign.fitted)
+    model = hold_quality(hold_gain(model, campaign.fitted), campaign.fitted)
+    all_else = replace(model, undetermined=model.undetermined & {gain_of(model)})
     found = minimise(
         model, campaign, robust=robust, starts=starts, spread=spread, seed=seed, initial=initial, report=report
     )
-    if model.undetermined and found.error > _AT_THE_FLOOR:
+    if model.undetermined != all_else.undetermined and found.error > _AT_THE_FLOOR:
         # What is left of the record's beginning may tell the quality factor after all.
-        other = minimise(replace(model, undetermined=frozenset()), campaign, robust=robust, initial=found.values)
+        other = minimise(all_else, campaign, robust=robust, initial=found.values)
         if other.error < _AT_THE_FLOOR:
             found = minimise(model, campaign, robust=robust, initial=other.values)
     elif found.error > _AT_THE_FLOOR:
@@ -96,8 +97,7 @@ def minimise(
         guess = LinearGuess(float(told[0][0]), float(told[0][1]), float("nan"), float("nan"))
     else:
         report("reading the resonance off the records")
-        quality = model.parameters[1]
-        guess = guess_linear(records, model.linear.nominal_frequency, None if quality.fitted else quality.value)
+        guess = first_guess(model, records)
     scales = data_scales(records, guess.frequency)
     base = told[0] if told else base_values(model, guess, scales)
     tape = lay_out(records, max(guess.frequency, float(base[0])), guess.quality, model.steps_per_period)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -19,11 +19,14 @@ from scipy import optimize
 
 from ..campaign.record import Trace
 from ..campaign.recursive import recursive_filter
+from .decay import read_ringing
 
 _MOST_SAMPLES = 4000  # of a record: enough to place a resonance, and long records stay cheap
 _QUALITIES = (4.0, 15.0, 60.0)
+_CRITICAL = 0.4999  # quality below which a start in motion leaves two exponentials
 _LEAST_QUALITY, _LOG_QUALITY = 0.5, 9.0  # below, nothing oscillates; beyond e⁹, nothing decays within a record
 _POINTS_PER_OCTAVE = 14
+_STEP, _CYCLE = 0.03, 0.1  # first step of the search in ln f; of a decay, so much of a cycle at its end
 
 
 class LinearGuess(NamedTuple):
@@ -56,11 +59,14 @@ def guess_linear(
 
 @lru_cache(maxsize=32)  # every model of a campaign starts from it
 def _searched(records: tuple[Trace, ...], nominal_frequency: float | None, held: float | None) -> LinearGuess:
-    pieces = [_piece(record) for record in records]
+    pieces = [make_piece(record) for record in records]
     grid = _frequencies(records, nominal_frequency)
     qualities = _QUALITIES if held is None else (held,)
-    trials = [(_misfit(pieces, f, q), f, q) for q in qualities for f in grid]
+    ringings = [found for r in records if not r.driven and (found := read_ringing(r.response, r.step)) is not None]
+    read = [(ringing.frequency, ringing.quality if held is None else held) for ringing in ringings]
+    trials = [(_misfit(pieces, f, q), f, q) for f, q in [*((f, q) for q in qualities for f in grid), *read]]
     trials.sort()
+    step = min([_STEP, *(_CYCLE / ringing.cycles for ringing in ringings)])
     best = trials[0]
     # Without inertia in the records the search would run off to frequencies that no sample can follow.
     within = [(math.log(grid.min() / 2), math.log(grid.max() * 2)), (math.log(_LEAST_QUALITY), _LOG_QUALITY)]
@@ -70,12 +76,24 @@ def _searched(records: tuple[Trace, ...], nominal_frequency: float | None, held:
             [math.log(start[1]), math.log(start[2])],
             method="Nelder-Mead",
             bounds=within,
-            options={"initial_simplex": _simplex(start[1], start[2]), "xatol": 1e-5, "fatol": 1e-9, "maxiter": 80},
+            options={
+                "initial_simplex": _simplex(start[1], start[2], step),
+                "xatol": 1e-5,
+                "fatol": 1e-9,
+                "maxiter": 80,
+            },
         )
         quality = math.exp(found.x[1]) if held is None else held
         best = min(best, (float(found.fun), math.exp(found.x[0]), quality))
     misfit, frequency, quality = best
     return LinearGuess(frequency, quality, _gain(pieces, frequency, quality), misfit)
+
+
+def told_guess(start: Mapping[str, float], names: Sequence[str]) -> LinearGuess | None:
+    """The linear model of starting values by name; None if they leave one of the three `names` open."""
+    if not all(name in start for name in names):
+        return None
+    return LinearGuess(*(float(start[name]) for name in names), float("nan"))
 
 
 def data_scales(records: Sequence[Trace], frequency: float) -> DataScales:
@@ -93,24 +111,32 @@ def _scales(records: tuple[Trace, ...], frequency: float) -> DataScales:
             line = np.arange(half, -half - 1, -1)  # slope of the straight line through the samples around each one
             slope = np.convolve(record.response, line, "valid") / (np.sum(line**2) * record.step)
             velocity = max(velocity, float(np.percentile(np.abs(slope), 99.5)))
-    voltage = max(float(np.max(np.abs(r.drive))) for r in records)
+    voltage = max(float(np.max(np.abs(r.drive))) for r in records) or 1.0  # where nothing drives, any scale does
     duration = max(float(r.time[-1] - r.time[0]) for r in records)
     return DataScales(displacement, velocity, voltage, 1.0 / frequency, duration)
 
 
-class _Piece(NamedTuple):
+class Piece(NamedTuple):
+    """A record for the linear search: its liveliest stretch, the response divided by its `size`; `rest`: whether it
+    starts from rest; `power` of the response about its mean."""
+
     step: float
     drive: np.ndarray
     response: np.ndarray
     size: float
     rest: bool
+    driven: bool
+    power: float
 
 
-def _piece(record: Trace) -> _Piece:
+def make_piece(record: Trace) -> Piece:
+    """A record for the linear search."""
     part = _liveliest(record.response)
     size = float(np.std(record.response[part])) or 1.0
     rest = record.start == "rest" and part.start == 0
-    return _Piece(record.step, record.drive[part], record.response[part] / size, size, rest)
+    response = record.response[part] / size
+    power = float(np.sum((response - np.mean(response)) ** 2))
+    return Piece(record.step, record.drive[part], response, size, rest, record.driven, power)
 
 
 def _liveliest(response: np.ndarray) -> slice:
@@ -160,42 +186,71 @@ def oscillator_filter(frequency: float, quality: float, step: float) -> tuple[np
     return np.array([g[0], g[1] + a[1] * g[0], g[2] + a[1] * g[1] + a[2] * g[0]]), a
 
 
-def _free_motions(piece: _Piece, frequency: float, quality: float) -> np.ndarray:
-    """What a start in motion may add to the response, and a constant, (n, 3)."""
+def free_motion(piece: Piece, frequency: float, quality: float) -> np.ndarray:
+    """What a start in motion may add to the response, (n, 2)."""
     omega = 2 * math.pi * frequency
     t = piece.step * np.arange(len(piece.drive))
     decay = np.exp(-omega / (2 * quality) * t)
+    if quality < _CRITICAL:  # two exponentials
+        fast, slow = _rates(omega, quality)
+        return np.stack([np.exp(-slow * t), np.exp(-fast * t)], axis=1)
     ring = omega * math.sqrt(max(1 - 1 / (4 * quality**2), 1e-6)) * t
-    return np.stack([np.ones_like(t), decay * np.cos(ring), decay * np.sin(ring)], axis=1)
+    return np.stack([decay * np.cos(ring), decay * np.sin(ring)], axis=1)
 
 
-def _projected(pieces: Sequence[_Piece], frequency: float, quality: float) -> tuple[np.ndarray, np.ndarray]:
-    """Response to the drive for unit gain, and the measured one, without what the start may add to them."""
-    forced, measured = [], []
+def _rates(omega: float, quality: float) -> tuple[float, float]:
+    """The fast and the slow rate (1/s) at which an overdamped oscillator comes to rest."""
+    fast = omega / (2 * quality) * (1 + math.sqrt(1 - 4 * quality**2))
+    return fast, omega**2 / fast
+
+
+class _Projected(NamedTuple):
+    """`forced`, the response to the drive for unit gain, and the `measured` one, without what the start may add to
+    them; `power` of what was there to explain."""
+
+    forced: np.ndarray
+    measured: np.ndarray
+    power: float
+
+
+def _projected(pieces: Sequence[Piece], frequency: float, quality: float) -> _Projected:
+    """The records as a trial frequency and quality see them.
+
+    A driven record must be explained by its drive: the share of its power that is left beside its free motion counts.
+    A decay is free motion, and all of it counts.
+    """
+    forced, measured, power = [], [], 0.0
     for piece in pieces:
-        column = recursive_filter(*oscillator_filter(frequency, quality, piece.step), piece.drive)
+        column = np.zeros_like(piece.drive)  # to a decay a constant drive is a level, whatever the gain
+        if piece.driven:
+            column = recursive_filter(*oscillator_filter(frequency, quality, piece.step), piece.drive)
         both = np.stack([column / piece.size, piece.response])
         if piece.rest:
             both -= both.mean(axis=1, keepdims=True)
         else:
-            basis, _ = np.linalg.qr(_free_motions(piece, frequency, quality))
+            constant = np.ones((len(piece.drive), 1))
+            basis, _ = np.linalg.qr(np.hstack([constant, free_motion(piece, frequency, quality)]))
             both -= both @ basis @ basis.T
         forced.append(both[0])
         measured.append(both[1])
-    return np.concatenate(forced), np.concatenate(measured)
+        power += float(both[1] @ both[1]) if piece.driven else piece.power
+    return _Projected(np.concatenate(forced), np.concatenate(measured), power)
 
 
-def _misfit(pieces: Sequence[_Piece], frequency: float, quality: float) -> float:
-    x, y = _projected(pieces, frequency, quality)
+def _misfit(pieces: Sequence[Piece], frequency: float, quality: float) -> float:
+    x, y, whole = _projected(pieces, frequency, quality)
     power = float(x @ x)
-    if not np.isfinite(power) or power == 0.0:
+    driven = any(piece.driven for piece in pieces)
+    if driven and not (np.isfinite(power) and power > 0.0):
         return 1.0
-    left = float(y @ y) - float(x @ y) ** 2 / power
-    return math.sqrt(max(left, 0.0) / float(y @ y))
+    left = float(y @ y) - (float(x @ y) ** 2 / power if driven else 0.0)
+    return math.sqrt(max(left, 0.0) / whole)
 
 
-def _gain(pieces: Sequence[_Piece], frequency: float, quality: float) -> float:
-    x, y = _projected(pieces, frequency, quality)
+def _gain(pieces: Sequence[Piece], frequency: float, quality: float) -> float:
+    if not any(piece.driven for piece in pieces):
+        return 0.0
+    x, y, _ = _projected(pieces, frequency, quality)
     return float(x @ y) / float(x @ x)
 
 
@@ -207,6 +262,6 @@ def _distinct(trials: list[tuple[float, float, float]]) -> list[tuple[float, flo
     return kept
 
 
-def _simplex(frequency: float, quality: float) -> np.ndarray:
+def _simplex(frequency: float, quality: float, step: float) -> np.ndarray:
     x, y = math.log(frequency), math.log(quality)
-    return np.array([[x, y], [x + 0.03, y], [x, y + 0.4]])
+    return np.array([[x, y], [x + step, y], [x, y + 0.4]])

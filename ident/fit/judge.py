@@ -11,7 +11,8 @@ from ..campaign.record import Trace
 
 
 class RecordScore(NamedTuple):
-    """Error on one record: `rmse` and `noise_rmse` in SI, `error_over_noise` = rms of (measured − model)/σ."""
+    """Error on one record: `rmse` and `noise_rmse` in SI, `error_over_noise` = rms of (measured − model)/σ; `signal`,
+    the standard deviation of what was measured, SI."""
 
     name: str
     holdout: bool
@@ -19,6 +20,12 @@ class RecordScore(NamedTuple):
     rmse: float
     noise_rmse: float
     error_over_noise: float
+    signal: float
+
+    @property
+    def error_over_signal(self) -> float:
+        """The rms error as a fraction of the signal: 1 is as good as predicting a constant."""
+        return self.rmse / self.signal
 
 
 class Score(NamedTuple):
@@ -28,6 +35,12 @@ class Score(NamedTuple):
     rmse: float
     noise_rmse: float
     error_over_noise: float
+    signal: float
+
+    @property
+    def error_over_signal(self) -> float:
+        """The rms error as a fraction of the signal: 1 is as good as predicting a constant in each record."""
+        return self.rmse / self.signal
 
     @property
     def chi2(self) -> float:
@@ -41,7 +54,12 @@ def score_record(record: Trace, reading: np.ndarray) -> RecordScore:
     with np.errstate(over="ignore", invalid="ignore"):  # a motion without bound is no number, and said to be none
         rmse = float(np.sqrt(np.mean(difference**2)))
     sigma = record.noise.sigma
-    return RecordScore(record.name, record.holdout, len(difference), rmse, sigma, rmse / sigma)
+    return RecordScore(record.name, record.holdout, len(difference), rmse, sigma, rmse / sigma, _signal(record))
+
+
+def _signal(record: Trace) -> float:
+    """Standard deviation of the counted samples of a record, SI."""
+    return max(float(np.std(record.response[record.skip :])), 1e-300)
 
 
 def combine(scores: Sequence[RecordScore]) -> Score | None:
@@ -50,4 +68,4 @@ def combine(scores: Sequence[RecordScore]) -> Score | None:
         return None
     n = np.array([s.n for s in scores], float)
     pool = lambda name: float(np.sqrt(np.sum(n * np.array([getattr(s, name) for s in scores]) ** 2) / np.sum(n)))
-    return Score(int(np.sum(n)), pool("rmse"), pool("noise_rmse"), pool("error_over_noise"))
+    return Score(int(np.sum(n)), pool("rmse"), pool("noise_rmse"), pool("error_over_noise"), pool("signal"))

@@ -23,7 +23,23 @@ def hold_quality(model: Model, records: Sequence[Trace]) -> Model:
     """The model with its quality factor `undetermined`, if steady sines of one frequency are all there is to determine
     it, and free else."""
     steady = _one_frequency(records) and all(map(_steady, records))
-    return _held(model) if steady else replace(model, undetermined=frozenset())
+    return _held(model) if steady else replace(model, undetermined=model.undetermined & {gain_of(model)})
+
+
+def gain_of(model: Model) -> str:
+    """Full name of the drive's gain."""
+    return f"{model.linear.prefix}.{model.linear.gain_name}"
+
+
+def hold_gain(model: Model, records: Sequence[Trace]) -> Model:
+    """The model without a drive, its gain `undetermined` at zero, if none of the records has one that changes."""
+    name = gain_of(model)
+    if any(record.driven for record in records):
+        return replace(model, undetermined=model.undetermined - {name})
+    if name in model.freed | model.held:
+        return model
+    start = (*((known, value) for known, value in model.start if known != name), (name, 0.0))
+    return replace(model, start=start, undetermined=model.undetermined | {name})
 
 
 def hold_dragged(model: Model, values: np.ndarray, records: Sequence[Trace]) -> Model:
@@ -41,7 +57,7 @@ def hold_dragged(model: Model, values: np.ndarray, records: Sequence[Trace]) -> 
 
 def _held(model: Model) -> Model:
     name = f"{model.linear.prefix}.quality"
-    return model if name in model.freed | model.held else replace(model, undetermined=frozenset({name}))
+    return model if name in model.freed | model.held else replace(model, undetermined=model.undetermined | {name})
 
 
 def _one_frequency(records: Sequence[Trace]) -> bool:

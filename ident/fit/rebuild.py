@@ -12,10 +12,10 @@ from ..response import lay_out
 from . import solve
 from .assemble import assemble, begin
 from .finish import Minimum, finish
-from .guess import data_scales, guess_linear
+from .guess import data_scales
 from .reading import fit_starts
 from .result import Fit, SigmaChoice, Start
-from .starts import base_values
+from .starts import base_values, first_guess
 
 
 def fit_at(
@@ -35,7 +35,7 @@ def fit_at(
     reported them.
     """
     records = campaign.fitted
-    guess = guess_linear(records, model.linear.nominal_frequency)
+    guess = first_guess(model, records)
     scales = data_scales(records, guess.frequency)
     first = float(base_values(model, guess, scales)[0])  # the search chose its solver step from the same numbers
     tape = lay_out(records, max(guess.frequency, first), guess.quality, model.steps_per_period)

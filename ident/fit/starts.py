@@ -8,8 +8,19 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..campaign.record import Trace
 from ..model import Model, ModelParameter
-from .guess import DataScales, LinearGuess
+from .guess import DataScales, LinearGuess, guess_linear, told_guess
+
+
+def first_guess(model: Model, records: Sequence[Trace]) -> LinearGuess:
+    """The linear model to start from: as the model was told, or as the records say."""
+    first, quality, gain = model.parameters[:3]
+    start = dict(model.start)
+    told = told_guess(start, [first.name, quality.name, gain.name])
+    if told is not None or model.form == "no-spring":
+        return told or LinearGuess(start[first.name], start[quality.name], 0.0, float("nan"))
+    return guess_linear(records, model.linear.nominal_frequency, None if quality.fitted else quality.value)
 
 
 def base_values(model: Model, guess: LinearGuess, scales: DataScales) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,6 +11,8 @@ from ..effects.effect import AbstractEffect
 from ..errors import UserError
 from .linear import LinearPart, linear_part
 from .parameters import ModelParameter
+
+_LEAST_QUALITY = {"oscillator": 0.5, "overdamped": 1e-4}
 
 
 @dataclass(frozen=True)
@@ -22,6 +25,8 @@ class Model:
     - `start`: starting values of single parameters by full name (SI), as the campaign or a parent fit gave them.
     - `held`: full names of parameters that a fit must not move; `freed`: of those that it must; `undetermined`: of
       those that a fit holds because its records do not determine them.
+    - `form` of the linear part: "oscillator"; "overdamped", the same without a least quality factor; "no-spring",
+      whose second parameter is the decay time of a velocity, and whose first only sets the scale of time.
     """
 
     device: Device
@@ -30,6 +35,7 @@ class Model:
     held: frozenset[str] = frozenset()
     freed: frozenset[str] = frozenset()
     undetermined: frozenset[str] = frozenset()
+    form: str = "oscillator"
 
     def __post_init__(self) -> None:
         for effect in self.effects:
@@ -73,18 +79,14 @@ class Model:
     @property
     def key(self) -> tuple[Any, ...]:
         """What decides the compiled code."""
-        return tuple(effect.key for effect in self.effects)
+        return (self.form == "no-spring", tuple(effect.key for effect in self.effects))
 
     @property
     def parameters(self) -> tuple[ModelParameter, ...]:
         """Every parameter of the model: frequency (Hz), quality factor and drive gain first, then effect by effect."""
         linear = self.linear
         own = [
-            ModelParameter(f"{linear.prefix}.frequency", "Hz", linear.nominal_frequency or 1.0, True, kind="linear",
-                           doc="natural frequency of the unloaded linear part", expected=linear.expected_frequency),
-            # Below one half nothing oscillates, and a missing effect could hide behind slow exponentials.
-            ModelParameter(f"{linear.prefix}.quality", "1", 30.0, True, kind="linear", limits=(0.5, 1e6),
-                           doc="quality factor"),
+            *self._times(),
             ModelParameter(f"{linear.prefix}.{linear.gain_name}", linear.gain_unit, 1e-12, False, kind="linear",
                            doc="drive gain", expected=linear.expected_gain),
         ]  # fmt: skip
@@ -96,6 +98,34 @@ class Model:
             ]  # fmt: skip
         start = dict(self.start)
         return tuple(self._as_told(parameter, start) for parameter in own)
+
+    def _times(self) -> tuple[ModelParameter, ModelParameter]:
+        """The first two parameters: those of spring and damper."""
+        prefix = self.linear.prefix
+        if self.form == "no-spring":
+            return (
+                ModelParameter(f"{prefix}.reference-frequency", "Hz", 1.0, True, False, kind="linear",
+                               doc="time scale of the motion; there is no spring"),
+                ModelParameter(f"{prefix}.decay-time", "s", 1.0, True, kind="linear", limits=(1e-6, 1e3),
+                               limits_scale="duration", doc="time in which a velocity decays, mass over damping"),
+            )  # fmt: skip
+        # Below one half nothing oscillates, and a missing effect could hide behind slow exponentials.
+        least = _LEAST_QUALITY[self.form]
+        nominal = self.linear.nominal_frequency or 1.0
+        return (
+            ModelParameter(f"{prefix}.frequency", "Hz", nominal, True, kind="linear",
+                           doc="natural frequency of the unloaded linear part",
+                           expected=self.linear.expected_frequency),
+            ModelParameter(f"{prefix}.quality", "1", 30.0, True, kind="linear", limits=(least, 1e6),
+                           doc="quality factor"),
+        )  # fmt: skip
+
+    def spring_and_damper(self, first: Any, second: Any, mass: Any) -> tuple[Any, Any]:
+        """Stiffness (N/m) and damping (N s/m) of the linear part from its first two parameters and its mass, kg."""
+        if self.form == "no-spring":
+            return 0.0 * first, mass / second
+        omega = 2 * math.pi * first
+        return mass * omega**2, mass * omega / second
 
     def _as_told(self, parameter: ModelParameter, start: dict[str, float]) -> ModelParameter:
         if parameter.name in start:

@@ -6,7 +6,7 @@ from ..campaign.device import Device
 from ..diagnosis.beyond import NAME
 from ..diagnosis.diagnose import BY_OTHERS, Diagnosis
 from ..diagnosis.discover import Discovery, Step
-from ..diagnosis.enough import ANOTHER_LAW, adequate
+from ..diagnosis.enough import ANOTHER_LAW, adequate, contradicted
 from ..diagnosis.score import Candidate
 from ..fit import Fit
 from .data_judgement import one_frequency
@@ -15,7 +15,7 @@ from .quantity import show
 from .sheet import Column, Mark, Sheet
 from .story import staircase_section
 from .style import png
-from .tables import listed, ratio_text
+from .tables import listed, percent_text, ratio_text
 from .where_figure import where_figure
 
 _LISTED = 6
@@ -23,6 +23,19 @@ _LISTED = 6
 
 def verdict_words(found: Diagnosis) -> str:
     """The verdict in one or two sentences."""
+    held = found.discovery.final.holdout
+    if held is None or not contradicted(found.discovery.final):
+        return _verdict_words(found)
+    return (
+        f"The held-out records contradict this model: it stands at {ratio_text(held.error_over_noise)} noise floors "
+        f"there, {percent_text(held.error_over_signal)} of their signal, which no error of its parameters makes. They "
+        f"may be of another device or wrongly labelled, or what they need cannot be seen in the fitted ones. "
+        f"{_verdict_words(found) if found.discovery.steps else ''}"
+    ).strip()
+
+
+def _verdict_words(found: Diagnosis) -> str:
+    """The verdict by the fitted records."""
     loop = found.discovery
     final = loop.final
     settled = [suspect.file for suspect in found.suspects if suspect.settles]
@@ -35,6 +48,8 @@ def verdict_words(found: Diagnosis) -> str:
     shaped = [s.added for s in loop.steps if s.role == "shape-refinement"]
     names = " and ".join(s.added for s in named)
     refined = f" ({' and '.join(shaped)} only refines its shape)" if shaped else ""
+    if loop.verdict == "ambiguous" and not loop.lacking and not any(len(s.tie_set) > 1 for s in named):
+        return f"On the fitted records {names}{refined} is what was missing, {error}."
     if loop.verdict == "identified" and adequate(loop.bench):
         return f"Missing was {names}{refined}: with it the model is adequate, {error}."
     if loop.verdict == "identified":

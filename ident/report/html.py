@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ..campaign.device import Platform
 from ..fit.result import Fit
 from .figures import record_figure
+from .linear_words import linear_sheet
 from .offset_table import offset_sheets
 from .overview import overview_figure
 from .sentences import GOOD, sentences, verdict
@@ -89,6 +90,7 @@ def write_report(fit: Fit, folder: Path, extra: Mapping[str, Any] | None = None)
         correlations=[_sentence(text) for text in correlation_sentences(fit)],
         scores=record_sheet(fit),
         starts=start_sheet(fit),
+        linear=linear_sheet(fit),
         records=records,
         omitted=omitted,
         sections=sections,

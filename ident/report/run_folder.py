@@ -43,12 +43,13 @@ def write_run(
     documents: Mapping[str, Mapping[str, Any]] | None = None,
     extra: Mapping[str, Any] | None = None,
     report: Callable[[str], None] = lambda _: None,
+    page: bool = True,
 ) -> Path:
     """Write the run folder of a fit; it appears complete or not at all.
 
     **Arguments:** `force`: replace a folder that exists; `command`: the command line, for the record; `options`: how
     the fit was made (seed, starts, …); `lineage`: the run's ancestors, oldest first; `documents`: further JSON files
-    by name ("diagnosis.json"); `extra`: what the report shows beside the fit.
+    by name ("diagnosis.json"); `extra`: what the report shows beside the fit; `page`: whether the report is drawn.
 
     **Raises:** UserError if the folder exists and `force` is not set.
     """
@@ -67,6 +68,8 @@ def write_run(
         write_json(temporary / "lineage.json", list(lineage))
         for name, content in (documents or {}).items():
             write_json(temporary / name, content)
+        if not page:
+            return target
         report("writing the report")
         write_report(fit, temporary, {"command": command, **(extra or {})} if command else extra)
         check_target(target, force)

@@ -8,6 +8,7 @@ from typing import Any
 from ..campaign.record import Trace
 from ..fit.judge import RecordScore, Score
 from ..fit.result import Estimate, Fit
+from .linear_words import linear_dict
 from .quantity import display_unit
 from .tables import combination_sentences, flag_words
 
@@ -25,6 +26,7 @@ def run_dict(fit: Fit) -> dict[str, Any]:
         "effects": list(fit.model.names),
         "converged": bool(fit.converged),
         "sigma": fit.sigma,
+        "linear": linear_dict(fit),
         "parameters": [_parameter(e, fit) for e in fit.estimates],
         "undetermined": list(combination_sentences(fit)),
         "fitted": _score(fit.fitted, first),
@@ -54,6 +56,7 @@ def _score(score: Score | RecordScore, record: Trace) -> dict[str, Any]:
         "unit": channel.unit.replace("µ", "u").replace("μ", "u"),
         "noise_rmse": _number(score.noise_rmse / channel.factor),
         "error_over_noise": _number(score.error_over_noise),
+        "error_over_signal": _number(score.error_over_signal),
     }
 
 

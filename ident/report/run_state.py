@@ -66,6 +66,7 @@ def state(fit: Fit) -> dict[str, Any]:
         "held": sorted(model.held),
         "freed": sorted(model.freed),
         "undetermined": sorted(model.undetermined),
+        "form": model.form,
         "starts": [list(start) for start in fit.starts],
         # An estimate, and with sigma = "fitted" a result: another version might find another.
         "noise": [asdict(record.noise) for record in fit.campaign.records],
@@ -89,7 +90,8 @@ def restore(document: dict[str, Any], folder: Path) -> tuple[Model, Campaign, np
     known = registry(campaign.effect_files)
     effects = tuple(find(name, known)(campaign.device, kept["settings"].get(name)) for name in document["effects"])
     start, held, freed = tuple(kept["start"].items()), frozenset(kept["held"]), frozenset(kept["freed"])
-    model = Model(campaign.device, effects, start, held, freed, frozenset(kept.get("undetermined", ())))
+    model = Model(campaign.device, effects, start, held, freed, frozenset(kept.get("undetermined", ())),
+                  kept.get("form", "oscillator"))  # fmt: skip
     missing = [p.name for p in model.parameters if p.name not in kept["values"]]
     if missing:
         what = f"the run knows nothing of {missing[0]}, which its effect has today"

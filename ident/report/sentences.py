@@ -10,7 +10,9 @@ import numpy as np
 from ..campaign.device import Platform
 from ..campaign.drive import drive_frequency
 from ..fit.carry_over import expected_error
+from ..fit.one_tone import gain_of
 from ..fit.result import Fit
+from .linear_words import worse_than_static
 from .quantity import show, significant
 from .tables import listed, ratio_text
 
@@ -31,6 +33,7 @@ def verdict(fit: Fit) -> str:
     """One paragraph: how well the model describes the records, and what of it is known."""
     effects = listed(fit.model.names) if fit.model.names else ""
     kind = "linear platform" if isinstance(fit.model.device, Platform) else "linear oscillator"
+    kind = "mass and damper without a spring" if fit.model.form == "no-spring" else kind
     model = f"The {kind} with {effects}" if effects else f"The {kind} alone"
     n = sum(not s.holdout for s in fit.scores)
     ratio = fit.fitted.error_over_noise
@@ -95,6 +98,13 @@ def _error_bars(fit: Fit) -> list[Sentence]:
             "that starts from rest."
         )
         found.append(Sentence(text, True))
+    if gain_of(fit.model) in fit.model.undetermined:
+        text = (
+            "No record has a drive that changes, so these records say nothing about the drive's gain: it is left out."
+        )
+        found.append(Sentence(text))
+    if worse := worse_than_static(fit):
+        found.append(Sentence(worse, True))
     if not fit.converged:
         found.append(Sentence("The fit did not converge: neither values nor error bars are final.", True))
     if ratio > GOOD:

@@ -63,10 +63,13 @@ def record_sheet(fit: Fit) -> Sheet:
     marks: list[Mark] = ["warning" if s.error_over_noise > 1.1 else "" for s in ordered]
     rows += [_score_row(name, "", score, common) for name, score in totals]
     marks.extend("total" for _ in totals)
-    unit, note = common.unit, "error/noise = 1 is as good as the data allow."
+    unit, note = (
+        common.unit,
+        "error/noise = 1 is as good as the data allow; 100 % of the signal is no better than a constant.",
+    )
     columns = (
-        Column("record", wraps=True), Column("use"), Column("samples", True), Column(f"rms error ({unit})", True),
-        Column(f"noise floor ({unit})", True), Column("error/noise", True),
+        Column("record", wraps=True), Column("use"), Column("samples", True), Column(f"rms error ({unit})", True, True),
+        Column(f"noise floor ({unit})", True, True), Column("error/noise", True), Column("of signal", True),
     )  # fmt: skip
     return Sheet("Error per record", columns, tuple(rows), tuple(marks), note)
 
@@ -84,7 +87,13 @@ def ratio_text(ratio: float) -> str:
 
 def _score_row(name: str, use: str, score: RecordScore | Score, common: Scale) -> tuple[str, ...]:
     error, noise = (show_in(value, None, common, 3).value for value in (score.rmse, score.noise_rmse))
-    return (name, use, str(score.n), error, noise, ratio_text(score.error_over_noise))
+    shares = ratio_text(score.error_over_noise), percent_text(score.error_over_signal)
+    return (name, use, str(score.n), error, noise, *shares)
+
+
+def percent_text(share: float) -> str:
+    """A fraction of the signal as "4.3 %"."""
+    return f"{significant(100 * share, 2 if share < 0.1 else 3)} %"
 
 
 def combination_sentences(fit: Fit) -> tuple[str, ...]:

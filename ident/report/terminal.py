@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import visible
 from ..fit.result import Fit
+from .linear_words import linear_sheet
 from .offset_table import offset_sheets
 from .sentences import sentences, verdict
 from .sheet import Sheet, rich_table
@@ -23,6 +24,7 @@ def fit_view(fit: Fit, *, offset: bool = False) -> Group:
     parts += _list("Undetermined", combination_sentences(fit))
     parts += _list("Strong correlations", correlation_sentences(fit))
     parts += [_table(record_sheet(fit)), _table(start_sheet(fit))]
+    parts += [_table(sheet) for sheet in [linear_sheet(fit)] if sheet is not None]
     if offset:
         parts += [_table(sheet) for sheet in offset_sheets(fit).values()]
     parts += _list("To know", tuple(("! " if s.warning else "") + s.text for s in sentences(fit)))

@@ -33,7 +33,7 @@ class Equation:
     def fingerprint(self) -> str | None:
         """The same for other processes; None if an effect has no file that could tell whether it changed."""
         told = [effect.fingerprint for effect in self.model.effects]
-        return None if None in told else repr(told)
+        return None if None in told else repr((self.model.form == "no-spring", told))
 
     @cached_property
     def constants(self) -> np.ndarray:
@@ -104,9 +104,8 @@ class System(NamedTuple):
 def assemble(equation: Equation, constants: Numbers, values: Numbers) -> System:
     """Bind parameter values, (m,) SI, to the equation of motion; `constants` as the equation's own."""
     (frequency, quality, gain), effects = equation.model.bind(values)
-    omega0 = 2 * jnp.pi * frequency
-    mass = constants[0]
-    return System(effects, mass, mass * omega0 / quality, mass * omega0**2, constants[1] * gain)
+    stiffness, damping = equation.model.spring_and_damper(frequency, quality, constants[0])
+    return System(effects, constants[0], damping, stiffness, constants[1] * gain)
 
 
 def slices(equation: Equation) -> tuple[slice | None, ...]:

@@ -47,7 +47,7 @@ def test_a_refit_that_a_limit_stopped_does_not_do_without_the_term() -> None:
 def test_held_out_error_of_another_law_is_weighed_against_what_fitted_records_gain(
     fitted: float, held: float, more: bool
 ) -> None:
-    score = lambda error: Score(N, 1.0, 1.0, error)
+    score = lambda error: Score(N, 1.0, 1.0, error, 10.0)
     before: Any = SimpleNamespace(fitted=score(1.06), holdout=score(1.19))
     after: Any = SimpleNamespace(fitted=score(fitted), holdout=score(held))
     assert np.isclose(before.fitted.chi2, N * 1.06**2)

@@ -135,3 +135,17 @@ def test_a_yield_far_below_the_step_still_bears_no_more_than_its_friction(travel
     reading = measured(make("bouc-wen", friction=friction, travel=travel, sharpness=2.0))
     dry = measured(make("coulomb-friction", friction=friction, velocity=2e-5), substeps=8)
     assert np.max(np.abs(reading - dry)) < np.max(np.abs(dry - measured()))
+
+
+@pytest.mark.parametrize("beta", [0.5, 2.7])
+def test_a_bouc_wen_loop_may_stiffen(beta):
+    """The other sign of β + γ, as in the hysteretic benchmark of Noël and Schoukens, 2016."""
+    travel, start = 3e-6, 0.3 * K
+
+    def rates(t, z, v, h):  # F' = k [v + (−β |v| F + (1 + β) v |F|)/F_y], k = F_y/|z_y|
+        scale = start * travel
+        return (start * (v - (beta * abs(v) * h[0] - (1 + beta) * v * abs(h[0])) / scale),)
+
+    physics = Physics(lambda t, z, v, h: -h[0], rates, start=(0.0,))
+    effect = make("bouc-wen", friction=start * travel, travel=-travel, sharpness=1.0, fullness=beta)
+    assert_agrees(effect, physics, KINKED)

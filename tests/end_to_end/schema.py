@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-SCORE = {"n": int, "rmse": float, "unit": str, "noise_rmse": float, "error_over_noise": float}
+SCORE = {
+    "n": int, "rmse": float, "unit": str, "noise_rmse": float, "error_over_noise": float, "error_over_signal": float,
+}  # fmt: skip
 PARAMETER = {"name": str, "value": float, "unit": str, "flags": list}
 RUN = {
     "format": int,

@@ -10,6 +10,7 @@ import pytest
 from ident.campaign import read_campaign
 from ident.effects.registry import built_in
 from ident.report.run_folder import read_run
+from tests.end_to_end.schema import assert_run
 from tests.end_to_end.user import DATA, assert_one_line, ident
 
 
@@ -87,3 +88,13 @@ def test_report_is_made_again_from_the_numbers(clean):
     assert outcome.code == 0, outcome.err
     assert outcome.out.strip() == str(page)
     assert "<html" in page.read_text(encoding="utf-8")
+
+
+def test_a_walk_that_runs_out_of_time_leaves_what_it_found(tmp_path):
+    run = tmp_path / "run"
+    outcome = ident("discover", DATA / "oscillator", "-o", run, "--minutes", "0.0001")
+    assert outcome.code == 0, outcome
+    assert "time is over" in outcome.out
+    document = json.loads((run / "diagnosis.json").read_text(encoding="utf-8"))
+    assert document["finished"] is False and document["steps"] == []
+    assert_run(json.loads((run / "run.json").read_text(encoding="utf-8")))

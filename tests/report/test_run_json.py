@@ -17,7 +17,7 @@ def test_format_1(make_fit):
     assert document["converged"] is True
     assert document["sigma"] == "known"
     assert len(document["undetermined"]) == 1
-    assert set(document["fitted"]) == {"n", "rmse", "unit", "noise_rmse", "error_over_noise"}
+    assert set(document["fitted"]) == {"n", "rmse", "unit", "noise_rmse", "error_over_noise", "error_over_signal"}
     assert [r["file"] for r in document["records"]] == ["first_8V.csv", "second_3V.csv", "held_out_5V.csv"]
     assert [r["holdout"] for r in document["records"]] == [False, False, True]
 

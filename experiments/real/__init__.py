@@ -1,0 +1,1 @@
+"""Measured devices that nobody here simulated."""

@@ -1,0 +1,72 @@
+"""One measured set: its campaign, what `ident` makes of it, and what is asserted."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from experiments import public_data
+from experiments.public_data import ident
+
+
+@dataclass(frozen=True)
+class Device:
+    """A set of records under `IDENT_BENCHMARKS`.
+
+    **Arguments:**
+
+    - `folder`, `files`: where the tables are; `campaign`: what a user would type, knowing columns and units.
+    - `baseline`: held-out error, percent of the signal, of the plain SciPy fit that goes with the set.
+    - `command`: "discover", or "fit" where the loop is not part of what is shown.
+    - `start`, `final`: limits of the held-out error per cent, of the linear start and of the last model.
+    - `form`: the linear model that must be chosen; `first`: the effect that must be named first; `never`: those that
+      must not be named.
+    """
+
+    folder: str
+    files: tuple[str, ...]
+    campaign: str
+    baseline: float
+    start: float
+    command: str = "discover"
+    final: float | None = None
+    form: str = "oscillator"
+    first: str = ""
+    never: frozenset[str] = field(default_factory=frozenset)
+
+    def main(self) -> None:
+        """Run, print and assert; without the files it says so and ends."""
+        if not public_data.available(self.folder, self.files):
+            print(f"skipped: {public_data.data_folder(self.folder)} lacks the files; set IDENT_BENCHMARKS")
+            return
+        with tempfile.TemporaryDirectory() as temporary:
+            self.check(*self.run(Path(temporary)))
+
+    def run(self, work: Path) -> tuple[dict[str, Any], list[tuple[str, float]]]:
+        """`run.json`, and the held-out error in percent of the start and after every step."""
+        public_data.prepare(work / "it", self.campaign, self.folder, self.files)
+        ident((self.command, "it", "-o", "runs/it"), work)
+        folder = work / "runs" / "it"
+        run = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+        if self.command == "fit":
+            return run, [("start", 100 * run["holdout"]["error_over_signal"])]
+        said = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
+        states = [("start", said["start"]), *((step["added"], step) for step in said["steps"])]
+        return run, [(name, 100 * state["holdout_error_over_signal"]) for name, state in states]
+
+    def check(self, run: dict[str, Any], walked: list[tuple[str, float]]) -> None:
+        """Print what was found and hold it to the limits."""
+        print(f"{self.folder}: {run['linear']['form']}, baseline {self.baseline} %")
+        for name, error in walked:
+            print(f"  {name:<24} {error:8.3g} %")
+        assert run["linear"]["form"] == self.form, run["linear"]
+        names = [name for name, _ in walked[1:]]
+        assert walked[0][1] <= self.start, walked
+        assert not self.never & set(names), names
+        if self.final is not None:
+            assert walked[-1][1] <= self.final, walked
+        if self.first:
+            assert names[0] == self.first, names

@@ -1,0 +1,180 @@
+"""Which linear model the records start from: the candidates of linear physics, and one criterion between them.
+
+Gain, level and the free motion of every start enter linearly and are eliminated; the one or two numbers of a form are
+searched. What a candidate leaves of the signal and the numbers that it needs give
+
+    n ln(left) + k ln n,
+
+the least of which wins (G. Schwarz, Ann. Statist. 6 (1978) 461). What a linear model leaves is no white noise where an
+effect is missing, so n counts its independent samples: (Σ P)²/Σ P² of its power spectrum, and not the samples of the
+record; a constant or a spring is then not bought with what a missing effect leaves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, get_args
+
+import numpy as np
+from scipy import optimize
+
+from ..campaign.record import Trace
+from .guess import Piece, guess_linear, make_piece
+from .linear_forms import FORMS, Form
+
+FormName = Literal["oscillator", "overdamped", "no-spring"]
+Told = Literal["auto", "oscillator", "no-spring", "quasi-static"]
+LEVELS = {"oscillator": "sensor-offset", "overdamped": "sensor-offset", "no-spring": "static-force"}
+"""The effect that a constant is, beside each form: without a spring it is a force, for a level is where it starts."""
+_BEYOND = 8.0  # times the range of the grid: so far the search may go
+
+
+class Candidate(NamedTuple):
+    """One linear model.
+
+    **Arguments:** `form`: its name, also "constant" and "quasi-static"; `level`: whether with a constant; `left`: rms
+    of what it leaves over that of the signal; `numbers`: how many are fitted beside the initial states; `criterion`;
+    `first`, `second`: frequency (Hz) and quality, or a time scale (Hz) and the decay time (s) without a spring; `gain`
+    ((m/s²)/V) and `constant` (SI, of the effect in `LEVELS`).
+    """
+
+    form: str
+    level: bool
+    left: float
+    numbers: int
+    criterion: float = math.inf
+    first: float = math.nan
+    second: float = math.nan
+    gain: float = 0.0
+    constant: float = 0.0
+
+    @property
+    def words(self) -> str:
+        """What it is, for a table."""
+        names = {"constant": "a constant", "quasi-static": "gain and offset, no inertia", "overdamped":
+                 "oscillator, overdamped", "no-spring": "mass and damper, no spring"}  # fmt: skip
+        level = {"constant": "", "quasi-static": "", "no-spring": ", constant force"}.get(self.form, ", offset")
+        return names.get(self.form, self.form) + (level if self.level else "")
+
+
+@dataclass(frozen=True)
+class LinearChoice:
+    """The candidates, best first, and the one that was chosen; `told`: what the campaign asked for."""
+
+    candidates: tuple[Candidate, ...]
+    chosen: Candidate
+    told: str = "auto"
+
+    @property
+    def simplest(self) -> Candidate | None:
+        """Gain and offset alone, where a drive was measured."""
+        return next((c for c in self.candidates if c.form == "quasi-static"), None)
+
+
+def choose_linear(records: Sequence[Trace], told: str = "auto", level: bool = True) -> LinearChoice:
+    """The linear model with which to start on these records.
+
+    A constant is looked for only where no record starts from rest, for there the first sample says where the zero is,
+    and not in decays, whose displacements are counted from where they come to rest.
+
+    **Arguments:** `told`: "auto", or the form that the campaign asks for; `level`: whether a constant may be added.
+    """
+    pieces = [make_piece(record) for record in records]
+    driven = any(piece.driven for piece in pieces)
+    level = level and driven and all(record.start != "rest" for record in records)
+    found = [_of(pieces, "constant", True, None, None)]
+    found += [_of(pieces, "quasi-static", True, None, None)] if driven else []
+    guess = guess_linear(records) if told != "no-spring" else None
+    names = [name for name in get_args(FormName) if told == "auto" or told in (name, FORMS[name].family)]
+    for name in names:
+        form = FORMS[name]
+        if name == "no-spring" and not driven:
+            continue
+        start = (guess.frequency, guess.quality) if name == "oscillator" and guess is not None else None
+        for constant in (False, True) if level else (False,):
+            found.append(_searched(pieces, form, constant, start))
+    found = _weighed(pieces, found)
+    allowed = [c for c in found if c.form in names]
+    return LinearChoice(tuple(found), min(allowed, key=lambda c: c.criterion), told)
+
+
+def _searched(pieces: Sequence[Piece], form: Form, level: bool, start: tuple[float, float] | None) -> Candidate:
+    """The best of a form: over its grid, then by Nelder and Mead from the two best points."""
+    grid = form.grid(pieces)
+    misfit = lambda x: _solve(pieces, form, level, np.exp(x))[0]
+    trials = sorted(
+        ((misfit(np.log(point)), tuple(np.log(point))) for point in [*grid, *([start] if start else [])]),
+    )
+    low, high = np.min(grid, axis=0) / _BEYOND, np.max(grid, axis=0) * _BEYOND
+    bounds = np.log([np.maximum(low, form.least), np.minimum(high, form.most)])
+    best = trials[0]
+    for _, x in trials[:2]:
+        steps = np.eye(len(x)) * np.array([0.03, 0.4])[: len(x)]
+        simplex = np.clip(np.vstack([x, np.asarray(x) + steps]), *bounds)
+        options = {"initial_simplex": simplex, "xatol": 1e-5, "fatol": 1e-10, "maxiter": 100}
+        at = optimize.minimize(misfit, simplex[0], method="Nelder-Mead", bounds=bounds.T, options=options)
+        best = min(best, (float(at.fun), tuple(at.x)))
+    return _of(pieces, form.name, level, form, np.exp(np.array(best[1])))
+
+
+def _of(pieces: Sequence[Piece], name: str, level: bool, form: Form | None, point: np.ndarray | None) -> Candidate:
+    left, solved = _solve(pieces, form, level, point, name)
+    drive = 0 if name == "constant" or not any(piece.driven for piece in pieces) else 1
+    numbers = drive + level + (0 if point is None else len(point))
+    gain = float(solved[0]) if drive else 0.0
+    constant = float(solved[drive]) if level else 0.0
+    if point is None or form is None:
+        return Candidate(name, level, left, numbers, gain=gain, constant=constant)
+    first, second = form.parameters(point, pieces)
+    return Candidate(name, level, left, numbers, math.inf, first, second, gain, constant)
+
+
+def _solve(
+    pieces: Sequence[Piece], form: Form | None, level: bool, point: np.ndarray | None, name: str = ""
+) -> tuple[float, np.ndarray]:
+    """(rms left over rms of the signal, gain and constant)."""
+    rows, targets = _rows(pieces, form, level, point, name)
+    lengths = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
+    if not np.all(np.isfinite(lengths)):
+        return 1e9, np.zeros(rows.shape[1])
+    solved, _, _, _ = np.linalg.lstsq(rows / lengths, targets, rcond=1e-9)
+    rest = targets - (rows / lengths) @ solved
+    return math.sqrt(float(rest @ rest) / sum(piece.power for piece in pieces)), solved / lengths
+
+
+def _rows(
+    pieces: Sequence[Piece], form: Form | None, level: bool, point: np.ndarray | None, name: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """What gain and constant do to the readings (n, 1 or 2), and the readings (n,), free motions taken out of both."""
+    driven = any(piece.driven for piece in pieces) and name != "constant"
+    rows, targets = [], []
+    for piece in pieces:
+        one = np.ones_like(piece.response)
+        columns = [piece.drive] if driven else []
+        columns += [one] if level else []
+        if form is not None and point is not None:
+            columns = [form.answer(point, piece, piece.drive)] if driven else []
+            columns += [form.answer(point, piece, one) if form.name == "no-spring" else one] if level else []
+        stacked = np.stack([*(c / piece.size for c in columns), piece.response], axis=1)
+        if form is not None and point is not None and not piece.rest:
+            basis, _ = np.linalg.qr(form.free(point, piece))
+            stacked = stacked - basis @ (basis.T @ stacked)
+        rows.append(stacked[:, :-1])
+        targets.append(stacked[:, -1])
+    return np.concatenate(rows), np.concatenate(targets)
+
+
+def _weighed(pieces: Sequence[Piece], found: Sequence[Candidate]) -> list[Candidate]:
+    """The candidates with their criterion, best first."""
+    best = min(found, key=lambda c: c.left)
+    form = FORMS.get(best.form)
+    point = None if form is None else form.point(best.first, best.second)
+    rows, targets = _rows(pieces, form, best.level, point, best.form)
+    lengths = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
+    rest = targets - rows / lengths @ np.linalg.lstsq(rows / lengths, targets, rcond=1e-9)[0]
+    power = np.abs(np.fft.rfft(rest)) ** 2
+    n = float(np.clip(4.0 * np.sum(power) ** 2 / max(float(np.sum(power**2)), 1e-300), 20.0, len(rest)))
+    price = lambda c: 2 * n * math.log(max(c.left, 1e-12)) + c.numbers * math.log(n)
+    return sorted((c._replace(criterion=price(c)) for c in found), key=lambda c: c.criterion)

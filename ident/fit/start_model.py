@@ -1,0 +1,55 @@
+"""The model with which a campaign starts: its effects, on the linear model that its records ask for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import lru_cache
+
+from ..campaign.campaign import Campaign
+from ..campaign.device import Oscillator
+from ..effects.registry import built_in, registry
+from ..errors import UserError
+from ..model import Model, build_model, make_effect
+from .linear_choice import LEVELS, LinearChoice, choose_linear
+
+
+@lru_cache(maxsize=8)
+def linear_choice(campaign: Campaign) -> LinearChoice | None:
+    """How the linear candidates compare on the fitted records of a campaign; None for a platform, whose linear part is
+    known, and where there is nothing to fit."""
+    if not isinstance(campaign.device, Oscillator) or not campaign.fitted:
+        return None
+    return choose_linear(campaign.fitted, campaign.linear)
+
+
+def start_model(
+    campaign: Campaign, effects: Sequence[str] | None = None, report: Callable[[str], None] = lambda _: None
+) -> Model:
+    """The model of `build_model`, on the linear form that the records choose, with the constant that they need and the
+    starting values found on the way. What the campaign says of the linear part is left as it is said.
+
+    **Arguments:** as of `build_model`; `report`: called with progress in words.
+    """
+    model = build_model(campaign, effects)
+    if isinstance(campaign.device, Oscillator) and campaign.fitted:
+        report("comparing linear models")
+    choice = linear_choice(campaign)
+    if choice is None:
+        if campaign.linear not in ("auto", "oscillator"):
+            raise UserError(f'linear = "{campaign.linear}", but the linear part of a platform is an oscillator',
+                            do='remove it, or write device = { kind = "oscillator" }')  # fmt: skip
+        return model
+    chosen = choice.chosen
+    model = replace(model, form=chosen.form)
+    first, second, gain = (p.name for p in model.parameters[:3])
+    found = [(first, chosen.first), (second, chosen.second)]
+    found += [(gain, chosen.gain * model.linear.mass / model.linear.force_per_gain)] if chosen.gain else []
+    level = LEVELS[chosen.form]
+    if chosen.level and not {*LEVELS.values()} & set(model.names):
+        model = model + make_effect(
+            campaign, level, {level: registry(campaign.effect_files).get(level, built_in()[level])}
+        )
+        found.append((model.parameters[-1].name, chosen.constant))
+    known = {name for name, _ in model.start}
+    return replace(model, start=(*model.start, *((name, value) for name, value in found if name not in known)))

@@ -1,0 +1,79 @@
+"""Which linear model records ask for: against SciPy's own solutions of every form."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import signal
+
+from ident.campaign.campaign import Campaign
+from ident.campaign.device import Oscillator
+from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.fit import fit
+from ident.fit.linear_choice import choose_linear
+from ident.fit.start_model import linear_choice, start_model
+
+STEP, SIGMA, ONE = 0.01, 1e-3, Channel("V", 1.0)
+OMEGA = 2 * np.pi * 1.5
+
+
+def record(system: tuple, level: float = 0.0, bias: float = 0.0, seed: int = 0, start: str = "unknown") -> Trace:
+    """An answer to filtered noise, of rms 1, plus a level; `bias` of the drive is not in its column."""
+    rng = np.random.default_rng(seed)
+    t = STEP * np.arange(3000)
+    drive = signal.lfilter([0.2], [1.0, -0.8], rng.normal(size=len(t)))
+    _, answer, _ = signal.lsim(system, drive + bias, t)
+    size = np.std(answer)
+    response = answer / size + level + SIGMA * rng.normal(size=len(t))
+    return Trace("a.csv", t, drive, response, ONE, ONE, NoiseFloor(SIGMA), start)  # type: ignore[arg-type]
+
+
+SYSTEMS = {
+    "oscillator": ([1.0], [1.0, OMEGA / 8, OMEGA**2]),
+    "overdamped": ([1.0], [1.0, OMEGA / 0.2, OMEGA**2]),
+    "no-spring": ([1.0], [1.0, 1 / 0.4, 0.0]),
+}
+
+
+@pytest.mark.parametrize("form", SYSTEMS)
+def test_the_form_is_found_with_its_numbers(form):
+    choice = choose_linear([record(SYSTEMS[form])])
+    assert choice.chosen.form == form
+    assert choice.chosen.left < 5e-3
+    if form == "no-spring":
+        assert choice.chosen.second == pytest.approx(0.4, rel=0.01)
+    else:
+        wanted = {"oscillator": 8.0, "overdamped": 0.2}[form]
+        np.testing.assert_allclose([choice.chosen.first, choice.chosen.second], [1.5, wanted], rtol=0.02)
+
+
+@pytest.mark.parametrize(("level", "wanted"), [(0.0, False), (0.7, True)])
+def test_a_constant_is_added_only_where_the_records_need_it(level, wanted):
+    choice = choose_linear([record(SYSTEMS["oscillator"], level)])
+    assert (choice.chosen.form, choice.chosen.level) == ("oscillator", wanted)
+    if wanted:
+        assert choice.chosen.constant == pytest.approx(level, rel=0.01)
+
+
+def test_a_start_from_rest_says_where_the_zero_is():
+    choice = choose_linear([record(SYSTEMS["oscillator"], start="rest")])
+    assert not any(c.level for c in choice.candidates if c.form == "oscillator")
+
+
+def test_what_a_campaign_asks_for_is_done():
+    choice = choose_linear([record(SYSTEMS["oscillator"])], "no-spring")
+    assert choice.chosen.form == "no-spring"
+    assert any(c.form == "quasi-static" for c in choice.candidates)  # still there to compare with
+
+
+def test_a_mass_without_a_spring_is_fitted_with_the_force_that_its_drive_lacks():
+    records = (record(SYSTEMS["no-spring"], bias=0.3),)
+    campaign = Campaign("axis", records, Oscillator())
+    model = start_model(campaign)
+    assert (model.form, model.names) == ("no-spring", ("static-force",))
+    found = fit(model, campaign)
+    assert found.fitted.error_over_noise == pytest.approx(1.0, abs=0.1)
+    assert found.value("oscillator.decay-time") == pytest.approx(0.4, rel=0.01)
+    force, gain = found.value("static-force.force0"), found.value("oscillator.gain")
+    assert force / gain == pytest.approx(0.3, rel=0.02)
+    assert linear_choice(campaign) is linear_choice(campaign)  # compared once
