@@ -71,7 +71,7 @@ def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
     reading = outputs.pop() if len(outputs) == 1 else None
     pushed = inputs.pop() if len(inputs) == 1 else VOLTAGE
     alone = len(tables) == undriven
-    if reading in _READINGS or (reading == LENGTH and (alone or pushed in _PUSHES)):
+    if reading is not None and (reading in _READINGS or (reading == LENGTH and (alone or pushed in _PUSHES))):
         output, source = base_unit(reading), base_unit(pushed)
         units = f'output = "{output}", input = "{source}"'
         why = f"The response is in {output}" if reading in _READINGS else f"The drive is in {source}"

@@ -144,5 +144,5 @@ def _possible(bench: Bench, stage: Stage, formula: Formula) -> bool:
     left = np.concatenate([whiten(p, r[None])[0] for p, r in zip(bench.pieces, scene.residuals, strict=True)])
     change = np.linalg.lstsq(known.T, left - by_terms, rcond=1e-10)[0][1] * stage.force_unit / velocity
     model = bench.fit.model
-    _, damping = model.spring_and_damper(*map(float, bench.fit.values[:2]), model.linear.mass)
+    _, damping = model.spring_and_damper(float(bench.fit.values[0]), float(bench.fit.values[1]), model.linear.mass)
     return damping - change > 0.0

@@ -93,7 +93,8 @@ def told_guess(start: Mapping[str, float], names: Sequence[str]) -> LinearGuess 
     """The linear model of starting values by name; None if they leave one of the three `names` open."""
     if not all(name in start for name in names):
         return None
-    return LinearGuess(*(float(start[name]) for name in names), float("nan"))
+    frequency, quality, gain = (float(start[name]) for name in names)
+    return LinearGuess(frequency, quality, gain, float("nan"))
 
 
 def data_scales(records: Sequence[Trace], frequency: float) -> DataScales:

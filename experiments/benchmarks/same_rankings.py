@@ -1,0 +1,72 @@
+"""Are effects scored as before?  `python -m experiments.benchmarks.same_rankings --against FOLDER`
+
+Fifty campaigns of the hidden-effect study (`experiments/hidden_effects`), every second one with another effect in the
+model already, are scored by this checkout and by another one. The drop of χ² that each effect promises must agree to a
+thousandth of the χ² that there is to explain.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+SEED, CAMPAIGNS, AGREE = 8200, 50, 1e-3
+IN_MODEL = "cubic-damping"
+
+
+def scores(path: Path) -> None:
+    """Score the campaigns with the ident of this process; runs in either checkout, so it needs nothing new."""
+    from experiments.hidden_effects.campaigns import campaign_of
+    from experiments.hidden_effects.generator import draw
+    from experiments.hidden_effects.laws import NAMES
+    from ident.diagnosis.score import prepare, score
+    from ident.effects.registry import built_in
+    from ident.fit import fit
+    from ident.model import Model
+
+    library, found = built_in(), []
+    known = [name for name in NAMES if name in library and not library[name].needs]
+    for k in range(CAMPAIGNS):
+        campaign = campaign_of(draw(SEED + k, (known[k % len(known)],), size=0.02, noise=0.003))
+        model = Model(campaign.device)
+        bench = prepare(fit(model + library[IN_MODEL]() if k % 2 else model, campaign))
+        found.append({"chi2": bench.chi2} | {c.name: c.drop for c in score(bench, library)})
+    path.write_text(json.dumps(found), encoding="utf-8")
+
+
+def main() -> None:
+    """Run the comparison from the command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--against", type=Path, help="another checkout of ident")
+    parser.add_argument("--write", type=Path, help="score with this process and write the numbers")
+    options = parser.parse_args()
+    if options.write:
+        return scores(options.write)
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        for checkout in (ROOT, options.against.resolve()):
+            path = Path(folder) / f"{len(rows)}.json"
+            environment = os.environ | {"PYTHONPATH": str(checkout), "IDENT_CACHE": f"{folder}/cache{len(rows)}"}
+            call = [sys.executable, str(Path(__file__)), "--write", str(path)]
+            subprocess.run(call, env=environment, cwd=checkout, check=True)
+            rows.append(json.loads(path.read_text(encoding="utf-8")))
+    worst = 0.0
+    for number, (new, old) in enumerate(zip(*rows, strict=True)):
+        assert new.keys() == old.keys(), (number, new.keys() ^ old.keys())
+        apart = {name: abs(new[name] - old[name]) / old["chi2"] for name in new}
+        name = max(apart, key=lambda name: apart[name])
+        worst = max(worst, apart[name])
+        if apart[name] > AGREE:
+            print(f"campaign {number}: {name} {new[name]:.6g} against {old[name]:.6g}")
+    print(f"{len(rows[0])} campaigns, largest difference {worst:.1e} of χ²")
+    assert worst <= AGREE
+
+
+if __name__ == "__main__":
+    main()
