@@ -19,15 +19,13 @@ from .locate import Where, locate
 from .prune import hurts
 from .score import Bench, prepare
 from .shorten import is_long, working
-from .suspects import find_suspects
+from .suspects import BY_OTHERS, cleared, find_suspects
 from .ties import Unseen, unseen
 from .unknown import Unknown, find_unknown
 from .where_words import summary
 
 Report = Callable[[str], None]
 _EXPERIMENTS = 3
-BY_OTHERS = ("delay", "gain", "sign", "time-scale", "wrong-record")
-"""What a record can have that an effect may be mistaken for: beside such a suspect no name is sure."""
 _NEARLY = 0.05  # of the first misfit: if named effects leave less, they are kept and the rest is looked for
 
 
@@ -77,6 +75,7 @@ def diagnose(
         nothing = Discovery("ambiguous", fitted, (), (), {}, (), bench)
         return Diagnosis(nothing, where, suspects=suspects)
     found = continue_from(fitted, library, report, keep=keep)
+    suspects = cleared(suspects, found.final)
     if found.verdict == "identified" and any(one.kind in BY_OTHERS for one in suspects):
         found = replace(found, verdict="ambiguous")
     answer = partial(Diagnosis, found, where, unseen=unseen(bench, found.ranking, library), suspects=suspects)

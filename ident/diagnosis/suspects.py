@@ -24,6 +24,9 @@ from .shorten import is_long
 
 Report = Callable[[str], None]
 
+BY_OTHERS = ("delay", "gain", "sign", "time-scale", "wrong-record")
+"""Kinds of suspects that only other records tell. An effect may be mistaken for them: beside one no name is sure."""
+
 _FLOOR = 1.3  # error over noise up to which records agree; floors are known to some ten per cent
 _FAR = 3.0  # times worse than the others agree, from which on a record disagrees
 _BACK = 1.5  # times as bad as the others agree, up to which a corrected record is one of them
@@ -47,6 +50,16 @@ def find_suspects(fitted: Fit, report: Report = lambda _: None) -> tuple[Suspect
 def _disagree(fitted: Fit) -> bool:
     errors = [score.error_over_noise for score in fitted.scores]
     return len(errors) > 1 and max(errors) > _FAR * _FLOOR
+
+
+def cleared(suspects: tuple[Suspect, ...], final: Fit) -> tuple[Suspect, ...]:
+    """The suspects that stay when physics has been named.
+
+    If all records, held-out ones too, stand at their noise with one model, none disagrees with the others: what looked
+    so was the shape of what had been missing. What the data of a record alone tell stays.
+    """
+    agree = all(score.error_over_noise <= _FLOOR for score in final.scores)
+    return tuple(one for one in suspects if not agree or one.kind not in BY_OTHERS)
 
 
 def _by_others(fitted: Fit) -> list[Suspect]:

@@ -119,7 +119,8 @@ def _scales(records: tuple[Trace, ...], frequency: float) -> DataScales:
 
 class Piece(NamedTuple):
     """A record for the linear search: its liveliest stretch, the response divided by its `size`; `rest`: whether it
-    starts from rest; `power` of the response about its mean."""
+    starts from rest; `power` of the response about its mean; `sums` that have been asked for, by frequency and
+    quality."""
 
     step: float
     drive: np.ndarray
@@ -128,8 +129,10 @@ class Piece(NamedTuple):
     rest: bool
     driven: bool
     power: float
+    sums: dict[tuple[float, float], _Sums]
 
 
+@lru_cache(maxsize=256)
 def make_piece(record: Trace) -> Piece:
     """A record for the linear search."""
     part = _liveliest(record.response)
@@ -137,7 +140,7 @@ def make_piece(record: Trace) -> Piece:
     rest = record.start == "rest" and part.start == 0
     response = record.response[part] / size
     power = float(np.sum((response - np.mean(response)) ** 2))
-    return Piece(record.step, record.drive[part], response, size, rest, record.driven, power)
+    return Piece(record.step, record.drive[part], response, size, rest, record.driven, power, {})
 
 
 def _liveliest(response: np.ndarray) -> slice:
@@ -205,54 +208,62 @@ def _rates(omega: float, quality: float) -> tuple[float, float]:
     return fast, omega**2 / fast
 
 
-class _Projected(NamedTuple):
-    """`forced`, the response to the drive for unit gain, and the `measured` one, without what the start may add to
-    them; `power` of what was there to explain."""
+class _Sums(NamedTuple):
+    """Of records without what the start may add to them: `forced` x·x, `both` x·y and `measured` y·y of the response x
+    to the drive for unit gain and of the measured y; `power` of what was there to explain."""
 
-    forced: np.ndarray
-    measured: np.ndarray
+    forced: float
+    both: float
+    measured: float
     power: float
 
 
-def _projected(pieces: Sequence[Piece], frequency: float, quality: float) -> _Projected:
+def _sums(pieces: Sequence[Piece], frequency: float, quality: float) -> _Sums:
     """The records as a trial frequency and quality see them.
 
     A driven record must be explained by its drive: the share of its power that is left beside its free motion counts.
     A decay is free motion, and all of it counts.
     """
-    forced, measured, power = [], [], 0.0
-    for piece in pieces:
-        column = np.zeros_like(piece.drive)  # to a decay a constant drive is a level, whatever the gain
-        if piece.driven:
-            column = recursive_filter(*oscillator_filter(frequency, quality, piece.step), piece.drive)
-        both = np.stack([column / piece.size, piece.response])
-        if piece.rest:
-            both -= both.mean(axis=1, keepdims=True)
-        else:
-            constant = np.ones((len(piece.drive), 1))
-            basis, _ = np.linalg.qr(np.hstack([constant, free_motion(piece, frequency, quality)]))
-            both -= both @ basis @ basis.T
-        forced.append(both[0])
-        measured.append(both[1])
-        power += float(both[1] @ both[1]) if piece.driven else piece.power
-    return _Projected(np.concatenate(forced), np.concatenate(measured), power)
+    return _Sums(*np.sum([_sums_of(piece, frequency, quality) for piece in pieces], axis=0))
+
+
+def _sums_of(piece: Piece, frequency: float, quality: float) -> _Sums:
+    """Of one record, remembered: campaigns that differ by a record ask for the others again."""
+    known = piece.sums.get((frequency, quality))
+    if known is None:
+        known = piece.sums[frequency, quality] = _projected(piece, frequency, quality)
+    return known
+
+
+def _projected(piece: Piece, frequency: float, quality: float) -> _Sums:
+    column = np.zeros_like(piece.drive)  # to a decay a constant drive is a level, whatever the gain
+    if piece.driven:
+        column = recursive_filter(*oscillator_filter(frequency, quality, piece.step), piece.drive)
+    both = np.stack([column / piece.size, piece.response])
+    if piece.rest:
+        both -= both.mean(axis=1, keepdims=True)
+    else:
+        constant = np.ones((len(piece.drive), 1))
+        basis, _ = np.linalg.qr(np.hstack([constant, free_motion(piece, frequency, quality)]))
+        both -= both @ basis @ basis.T
+    (xx, xy), (_, yy) = both @ both.T
+    return _Sums(float(xx), float(xy), float(yy), float(yy) if piece.driven else piece.power)
 
 
 def _misfit(pieces: Sequence[Piece], frequency: float, quality: float) -> float:
-    x, y, whole = _projected(pieces, frequency, quality)
-    power = float(x @ x)
+    sums = _sums(pieces, frequency, quality)
     driven = any(piece.driven for piece in pieces)
-    if driven and not (np.isfinite(power) and power > 0.0):
+    if driven and not (np.isfinite(sums.forced) and sums.forced > 0.0):
         return 1.0
-    left = float(y @ y) - (float(x @ y) ** 2 / power if driven else 0.0)
-    return math.sqrt(max(left, 0.0) / whole)
+    left = sums.measured - (sums.both**2 / sums.forced if driven else 0.0)
+    return math.sqrt(max(left, 0.0) / sums.power)
 
 
 def _gain(pieces: Sequence[Piece], frequency: float, quality: float) -> float:
     if not any(piece.driven for piece in pieces):
         return 0.0
-    x, y, _ = _projected(pieces, frequency, quality)
-    return float(x @ y) / float(x @ x)
+    sums = _sums(pieces, frequency, quality)
+    return sums.both / sums.forced
 
 
 def _distinct(trials: list[tuple[float, float, float]]) -> list[tuple[float, float, float]]:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from ..campaign.device import Device
 from ..diagnosis.beyond import NAME
-from ..diagnosis.diagnose import BY_OTHERS, Diagnosis
+from ..diagnosis.diagnose import Diagnosis
 from ..diagnosis.discover import Discovery, Step
 from ..diagnosis.enough import ANOTHER_LAW, adequate, contradicted
 from ..diagnosis.score import Candidate
+from ..diagnosis.suspects import BY_OTHERS
 from ..fit import Fit
 from .data_judgement import one_frequency
 from .html import Picture, Section
