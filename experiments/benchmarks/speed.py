@@ -114,7 +114,7 @@ def simulations(case: Setting, repeats: int) -> list[Line]:
     return [
         Line("one of a batch of simulations / numba", each / best["numba"], "", 0.30),
         Line("single simulation / numba", best["single"] / best["numba"], "", 1.8),
-        Line("Jacobian by eight parameters / simulation", best["jacobian"] / best["single"], "", 2.5),
+        Line("Jacobian by eight parameters / simulation", best["jacobian"] / best["single"], "", 3.0),
     ]
 
 
