@@ -8,8 +8,8 @@ effect has left. CPU seconds are user and system time of the whole process, read
 
 Reached, CPU seconds with an empty and with a filled cache: `fit` 5.6 and 4.1 (targets 6 and 2); `discover` 26.7 and
 16.3 (20 and 5), with friction 21.9 and 12.4 (30 and 10); 100,000 samples 67.6 and 49.3 with a filled cache (60). So
-`--check` fails until reading, drawing, the search for suspects and the splines of what is left cost less. Before records
-came on one tape the second took 105 and 47 s.
+`--check` fails until reading, drawing, the search for suspects and the splines of what is left cost less. Before
+records came on one tape the second took 105 and 47 s.
 """
 
 from __future__ import annotations
