@@ -10,8 +10,11 @@ import numpy as np
 from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
 from ..fit import Fit, fit
+from ..fit.guess import guess_linear
+from ..model import linear_part
 
-_MOST = 120_000  # samples of all fitted records together that are still worked on as a whole: half a gigabyte
+_MOST = 300_000  # solver steps of all fitted records together, with which a refit takes a minute at most
+_STEPS = 120  # of the solver per period of the resonance, as most laws with a kink or a loop take
 _KEPT = 9_000  # samples of longer ones: enough to name an effect, few enough to try several
 _BEFORE = 0.25  # of a stretch, simulated before it and not counted, to build up memory
 _QUIETER = 0.6  # a second stretch must move less than this, so that what grows with the amplitude shows
@@ -21,8 +24,15 @@ _RESTS = 0.15  # of the samples kept are of the rest before the motion: it says 
 
 
 def is_long(campaign: Campaign) -> bool:
-    """Whether the fitted records are too long to try several models on all of them."""
-    return sum(len(r.time) for r in campaign.fitted if not r.excerpt) > _MOST
+    """Whether the fitted records are too long to try several models on all of them.
+
+    What counts is what a law with a kink costs: few samples per period need many steps between them.
+    """
+    records = [record for record in campaign.fitted if not record.excerpt]
+    if sum(len(record.time) for record in records) * _STEPS < _MOST:
+        return False
+    resonance = guess_linear(campaign.fitted, linear_part(campaign.device).nominal_frequency).frequency
+    return sum(len(r.time) * max(1.0, _STEPS * resonance * r.step) for r in records) > _MOST
 
 
 def working(fitted: Fit) -> Fit:

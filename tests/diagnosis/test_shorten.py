@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.signal import bilinear, lfilter
 
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
@@ -13,15 +14,17 @@ from ident.diagnosis.shorten import is_long, working
 from ident.fit import fit
 from ident.model import Model
 
-REST, MOVING = 30_000, 120_000
+REST, MOVING = 6000, 40_000
 
 
 def growing() -> Trace:
-    """A record that rests, then moves more and more."""
+    """A record of an oscillator at 60 Hz that rests, then moves more and more; 17 samples per period."""
     time = 1e-3 * np.arange(REST + MOVING)
     growth = np.clip(np.arange(len(time)) - REST, 0, None) / MOVING
-    drive = growth * np.sin(2 * np.pi * 20 * time)
-    response = 2.0 * drive + 1e-3 * np.random.default_rng(0).standard_normal(len(time))
+    drive = growth * np.sin(2 * np.pi * 50 * time)
+    omega = 2 * np.pi * 60
+    answer = lfilter(*bilinear([omega**2], [1.0, omega / 10, omega**2], 1e3), drive)
+    response = 2.0 * answer / np.max(answer) + 1e-3 * np.random.default_rng(0).standard_normal(len(time))
     channel = Channel("V", 1.0)
     return Trace("a.csv", time, drive, response, channel, channel, NoiseFloor(1e-3, method="given"), "rest")
 
@@ -40,7 +43,7 @@ def test_excerpts_cover_what_differs_and_are_no_longer_long() -> None:
 
 def test_short_records_are_worked_on_whole() -> None:
     record = growing()
-    short = replace(record, time=record.time[:60_000], drive=record.drive[:60_000], response=record.response[:60_000])
+    short = replace(record, time=record.time[:9000], drive=record.drive[:9000], response=record.response[:9000])
     campaign = Campaign("short", (short,), Oscillator())
     found = fit(Model(campaign.device), campaign)
     assert working(found) is found
