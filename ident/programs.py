@@ -5,8 +5,9 @@ value and each set of shapes; the machine code then lies in the cache folder, so
 compiles it again. Shapes are few on purpose: records are cut into chunks of one size (`response.tape`).
 
 What is kept is what XLA compiled, not an exported computation: `jax.export` needs a further package, and what it keeps
-must be compiled again. Loading takes 0.04 s where tracing and compiling take 0.4 s or more. The name of a file tells everything on which the code depends: the
-sources of ident, the static value (an effect file by its checksum), the shapes, JAX, and the processor.
+must be compiled again. Loading takes 0.04 s where tracing and compiling take 0.4 s or more. The name of a file tells
+everything on which the code depends: the sources of ident, the static value (an effect file by its checksum), the
+shapes, JAX, and the processor.
 """
 
 from __future__ import annotations
