@@ -12,13 +12,13 @@ from ..campaign.campaign import Campaign
 from ..campaign.device import Platform
 from ..campaign.drive import drive_frequency
 from ..campaign.judge import judge
-from ..campaign.record import Record, Sweep, Trace
+from ..campaign.record import SAME_LEVEL, Record, Sweep, Trace
 from .drive_words import drive_words, only_frequency
 from .quantity import Scale, scale, show_in, significant
 from .sheet import Column, Mark, Sheet
 
 _CLIPPED = 1e-3
-_SAME = 1.05  # ratio of two levels or loads up to which they count as one
+_SAME = SAME_LEVEL
 _SAME_FREQUENCY = 1.01  # a third of the half-width of a resonance of quality 15: nearer ones tell it no better
 
 
