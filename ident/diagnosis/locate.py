@@ -155,7 +155,7 @@ def _by_record(bench: Bench) -> tuple[RecordView, ...]:
     ends = [*bench.starts[1:], bench.n]
     white = iter(bench.residual[first:last] for first, last in zip(bench.starts, ends, strict=True))
     found = []
-    for record, scored in zip(bench.fit.campaign.traces, bench.fit.scores, strict=True):
+    for record, scored in zip(bench.fit.campaign.traces, bench.fit.trace_scores, strict=True):
         if record.holdout:
             n, chi2 = scored.n, scored.n * scored.error_over_noise**2
         else:

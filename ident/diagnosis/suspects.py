@@ -48,7 +48,7 @@ def find_suspects(fitted: Fit, report: Report = lambda _: None) -> tuple[Suspect
 
 
 def _disagree(fitted: Fit) -> bool:
-    errors = [score.error_over_noise for score in fitted.scores]
+    errors = [score.error_over_noise for score in fitted.trace_scores]
     return len(errors) > 1 and max(errors) > _FAR * _FLOOR
 
 
@@ -64,7 +64,7 @@ def cleared(suspects: tuple[Suspect, ...], final: Fit) -> tuple[Suspect, ...]:
 
 def _by_others(fitted: Fit) -> list[Suspect]:
     traces = fitted.campaign.traces
-    worst = sorted(range(len(traces)), key=lambda i: -fitted.scores[i].error_over_noise)
+    worst = sorted(range(len(traces)), key=lambda i: -fitted.trace_scores[i].error_over_noise)
     inside = [i for i in worst if not traces[i].holdout][:_MOST]
     outside = [i for i in worst if traces[i].holdout][:_MOST]
     best: tuple[float, Suspect] | None = None

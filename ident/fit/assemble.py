@@ -11,6 +11,7 @@ from ..campaign.record import Trace
 from ..model import Model, ModelParameter
 from ..response import Equation, Tape
 from .coordinates import to_coordinates
+from .curves import Curves
 from .guess import DataScales
 from .problem import Data, Static, Unknowns
 
@@ -26,9 +27,10 @@ def assemble(
     values: np.ndarray,
     scales: DataScales | None = None,
     held: bool = False,
+    curves: Curves | None = None,
 ) -> tuple[Static, Data]:
-    """The arrays of a fit to the records on a tape, whose unknowns are the model's fitted parameters, at `values` (m,)
-    SI; if `held`, only the initial states."""
+    """The arrays of a fit to the records on a tape, and to curves, whose unknowns are the model's fitted parameters, at
+    `values` (m,) SI; if `held`, only the initial states."""
     parameters = model.parameters
     fitted = [i for i, p in enumerate(parameters) if p.fitted]
     free = () if held else tuple(fitted)
@@ -37,9 +39,9 @@ def assemble(
     values = np.asarray(values, float)
     data = Data(
         tape,
-        np.concatenate([record.response for record in records]),
-        np.concatenate([_weight(record, float(values[0])) for record in records]),
-        np.array([_start_scale(record, float(values[0])) for record in records]),
+        np.concatenate([np.zeros(0), *(record.response for record in records)]),
+        np.concatenate([np.zeros(0), *(_weight(record, float(values[0])) for record in records)]),
+        np.array([_start_scale(record, float(values[0])) for record in records]).reshape(-1, 2),
         values,
         bounds[:, 0],
         bounds[:, 1],
@@ -47,6 +49,7 @@ def assemble(
         np.zeros(len(free)),
         np.array([0.0 if p is None else p.mean for p in priors]),
         np.array([0.0 if p is None else 1.0 / p.deviation for p in priors]),
+        curves,
     )
     moving = bool(np.any(data.start_scale))
     static = Static(Equation(model), free, moving, len(fitted) + 2 * moving)
@@ -98,7 +101,7 @@ def begin(data: Data, static: Static) -> Unknowns:
     starts = [_measured_start(data.response[own], lane.step * span.substeps)
               for own, lane, span in zip(data.tape.slices, data.tape.lanes, data.tape.spans, strict=True)]  # fmt: skip
     scale = np.where(data.start_scale > 0, data.start_scale, 1.0)
-    return Unknowns(np.zeros(len(static.free)), np.where(data.start_scale > 0, np.array(starts) / scale, 0.0))
+    return Unknowns(np.zeros(len(static.free)), np.where(data.start_scale > 0, np.array(starts).reshape(-1, 2) / scale, 0.0))
 
 
 def _measured_start(response: np.ndarray, step: float) -> np.ndarray:

@@ -58,9 +58,13 @@ class Response:
     @cached_property
     def slopes(self) -> np.ndarray:
         """Derivatives of the readings, (d, samples)."""
+        if not self.marches:
+            return np.zeros((self.directions, 0))
         return np.concatenate([self._part(3, march) for march in range(len(self.marches))])[: self.directions]
 
     def _part(self, k: int, march: int = 0) -> np.ndarray:
+        if not self.marches:
+            return np.zeros((1, 0))
         return self.tape.at_samples([chunk[k] for chunk in self.marches[march]])
 
 
@@ -79,6 +83,8 @@ def respond(
     are no derivatives.
     """
     starts, values = np.asarray(starts, float), np.asarray(values, float)
+    if not tape.spans:
+        return Response(tape, 0 if directions is None else len(directions), ())
     if directions is None or kicks is None:
         return Response(tape, 0, (_pass(equation, tape, values, starts, None, None),))
     width = fitting_width(len(directions))
