@@ -77,8 +77,11 @@ _RESPONSE_WEAK = _words(
 )
 _FREQUENCY = _words("f, freq, frequency, frequenz, drive frequency, excitation frequency, w, omega")
 _FREQUENCY_STRONG = _words("freq, frequency, frequenz, omega, hz")
-_AMPLITUDE = _words("a, amp, amplitude, mag, magnitude, r, amplitude z, z amplitude, z amp, amplitude response")
-_AMPLITUDE_STRONG = _words("amp, amplitude, mag, magnitude")
+_AMPLITUDE = _words(
+    "a, amp, amplitude, mag, magnitude, r, amplitude z, z amplitude, z amp, amplitude response, gain, h, frf, s21, "
+    "betrag, transfer function, receptance"
+)
+_AMPLITUDE_STRONG = _words("amp, amplitude, mag, magnitude, gain, frf")
 _LEVEL = _DRIVE | _words(
     "level, drive level, drive amplitude, voltage amplitude, v, voltage, drive amp, amplitude drive"
 )

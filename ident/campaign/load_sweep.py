@@ -157,7 +157,9 @@ def _not_negative(column: Column, numbers: np.ndarray) -> None:
     if len(bad):
         do = "correct or delete the row"
         if len(bad) > 0.1 * len(numbers):
-            do = 'for decibels write units = { amplitude = "dB …" }, for a part columns = { real = "…", imaginary = "…" }'
+            do = (
+                'decibels? write units = { amplitude = "dB …" }; parts? write columns = { real = "…", imaginary = "…" }'
+            )
         raise UserError(f"{column.stem} cannot be negative", where=column.place(int(bad[0])), do=do)
 
 
