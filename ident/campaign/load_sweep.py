@@ -15,7 +15,7 @@ from .amplitude_unit import TO_PEAK, AmplitudeUnit, split_convention
 from .channel import channel_of, own_units, plausible_noise
 from .columns import Role, match_columns, sweep_roles
 from .device import Device, Oscillator
-from .record import Channel, NoiseFloor, Sweep, same_level
+from .record import SAME_LEVEL, Channel, NoiseFloor, Sweep, same_level
 from .spec import SWEEP_NAMES, RecordSpec, signal_units
 from .sweep_direction import directions, turned_by_jumps
 from .sweep_form import curve_form, level_in
@@ -39,6 +39,9 @@ def load_sweep(spec: RecordSpec, table: Table, device: Device) -> tuple[Sweep, l
     if spec.direction not in ("", "up", "down"):
         given["direction"] = spec.direction
     columns = match_columns(form, roles, given, units, where=spec.where)
+    name = spec.file
+    if spec.level is not None and "level" in columns:
+        columns, name = _at_level(spec, columns, roles)
     frequency = _frequency(columns["frequency"], notes)
     if len(frequency) < 5:
         raise UserError(f"{len(frequency)} points are too few", where=spec.file, do="a sweep needs at least 5 points")
@@ -52,11 +55,25 @@ def load_sweep(spec: RecordSpec, table: Table, device: Device) -> tuple[Sweep, l
         phase = _phase(columns["phase"], frequency, level, up, amplitude, notes)
     up = turned_by_jumps(spec.file, frequency, level, amplitude, phase, up, notes)
     sweep = Sweep(
-        spec.file, frequency, level, amplitude, phase, up, spec.quantity, drive_channel, response_channel,
+        name, frequency, level, amplitude, phase, up, spec.quantity, drive_channel, response_channel,
         NoiseFloor(0.0), spec.holdout, spec.load,
     )  # fmt: skip
     sweep = replace(sweep, dwell=_dwell(spec, sweep, columns.get("time")))
     return _with_noise(spec, _without_copies(sweep, notes), notes), notes
+
+
+def _at_level(spec: RecordSpec, columns: dict[str, Column], roles: tuple[Role, ...]) -> tuple[dict[str, Column], str]:
+    """The rows of the level that the record names, of a table of several, and a name for them."""
+    assert spec.level is not None
+    meant, level = _levels(columns["level"], roles, [])
+    rows = np.flatnonzero(np.abs(np.log(level / spec.level)) < math.log(SAME_LEVEL))
+    if not len(rows):
+        there = ", ".join(f"{np.median(level[group]):.4g}" for group in same_level(level))
+        what = f"no row of {spec.file} has the level {spec.level:.4g}; its levels are {there}"
+        raise UserError(what, where=spec.where, do="name one of these, or remove level")
+    found = find_unit(meant.unit) if meant.unit else None
+    name = f"{spec.file}, {spec.level / (found.factor if found else 1.0):.4g} {meant.unit}".strip()
+    return {role: column.at(rows) for role, column in columns.items()}, name
 
 
 def _frequency(column: Column, notes: list[str]) -> np.ndarray:
@@ -85,15 +102,20 @@ def _level(
             do = 'say which with columns = { level = "…" }, or give one for all rows with level = "3 V"'
             raise UserError(what, where=table.name, do=do)
         return Channel(unit, 1.0), np.full(n, value)
-    role = next(role for role in roles if role.name == "level")
-    meant, column = _meaning(column, role, notes)
-    channel = channel_of(column, unit, notes, "drive level")
-    level = meant.amplitudes(column.numbers()) * channel.factor
+    meant, level = _levels(column, roles, notes)
+    channel = channel_of(replace(column, unit=meant.unit or None), unit, notes, "drive level")
     bad = np.flatnonzero(level <= 0)
     if len(bad):
         do = "correct it, or delete the row: without a drive there is no curve"
         raise UserError("a drive level must be positive", where=column.place(int(bad[0])), do=do)
     return channel, level
+
+
+def _levels(column: Column, roles: tuple[Role, ...], notes: list[str]) -> tuple[AmplitudeUnit, np.ndarray]:
+    """How a column of levels is meant, and (n,) its peaks in SI."""
+    meant, plain = _meaning(column, next(role for role in roles if role.name == "level"), notes)
+    found = find_unit(plain.unit) if plain.unit else None
+    return meant, meant.amplitudes(column.numbers()) * (found.factor if found else 1.0)
 
 
 def _meaning(column: Column, role: Role, notes: list[str]) -> tuple[AmplitudeUnit, Column]:

@@ -80,7 +80,7 @@ def _said(sweep: Sweep, variances: np.ndarray, errors: np.ndarray, count: int, s
     least = max(float(np.min(steps)) / np.sqrt(12.0) if len(steps) else 0.0, 1e-3 * typical)
     share = np.array([1.0, float(np.median(sweep.amplitude)) ** 2, 0.0])
     error = 0.5 * float(np.sqrt(share @ errors @ share)) / max(float(share @ variances), 1e-300)
-    parts = [f"{sweep.relative_noise:.2g} of the amplitude"] if sweep.relative_noise else []
+    parts = [f"{100 * sweep.relative_noise:.2g} % of the amplitude"] if sweep.relative_noise > 1e-5 else []
     parts += [f"{np.degrees(sweep.phase_noise):.2g}° of phase"] if sweep.phase is not None else []
     beside = f", and {', '.join(parts)}" if parts else ""
     method = f"scatter of {count} residuals of points about their neighbours{beside}"

@@ -42,6 +42,12 @@ class Column:
         line = f"line {self.lines[row]}" if row < len(self.lines) else f"row {row + 1}"
         return f'{self.file}, {line}, column {self.position} ("{self.header}")'
 
+    def at(self, rows: np.ndarray) -> Column:
+        """The column with only those rows."""
+        cells = self.cells[rows] if isinstance(self.cells, np.ndarray) else [self.cells[row] for row in rows]
+        lines = [self.lines[row] for row in rows] if len(self.lines) else ()
+        return replace(self, cells=cells, lines=lines, printed=())
+
     def numbers(self) -> np.ndarray:
         """(n,) the cells as finite numbers, in the unit of the file; a `UserError` at the first cell that is none."""
         if isinstance(self.cells, np.ndarray):
