@@ -26,6 +26,7 @@ from .noise_pool import pooled
 from .opening import MOST_TEXT, check_file, exists
 from .record import Record, Trace
 from .spec import RecordSpec, parse_record
+from .sweeps_together import seen_together
 
 PathLike = str | os.PathLike[str]
 
@@ -79,11 +80,12 @@ def _from_files(paths: list[Path], columns: Mapping[str, str | int]) -> Campaign
         record, found = load_record(RecordSpec(file=path.name, path=path, columns=columns), table, device)
         records.append(record)
         notes += found
+    records = seen_together(records, notes)
     return Campaign(
         title=", ".join(path.stem for path in paths),
         records=_with_common_noise(records),
         device=device,
-        notes=tuple(notes),
+        notes=tuple(dict.fromkeys(notes)),
         checksums=_checksums(paths),
         files=tuple(paths),
     )
@@ -114,6 +116,7 @@ def _from_toml(path: Path, columns: Mapping[str, str | int] | None) -> Campaign:
         record, found = load_record(spec, read_table(spec.path, spec.file, own), device)
         records.append(record)
         notes += found
+    records = seen_together(records, notes)
     files = [path, *([device_path] if device_path else []), *effect_files, *(spec.path for spec in specs)]
     files += [spec.drive_file for spec in specs if spec.drive_file is not None]
     return Campaign(
@@ -124,7 +127,7 @@ def _from_toml(path: Path, columns: Mapping[str, str | int] | None) -> Campaign:
         effect_files,
         settings,
         priors,
-        tuple(notes),
+        tuple(dict.fromkeys(notes)),
         path,
         _checksums(files, folder),
         (path,),

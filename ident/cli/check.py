@@ -26,6 +26,7 @@ def command(campaign: tuple[str, ...], columns: dict[str, str | int], as_json: b
     from ident.campaign.suspect import suspects_by_data
     from ident.campaign.trust import is_trusted
     from ident.report.data_judgement import about, judgement_dict, judgement_sheet, remarks, what_the_records_tell
+    from ident.report.sweep_words import run_sheet
 
     data = read_campaign(campaign, columns)
     strange = [path for path in data.effect_files if not is_trusted(path)]
@@ -41,8 +42,11 @@ def command(campaign: tuple[str, ...], columns: dict[str, str | int], as_json: b
     say_sheet(judgement_sheet(data))
     for record in data.records:
         say(about(record, data))
-        for remark in remarks(record):
+        for remark in remarks(record, data):
             say(f"  ! {remark}")
+    if data.sweeps:
+        say()
+        say_sheet(run_sheet(data))
     if data.notes:
         say("\nAssumed and found")
         for note in data.notes:
