@@ -140,6 +140,6 @@ def lay_curves(sweeps: Sequence[Sweep], finest: int) -> Curves:
     return replace(laid, white=laid._whitening(np.array([linear, -linear])))
 
 
-def finer(curves: Curves) -> Curves:
+def in_smaller_steps(curves: Curves) -> Curves:
     """The same with twice as many steps per period."""
     return replace(curves, steps=2 * curves.steps)

@@ -14,7 +14,7 @@ from ..model import Model
 from ..response import lay_out
 from . import access
 from .curve_reading import CurveReading
-from .curves import finer
+from .curves import in_smaller_steps
 from .guess import DataScales
 from .identifiability import Combination
 from .judge import RecordScore, Score, combine
@@ -106,7 +106,7 @@ class Fit:
         change = np.abs(found.readings - finer)
         largest = [np.max(change[own]) / r.noise.sigma for own, r in zip(data.tape.slices, records, strict=True)]
         if data.curves is not None:
-            once, twice = (c.residuals(c.solve(static.equation, self.values)) for c in (data.curves, finer(data.curves)))
+            once, twice = (c.residuals(c.solve(static.equation, self.values)) for c in (data.curves, in_smaller_steps(data.curves)))
             largest.append(np.max(np.abs(once - twice)))
         return float(max(largest))
 
