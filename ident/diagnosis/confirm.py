@@ -140,6 +140,7 @@ def _weighed(bench: Bench, model: Model, candidate: Candidate, start: np.ndarray
     ]
     with np.errstate(over="ignore", invalid="ignore"):  # a motion without bound
         chi2 = float(sum(np.sum(whiten(piece, row) ** 2) for piece, row in zip(bench.pieces, rows, strict=True)))
+        chi2 += float(np.sum(found.best.found.residuals[found.data.tape.samples :] ** 2))  # of the sweeps
     gain = 1.0 - (chi2 - bench.n) / bench.excess
     values = found.values
     possible = np.isfinite(chi2) and is_possible(model, values, model.effects[-1], bench.fit.scales)

@@ -41,7 +41,9 @@ def contradicted(fit: Fit) -> bool:
 
 
 def _at_floor(chi2: float, bench: Bench, explained: float = 0.0) -> bool:
-    doubt = float(np.mean([record.noise.relative_error for record in bench.fit.campaign.fitted]))
+    doubt = float(
+        np.mean([r.noise.relative_error for r in (*bench.fit.campaign.fitted, *bench.fit.campaign.fitted_sweeps)])
+    )
     allowed = 2 * min(doubt, 0.1) if explained < _MOST_OF_IT else 0.0
     return float(np.sqrt(chi2 / bench.n)) < 1.05 + allowed
 

@@ -101,7 +101,9 @@ def begin(data: Data, static: Static) -> Unknowns:
     starts = [_measured_start(data.response[own], lane.step * span.substeps)
               for own, lane, span in zip(data.tape.slices, data.tape.lanes, data.tape.spans, strict=True)]  # fmt: skip
     scale = np.where(data.start_scale > 0, data.start_scale, 1.0)
-    return Unknowns(np.zeros(len(static.free)), np.where(data.start_scale > 0, np.array(starts).reshape(-1, 2) / scale, 0.0))
+    return Unknowns(
+        np.zeros(len(static.free)), np.where(data.start_scale > 0, np.array(starts).reshape(-1, 2) / scale, 0.0)
+    )
 
 
 def _measured_start(response: np.ndarray, step: float) -> np.ndarray:

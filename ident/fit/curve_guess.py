@@ -47,11 +47,16 @@ def _searched(sweeps: tuple[Sweep, ...], held: float | None) -> LinearGuess:
         off = logarithms(x)
         return weight * (off - np.average(off, weights=weight**2))
 
-    ends = (math.log(np.min(omega) / 2), math.log(np.max(omega) * 2)), (math.log(_LEAST_QUALITY), math.log(_MOST_QUALITY))
+    ends = (
+        (math.log(np.min(omega) / 2), math.log(np.max(omega) * 2)),
+        (math.log(_LEAST_QUALITY), math.log(_MOST_QUALITY)),
+    )
     starts = [(frequency, quality), (frequency, 3 * quality), (frequency, quality / 3)]
     found = []
     for f, q in starts:
-        x = np.clip([math.log(2 * np.pi * f), math.log(q)], [ends[0][0] + 1e-6, ends[1][0] + 1e-6], [ends[0][1], ends[1][1]])
+        x = np.clip(
+            [math.log(2 * np.pi * f), math.log(q)], [ends[0][0] + 1e-6, ends[1][0] + 1e-6], [ends[0][1], ends[1][1]]
+        )
         found.append(optimize.least_squares(left, x, bounds=np.array(ends).T, loss="soft_l1", f_scale=0.05))
     best = min(found, key=lambda one: one.cost)
     gain = math.exp(np.average(logarithms(best.x), weights=weight**2))

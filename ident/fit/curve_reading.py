@@ -1,5 +1,5 @@
-"""What a model says of a sweep: its curves at the sweep's levels, the runs over them as the instrument made them, and the
-jumps with their errors."""
+"""What a model says of a sweep: its curves at the sweep's levels, the runs over them as the instrument made them, and
+the jumps with their errors."""
 
 from __future__ import annotations
 
@@ -88,8 +88,9 @@ class CurveReading:
         sweep, counted = self.sweep, ~self.apart & np.isfinite(self.reading)
         difference = (sweep.amplitude - self.reading)[counted]
         rms = lambda x: float(np.sqrt(np.mean(x**2))) if len(x) else float("nan")
-        return RecordScore(sweep.name, sweep.holdout, int(np.count_nonzero(counted)), rms(difference),
-                           rms(sweep.deviation), rms(self.rows), max(float(np.std(sweep.amplitude)), 1e-300))  # fmt: skip
+        signal = max(float(np.std(sweep.amplitude)), 1e-300)
+        n, floor = int(np.count_nonzero(counted)), rms(sweep.deviation)
+        return RecordScore(sweep.name, sweep.holdout, n, rms(difference), floor, rms(self.rows), signal)
 
     def _run(self, run: Run, branch: Branch) -> RunReading:
         sweep, rows = self.sweep, run.rows
@@ -111,7 +112,9 @@ class CurveReading:
             apart |= (i >= min(before + 1, passed.after)) & (i < max(before + 1, passed.after))
         if fold is None and measured is None:
             return RunReading(run, branch, passed.reading, apart, None)
-        jump = Jump(measured, None if fold is None else fold.frequency, None if fold is None else self._slope(fold, branch))
+        jump = Jump(
+            measured, None if fold is None else fold.frequency, None if fold is None else self._slope(fold, branch)
+        )
         return RunReading(run, branch, passed.reading, apart, jump)
 
     def _slope(self, fold: Fold, branch: Branch) -> np.ndarray:

@@ -2,8 +2,8 @@
 
 At the frequency and the amplitude (and phase) of a measured point the model needs a certain drive; the point was
 measured under another. The logarithm of their ratio, in units of what the noise of the amplitude does to it, is the
-residual of the point. Away from folds that is (model − measured)/σ to first order. At a fold, where the amplitude has no
-finite slope, it is finite and smooth: no point has to be assigned a branch, none is left out, and a fit that begins
+residual of the point. Away from folds that is (model − measured)/σ to first order. At a fold, where the amplitude has
+no finite slope, it is finite and smooth: no point has to be assigned a branch, none is left out, and a fit that begins
 where the model jumps elsewhere finds its way.
 
     r = −L⁻¹ ln(Û(f, A) e^{iφ}/U),   L Lᵀ = ½ Σ_± d dᵀ + diag(0, σ_φ²),   d = ln(Û(f, A ± σ)/Û(f, A))

@@ -106,7 +106,9 @@ class Fit:
         change = np.abs(found.readings - finer)
         largest = [np.max(change[own]) / r.noise.sigma for own, r in zip(data.tape.slices, records, strict=True)]
         if data.curves is not None:
-            once, twice = (c.residuals(c.solve(static.equation, self.values)) for c in (data.curves, in_smaller_steps(data.curves)))
+            once, twice = (
+                c.residuals(c.solve(static.equation, self.values)) for c in (data.curves, in_smaller_steps(data.curves))
+            )
             largest.append(np.max(np.abs(once - twice)))
         return float(max(largest))
 

@@ -109,7 +109,9 @@ def _left(axes: Axes, curve: CurveReading) -> None:
     axes.axhspan(-2, 2, color=BAND, lw=0)
     for up in (True, False):
         own = sweep.up == up
-        axes.plot(sweep.frequency[own], residual[own], "o", ms=2.6, mfc=RESIDUAL if up else "none", mec=RESIDUAL, mew=0.7)
+        axes.plot(
+            sweep.frequency[own], residual[own], "o", ms=2.6, mfc=RESIDUAL if up else "none", mec=RESIDUAL, mew=0.7
+        )
     axes.axhline(0, color=INK, lw=0.6)
     largest = max(float(np.max(np.abs(residual))), 3.0)
     axes.set_ylim(-1.08 * largest, 1.08 * largest)

@@ -120,7 +120,9 @@ def _pictures(fit: Fit) -> tuple[Picture, list[_Record], list[str]]:
         records.append(_Record(trace.name, Picture(caption, image), tables.get(trace.name)))
     omitted = [trace.name for trace, _, _ in rows if id(trace) not in shown]
     for curve in fit.curves:
-        caption = f"{curve.sweep.name}: model over data, stable (solid) and unstable (dashed) responses, jumps, backbone"
+        caption = (
+            f"{curve.sweep.name}: model over data, stable (solid) and unstable (dashed) responses, jumps, backbone"
+        )
         records.append(_Record(curve.sweep.name, Picture(caption, png(curve_figure(curve, fit))), None))
     return Picture("Error over noise of each record", png(overview_figure(fit))), records, omitted
 

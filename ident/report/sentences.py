@@ -159,12 +159,16 @@ def _curves(fit: Fit) -> list[Sentence]:
     apart = sum(int(np.count_nonzero(curve.apart)) for curve in fit.curves)
     if apart:
         many = f"{apart} points of the sweeps lie" if apart > 1 else "One point of the sweeps lies"
-        text = f"{many} where device and model were on different branches, between their jumps: rms errors leave them out."
+        text = (
+            f"{many} where device and model were on different branches, between their jumps: rms errors leave them out."
+        )
         found.append(Sentence(text))
     lost = sum(curve.unsolved for curve in fit.curves)
     if lost:
         many = f"{lost} points" if lost > 1 else "one point"
-        text = f"At {many} of the sweeps the model has no steady response of the measured amplitude that could be found."
+        text = (
+            f"At {many} of the sweeps the model has no steady response of the measured amplitude that could be found."
+        )
         found.append(Sentence(text, True))
     return found
 

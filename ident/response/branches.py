@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .periodic import FREQUENCY, LEVEL, Look, Periodic, Seat
+from .periodic import FREQUENCY, Look, Periodic, Seat
 
 _CLOSED = 1e-9  # of the scale: so well a period closes
 _MOST = 1500  # points of a curve
@@ -146,7 +146,7 @@ def follow(model: Periodic, levels: np.ndarray, loads: np.ndarray, band: tuple[f
         f, peak = w[active, FREQUENCY], np.array([max(map(abs, paths[i].tones)) for i in active])
         over = (f > high) & (np.array([abs(paths[i].tones[-1]) for i in active]) < _PAST * peak)
         on = (step[active] > _SHORTEST) & ~over & (f < high + _BEYOND * (high - low))
-        on &= (f > max(low - _BEYOND * (high - low), 0.1 * low))
+        on &= f > max(low - _BEYOND * (high - low), 0.1 * low)
         active = active[on & np.array([len(paths[i].points) < _MOST for i in active])]
     return [path.branch(float(v), float(m)) for path, v, m in zip(paths, levels, loads, strict=True)]
 
@@ -233,7 +233,9 @@ def _corrected(
         if not np.any(left):
             break
         rounds += left
-        matrix = np.concatenate([np.moveaxis(seen.miss_slope / seat.scale[None, :, :n], 0, 2), tangent[:, None]], axis=1)
+        matrix = np.concatenate(
+            [np.moveaxis(seen.miss_slope / seat.scale[None, :, :n], 0, 2), tangent[:, None]], axis=1
+        )
         right = np.concatenate([equations, np.zeros((len(w), 1))], axis=1)
         with np.errstate(invalid="ignore", over="ignore"):
             moved = -_least(np.nan_to_num(matrix), np.nan_to_num(right)[..., None])[..., 0]

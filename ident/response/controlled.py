@@ -139,7 +139,10 @@ def _newton(model: Periodic, points: Points, w: np.ndarray, seat: Seat) -> tuple
     n, left = model.size, np.arange(len(w))
     miss = np.full(len(w), np.inf)
     for _ in range(_MOST):
-        own, there = points._replace(**{k: v[left] for k, v in points._asdict().items()}), Seat(*(x[left] for x in seat))
+        own, there = (
+            points._replace(**{k: v[left] for k, v in points._asdict().items()}),
+            Seat(*(x[left] for x in seat)),
+        )
         seen = model.look(w[left], there, np.eye(n + 1, n + 2))
         equations, jacobian = _equations(seen, there, own)
         miss[left] = np.max(np.abs(equations), axis=1)

@@ -2,9 +2,9 @@
 
     V = U cos ωt,   y = (z, ż, hidden …),   y(T) = Φ(y(0); U, f, parameters),   T = 1/f
 
-A steady response is a fixed point of Φ. Everything that is asked about steady responses, their branches, their stability
-and their derivatives, is asked through this one program; `look` runs it for many points side by side. Clocks stand
-still at the switching-on: a drift has no steady response, and none is simulated.
+A steady response is a fixed point of Φ. Everything that is asked about steady responses, their branches, their
+stability and their derivatives, is asked through this one program; `look` runs it for many points side by side. Clocks
+stand still at the switching-on: a drift has no steady response, and none is simulated.
 
 Source: A. H. Nayfeh, B. Balachandran, Applied Nonlinear Dynamics, 1995, §3.2 (Floquet theory), §6.5 (shooting).
 """
@@ -86,9 +86,7 @@ class Periodic:
         """(2 steps + 1,) rad of the half-step grid."""
         return np.pi / self.steps * np.arange(2 * self.steps + 1)
 
-    def look(
-        self, unknowns: np.ndarray, seat: Seat, along: np.ndarray, by_values: np.ndarray | None = None
-    ) -> Look:
+    def look(self, unknowns: np.ndarray, seat: Seat, along: np.ndarray, by_values: np.ndarray | None = None) -> Look:
         """One period from `unknowns` (points, n + 2).
 
         **Arguments:** `along`: (d, n + 2) directions of the unknowns, in units of the seat's scale; `by_values`: (d, m)
@@ -121,8 +119,8 @@ class Periodic:
 
 
 def motion_parts(equation: Equation) -> tuple[tuple[slice | None, ...], tuple[slice, ...]]:
-    """Where each effect's hidden states are: of those integrated with the motion, as of `system.slices`; of all of them,
-    in y."""
+    """Where each effect's hidden states are: of those integrated with the motion, as of `system.slices`; of all of
+    them, in y."""
     parts, places, first = slices(equation), [], 2 + equation.stepped
     for effect, own in zip(equation.model.effects, parts, strict=True):
         if own is not None:
@@ -266,7 +264,9 @@ def along_motion(
             if own is not None and effect.overrides("force"):
                 off = system.drive(0.0, 0.0)
                 one = lambda z, v, h, effect=effect, off=off: effect.force(State(z, v, tuple(h)), off, 0.0)
-                acting = acting + jax.vmap(one, in_axes=(0, 0, 1 if path else None))(z, v, jnp.stack(path) if path else ())
+                acting = acting + jax.vmap(one, in_axes=(0, 0, 1 if path else None))(
+                    z, v, jnp.stack(path) if path else ()
+                )
         n = angle.shape[0] - 1
         line = lambda x: (2 / n * jnp.sum(x * jnp.cos(angle[:-1])), -2 / n * jnp.sum(x * jnp.sin(angle[:-1])))
         (push, turn), spring = line(acting[:-1]), system.stiffness - system.mass * omega**2
