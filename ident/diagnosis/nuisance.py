@@ -84,4 +84,6 @@ def _drift(y: np.ndarray, p: np.ndarray, sigma: float) -> Nuisance:
     basis = np.column_stack([np.ones_like(t), t, t**2])
     curve = basis @ np.linalg.lstsq(basis, y - p, rcond=None)[0]
     moves = np.ptp(curve) > abs(np.mean(curve))
-    return Nuisance("drift", float(np.ptp(curve)) / sigma, "noise floors", rms(y - p - curve, sigma) if moves else np.inf)
+    return Nuisance(
+        "drift", float(np.ptp(curve)) / sigma, "noise floors", rms(y - p - curve, sigma) if moves else np.inf
+    )
