@@ -179,7 +179,7 @@ def _beyond_an_effect(shift: float, values: np.ndarray, limit: float) -> bool:
 def _may_be_an_effect(told: Nuisance, values: np.ndarray) -> bool:
     """Whether a record differs by no more than what a missing effect makes of it.
 
-    To a sine every nonlinear device is a linear one, of a frequency and a quality of its own at each level (N. Minorsky,
+    To a sine every nonlinear device is a linear one, of another frequency and quality at each level (N. Minorsky,
     Nonlinear Oscillations, 1962, ch. 14): friction that shows in the weakest record alone makes another device of it.
     """
     if told.kind == "time-scale":
