@@ -8,6 +8,7 @@ records instead, and no such number takes it away.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -18,6 +19,7 @@ from ..campaign.record import Trace
 from ..campaign.suspect import Suspect, suspects_by_data
 from ..fit import Fit
 from ..fit.fit import minimise
+from ..fit.guess import GRID_STEP, coarse_frequency
 from ..fit.reading import read
 from .nuisance import Nuisance, nuisances, rms
 from .shorten import is_long
@@ -85,12 +87,19 @@ def _by_others(fitted: Fit) -> list[Suspect]:
 
 
 def _values_without(fitted: Fit, i: int) -> np.ndarray | None:
-    """Parameter values that the other records tell."""
-    records = list(fitted.campaign.traces)
-    records[i] = replace(records[i], holdout=True)
-    kept = tuple(r for r in records if not r.holdout)
+    """Parameter values that the other records tell.
+
+    The fit starts where that of all ended, unless the others point to another resonance: one record may have led it
+    astray.
+    """
+    traces = fitted.campaign.traces
+    kept = tuple(r for j, r in enumerate(traces) if not r.holdout and j != i)
+    initial = fitted.values
+    if fitted.model.form != "no-spring":
+        frequency = coarse_frequency(kept, fitted.campaign.fitted)
+        initial = fitted.values if abs(math.log(frequency / fitted.values[0])) < 1.5 * GRID_STEP else None
     try:
-        return minimise(fitted.model, replace(fitted.campaign, records=kept), most=_STEPS).values
+        return minimise(fitted.model, replace(fitted.campaign, records=kept), initial=initial, most=_STEPS).values
     except (FloatingPointError, np.linalg.LinAlgError):
         return None
 
