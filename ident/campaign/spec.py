@@ -13,6 +13,7 @@ from ident.units import FREQUENCY, LENGTH, MASS, TIME, VOLTAGE, Dimension, find_
 from .device import Device, Oscillator
 from .document import Section, shown
 from .opening import check_file, exists
+from .table import Table
 
 _TRACE_ROLES = ("time", "drive", "response")
 _SWEEP_ROLES = ("frequency", "level", "amplitude", "phase", "direction")
@@ -22,7 +23,8 @@ SWEEP_NAMES = {"drive": "level", "response": "amplitude"}
 
 @dataclass(frozen=True)
 class RecordSpec:
-    """One `[[record]]`; `sine`: what `drive` tells instead of a column; `undriven`: nothing drove the device.
+    """One `[[record]]`; `sine`: what `drive` tells instead of a column; `undriven`: nothing drove the device; `table`:
+    the data, where they were no file.
 
     `noise` and `level` are SI, `skip` is seconds (float) or samples (int), `rate` is Hz."""
 
@@ -44,6 +46,7 @@ class RecordSpec:
     sine: str = ""
     drive_file: Path | None = None
     undriven: bool = False
+    table: Table | None = None
 
 
 def signal_units(device: Device) -> tuple[tuple[str, Dimension | None], tuple[str, Dimension | None]]:
@@ -62,10 +65,13 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
     file = section.text("file")
     if not file:
         raise UserError("a [[record]] without a file", where=section.where(), do='add file = "a.csv"')
-    path = folder / file
-    if "\0" in file or not exists(path):
+    path, table = folder / file, section.values.get("data")
+    if isinstance(table, Table):
+        section.used.add("data")
+    elif "\0" in file or not exists(path):
         raise section.error("file", f'there is no file "{file}" in {folder}', "correct the name")
-    check_file(path, f"{section.where('file')}: {file}")
+    else:
+        check_file(path, f"{section.where('file')}: {file}")
     (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device)
     kind = section.choice("kind", ("trace", "sweep"), "") if "kind" in section.values else ""
     section.used.add("kind")
@@ -92,6 +98,7 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
         sine="" if undriven else sine,
         drive_file=_drive_file(section, folder),
         undriven=undriven,
+        table=table if isinstance(table, Table) else None,
     )
     section.check_keys()
     for key in ("direction", "quantity", "level") if kind == "trace" else ():
