@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,8 +29,9 @@ def dynamic_stiffness_figure(campaign: Campaign) -> Figure | None:
     if seen is None:
         return None
     figure = new_figure(9.6, 4.2)
-    for line, words in enumerate(fit_free_words(campaign.sweeps)):
-        figure.text(0.012, 0.965 - 0.052 * line, words, fontsize=9.5, color=INK, va="center")
+    lines = [line for words in fit_free_words(campaign.sweeps) for line in textwrap.wrap(words, 150)]
+    for place, line in enumerate(lines):
+        figure.text(0.012, 0.97 - 0.042 * place, line, fontsize=8.5, color=INK, va="center")
     size = scale(float(np.max(seen.stiffness.amplitude)), "m", campaign.device)
     speed = scale(float(np.max(seen.damping.amplitude)), "m/s", campaign.device)
     axes = new_axes(figure, 0.075, 0.13, 0.39, 0.62)
