@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from ..campaign.campaign import Campaign
+from ..campaign.record import Trace
 from ..model import Model
 from ..response import lay_out
 from . import access

@@ -163,7 +163,7 @@ def settle(model: Periodic, unknowns: np.ndarray, seat: Seat) -> tuple[np.ndarra
             break
         matrix = np.moveaxis(seen.miss_slope / seat.scale[None, :, :n], 0, 2)
         moved = -_least(matrix, equations[..., None])[..., 0]
-        moved *= np.minimum(1.0, 0.5 / np.maximum(np.max(np.abs(moved), axis=1), 1e-300))[:, None]
+        moved *= np.minimum(1.0, 0.5 / np.maximum(np.max(np.abs(moved[:, :2]), axis=1), 1e-300))[:, None]
         w[:, :n] += np.where((miss > _CLOSED)[:, None], moved, 0.0) * seat.scale[:, :n]
     return w, miss < np.sqrt(_CLOSED)
 

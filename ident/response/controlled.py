@@ -148,7 +148,7 @@ def _newton(model: Periodic, points: Points, w: np.ndarray, seat: Seat) -> tuple
         miss[left] = np.max(np.abs(equations), axis=1)
         with np.errstate(invalid="ignore", over="ignore"):
             step = -_solved(np.nan_to_num(jacobian), np.nan_to_num(equations)[..., None])[..., 0]
-        farthest = np.max(np.abs(step), axis=1)
+        farthest = np.max(np.abs(step[:, [0, 1, n]]), axis=1)  # a memory may be far from where it settles
         step *= np.minimum(1.0, _FARTHEST / np.maximum(farthest, 1e-300))[:, None]
         more = (miss[left] > _ENOUGH) & np.isfinite(miss[left])
         w[left[more], : n + 1] += step[more] * there.scale[more, : n + 1]
