@@ -27,7 +27,8 @@ def closed_form(level: float, frequency: np.ndarray, up: bool, cubic: float) -> 
         if cubic == 0:
             roots = np.array([(GAIN * level) ** 2 / (shift**2 + loss)])
         real = np.sqrt(np.real(roots[(np.abs(roots.imag) < 1e-9 * np.abs(roots)) & (roots.real > 0)]))
-        before = float(real[np.argmin(np.abs(real - before))]) if found else float(np.min(real))
+        nearest = np.argmin(np.abs(real - before)) if found else np.argmin(real)
+        before = float(real[nearest])
         found.append(before * np.exp(-1j * np.angle(shift + 0.75 * cubic * before**2 + 1j * w * own / QUALITY)))
     return np.array(found if up else found[::-1])
 
@@ -40,7 +41,8 @@ def sweep(level: float, cubic: float, phase: bool, seed: int = 0, sigma: float =
     answer = answer + sigma * (rng.normal(size=len(answer)) + 1j * rng.normal(size=len(answer)))
     up = np.repeat([True, False], len(frequency))
     twice = np.tile(frequency, 2)
-    return Sweep(f"{level} V", twice, np.full(len(twice), level), np.abs(answer), np.angle(answer) if phase else None, up,
+    turn, levels = np.angle(answer) if phase else None, np.full(len(twice), level)
+    return Sweep(f"{level} V", twice, levels, np.abs(answer), turn, up,
                  "fundamental", VOLT, METRE, NoiseFloor(sigma))  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""Steady responses against closed forms and an independent solver: amplitudes, phases, derivatives, folds, stability."""
+"""Steady responses against closed forms and an independent solver: amplitude, phase, derivatives, folds, stability."""
 
 from __future__ import annotations
 
