@@ -74,9 +74,9 @@ class Bench:
         return max(best.fit_chi2 - best.n, 1e-9)
 
     @property
-    def criterion(self) -> float:
-        """Information criterion of the fit: χ² plus ln n per number that the records determine."""
-        return self.fit_chi2 + self.fit.freedom * float(np.log(self.n))
+    def numbers(self) -> int:
+        """How many numbers of the fit the records determine."""
+        return self.fit.freedom
 
     def moved(self, added: np.ndarray) -> np.ndarray | None:
         """Where the model's own parameters (m,) go when something is added that does (n,) to the readings; None if

@@ -22,12 +22,14 @@ from scipy import optimize
 
 from ..campaign.record import Trace
 from .guess import Piece, guess_linear, make_piece
+from .independent import independent_samples
 from .linear_forms import FORMS, Form
 
 FormName = Literal["oscillator", "overdamped", "no-spring"]
 Told = Literal["auto", "oscillator", "no-spring", "quasi-static"]
 LEVELS = {"oscillator": "sensor-offset", "overdamped": "sensor-offset", "no-spring": "static-force"}
 """The effect that a constant is, beside each form: without a spring it is a force, for a level is where it starts."""
+_FEWEST = 20.0  # independent samples in what is left: a single line has four, which buy nothing
 _BEYOND = 8.0  # times the range of the grid: so far the search may go
 
 
@@ -174,7 +176,6 @@ def _weighed(pieces: Sequence[Piece], found: Sequence[Candidate]) -> list[Candid
     rows, targets = _rows(pieces, form, best.level, point, best.form)
     lengths = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
     rest = targets - rows / lengths @ np.linalg.lstsq(rows / lengths, targets, rcond=1e-9)[0]
-    power = np.abs(np.fft.rfft(rest)) ** 2
-    n = float(np.clip(4.0 * np.sum(power) ** 2 / max(float(np.sum(power**2)), 1e-300), 20.0, len(rest)))
+    n = max(independent_samples(rest), _FEWEST)
     price = lambda c: 2 * n * math.log(max(c.left, 1e-12)) + c.numbers * math.log(n)
     return sorted((c._replace(criterion=price(c)) for c in found), key=lambda c: c.criterion)
