@@ -21,12 +21,14 @@ from .guess import guess_kind, match_any
 from .instrument_files import INSTRUMENT_READERS
 from .noise import noise_floor
 from .outliers import find_outliers, without_outliers
-from .record import Channel, NoiseFloor, Record, Sweep, Trace
+from .record import MEASURES, Channel, Measures, NoiseFloor, Record, Sweep, Trace
 from .rest_level import rest_level
 from .spec import SWEEP_NAMES, RecordSpec, signal_units
 from .sweep_noise import sweep_noise_floor
 from .table import Column, Table, peak_unit
 from .text_table import read_text_table
+
+_PLATFORM_OMEGA = 2 * math.pi * 500.0  # rad/s, where a platform vibrates: what a velocity means as a displacement
 
 
 def read_table(path: Path, name: str, own_units: tuple[str, ...] = ()) -> Table:
@@ -51,8 +53,8 @@ def load_record(spec: RecordSpec, table: Table, device: Device) -> tuple[Record,
     return record, notes + found
 
 
-def _own_units(device: Device) -> tuple[str, str]:
-    drive, response = signal_units(device)
+def _own_units(device: Device, measures: Measures = "displacement") -> tuple[str, str]:
+    drive, response = signal_units(device, measures)
     return (drive[0] if drive[1] is None else "", response[0] if response[1] is None else "")
 
 
@@ -73,8 +75,8 @@ def _no_peak_unit(column: Column) -> None:
 
 def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[str]]:
     notes: list[str] = []
-    (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device)
-    roles = trace_roles(drive_dimension or NUMBER, response_dimension or NUMBER, _own_units(device))
+    (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device, spec.measures)
+    roles = trace_roles(drive_dimension or NUMBER, response_dimension or NUMBER, _own_units(device, spec.measures))
     given, units = spec.columns, spec.units
     if spec.rate is not None:
         roles = roles[1:]
@@ -102,7 +104,8 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         channel = _channel(columns["time"], "s", notes, "time")
         time = uniform_time(columns["time"], channel.factor, notes)
         drive, response = (on_grid(columns["time"], channel.factor, time, signal) for signal in (drive, response))
-    check_plausible(time, drive, response, columns, device, notes)
+    moved = response / _PLATFORM_OMEGA ** MEASURES.index(spec.measures)
+    check_plausible(time, drive, moved, columns, device, notes)
     check_response(columns["response"], response, notes)
     outliers = find_outliers(response)
     if len(outliers):
@@ -142,6 +145,7 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         skip=skip,
         period=period,
         outliers=tuple(int(k) for k in outliers),
+        measures=spec.measures,
     )
     return trace, notes
 

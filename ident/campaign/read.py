@@ -17,7 +17,7 @@ from ident.units import looks_like_quantity, parse_quantity, to_si
 from .binary_table import READERS
 from .campaign import Campaign, Prior
 from .device import Oscillator, Platform
-from .device_file import read_device
+from .device_file import of_displacement, read_device
 from .document import Section, read_document, record_sections, shown
 from .guess import guess_device, renamed
 from .instrument_files import INSTRUMENT_READERS
@@ -74,9 +74,13 @@ def _from_files(paths: list[Path], columns: Mapping[str, str | int]) -> Campaign
         check_file(path, path.name)
     tables = [read_table(path, path.name) for path in paths]
     device, notes = guess_device([renamed(table, columns) for table in tables])
+    device, measures, rate = of_displacement(device)
+    notes += rate
     records: list[Record] = []
     for path, table in zip(paths, tables, strict=True):
-        record, found = load_record(RecordSpec(file=path.name, path=path, columns=columns), table, device)
+        record, found = load_record(
+            RecordSpec(file=path.name, path=path, columns=columns, measures=measures), table, device
+        )
         records.append(record)
         notes += found
     return Campaign(
@@ -96,18 +100,18 @@ def _from_toml(path: Path, columns: Mapping[str, str | int] | None) -> Campaign:
     document, folder = read_document(path, path.name), path.parent
     title = document.text("title", folder.resolve().name)
     given, device_path = read_device(document, folder)
-    device = given or Platform()
+    device, measures, rate = of_displacement(given or Platform())
     model = document.section("model")
     effects = model.texts("effects")
     linear = model.choice("linear", ("auto", "oscillator", "no-spring"), "auto")
     effect_files = tuple(_effect_file(model, folder, name) for name in model.texts("effect_files"))
     model.check_keys()
     settings, priors = _settings(document.section("effect")), _priors(document.section("priors"))
-    specs = [parse_record(section, folder, device) for section in record_sections(document)]
+    specs = [parse_record(section, folder, device, measures) for section in record_sections(document)]
     document.check_keys()
     if not specs:
         raise UserError("the campaign has no records", where=path.name, do='add [[record]] with file = "a.csv"')
-    notes = [] if given else ["No device given: the nominal platform is assumed."]
+    notes = rate if given else ["No device given: the nominal platform is assumed."]
     records: list[Record] = []
     for spec in specs:
         own = (device.output, device.input) if isinstance(device, Oscillator) else ()

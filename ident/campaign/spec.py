@@ -13,6 +13,7 @@ from ident.units import FREQUENCY, LENGTH, MASS, TIME, VOLTAGE, Dimension, find_
 from .device import Device, Oscillator
 from .document import Section, shown
 from .opening import check_file, exists
+from .record import MEASURES, Measures
 
 _TRACE_ROLES = ("time", "drive", "response")
 _SWEEP_ROLES = ("frequency", "level", "amplitude", "phase", "direction")
@@ -44,20 +45,29 @@ class RecordSpec:
     sine: str = ""
     drive_file: Path | None = None
     undriven: bool = False
+    measures: Measures = "displacement"
 
 
-def signal_units(device: Device) -> tuple[tuple[str, Dimension | None], tuple[str, Dimension | None]]:
+def signal_units(
+    device: Device, measures: Measures = "displacement"
+) -> tuple[tuple[str, Dimension | None], tuple[str, Dimension | None]]:
     """(base unit, dimension) of the drive and of the response; the dimension is None for a unit of the user's own."""
+    order = MEASURES.index(measures)
+    output = (device.output if isinstance(device, Oscillator) else "m") + ("", "/s", "/s^2")[order]
+    response = _dimension(device.output) if isinstance(device, Oscillator) else LENGTH
+    if response is not None and order:
+        response = (*response[:2], response[2] - order, *response[3:])
     if isinstance(device, Oscillator):
-        drive, response = find_unit(device.input), find_unit(device.output)
-        return (device.input, drive.dimension if drive else None), (
-            device.output,
-            response.dimension if response else None,
-        )
-    return ("V", VOLTAGE), ("m", LENGTH)
+        return (device.input, _dimension(device.input)), (output, response)
+    return ("V", VOLTAGE), (output, response)
 
 
-def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
+def _dimension(unit: str) -> Dimension | None:
+    found = find_unit(unit)
+    return found.dimension if found else None
+
+
+def parse_record(section: Section, folder: Path, device: Device, usual: Measures = "displacement") -> RecordSpec:
     """The record that a `[[record]]` table describes; a `UserError` for anything in it that cannot be right."""
     file = section.text("file")
     if not file:
@@ -66,7 +76,8 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
     if "\0" in file or not exists(path):
         raise section.error("file", f'there is no file "{file}" in {folder}', "correct the name")
     check_file(path, f"{section.where('file')}: {file}")
-    (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device)
+    measures = section.choice("measures", MEASURES, usual)
+    (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device, measures)  # type: ignore[arg-type]
     kind = section.choice("kind", ("trace", "sweep"), "") if "kind" in section.values else ""
     section.used.add("kind")
     start = section.choice("start", ("rest", "steady", "unknown"), "unknown") if "start" in section.values else ""
@@ -92,6 +103,7 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
         sine="" if undriven else sine,
         drive_file=_drive_file(section, folder),
         undriven=undriven,
+        measures=measures,  # type: ignore[arg-type]
     )
     section.check_keys()
     for key in ("direction", "quantity", "level") if kind == "trace" else ():
@@ -99,7 +111,7 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
             raise section.error(
                 key, "belongs to a sweep, and this record is a trace", 'remove it, or write kind = "sweep"'
             )
-    for key in ("start", "skip", "rate", "drive", "drive_file") if kind == "sweep" else ():
+    for key in ("start", "skip", "rate", "drive", "drive_file", "measures") if kind == "sweep" else ():
         if key in section.values:
             raise section.error(
                 key, "belongs to a trace, and this record is a sweep", 'remove it, or write kind = "trace"'
