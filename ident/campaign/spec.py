@@ -14,6 +14,7 @@ from .device import Device, Oscillator
 from .document import Section, shown
 from .opening import check_file, exists
 from .record import MEASURES, Measures
+from .table import Table
 
 _TRACE_ROLES = ("time", "drive", "response")
 _SWEEP_ROLES = ("frequency", "level", "amplitude", "phase", "direction")
@@ -23,7 +24,8 @@ SWEEP_NAMES = {"drive": "level", "response": "amplitude"}
 
 @dataclass(frozen=True)
 class RecordSpec:
-    """One `[[record]]`; `sine`: what `drive` tells instead of a column; `undriven`: nothing drove the device.
+    """One `[[record]]`; `sine`: what `drive` tells instead of a column; `undriven`: nothing drove the device; `table`:
+    the data, where they were no file.
 
     `noise` and `level` are SI, `skip` is seconds (float) or samples (int), `rate` is Hz."""
 
@@ -46,6 +48,7 @@ class RecordSpec:
     drive_file: Path | None = None
     undriven: bool = False
     measures: Measures = "displacement"
+    table: Table | None = None
 
 
 def signal_units(
@@ -72,10 +75,13 @@ def parse_record(section: Section, folder: Path, device: Device, usual: Measures
     file = section.text("file")
     if not file:
         raise UserError("a [[record]] without a file", where=section.where(), do='add file = "a.csv"')
-    path = folder / file
-    if "\0" in file or not exists(path):
+    path, table = folder / file, section.values.get("data")
+    if isinstance(table, Table):
+        section.used.add("data")
+    elif "\0" in file or not exists(path):
         raise section.error("file", f'there is no file "{file}" in {folder}', "correct the name")
-    check_file(path, f"{section.where('file')}: {file}")
+    else:
+        check_file(path, f"{section.where('file')}: {file}")
     measures = section.choice("measures", MEASURES, usual)
     (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device, measures)  # type: ignore[arg-type]
     kind = section.choice("kind", ("trace", "sweep"), "") if "kind" in section.values else ""
@@ -104,6 +110,7 @@ def parse_record(section: Section, folder: Path, device: Device, usual: Measures
         drive_file=_drive_file(section, folder),
         undriven=undriven,
         measures=measures,  # type: ignore[arg-type]
+        table=table if isinstance(table, Table) else None,
     )
     section.check_keys()
     for key in ("direction", "quantity", "level") if kind == "trace" else ():

@@ -46,8 +46,8 @@ def campaign(folder: Path, measures: str, hardening: float = 0.0, offset: float 
         size = float(np.std(states[order]))
         zero = offset * GAIN * (2 * np.pi * F0) ** (order - 2)
         read = states[order] + zero + NOISE * size * np.random.default_rng(seed).normal(size=N)
-        np.savetxt(folder / f"{seed}.csv", np.stack([t, u, read], 1), "%.9g", ",", header=f"time (s),drive (V),response ({unit})",
-                   comments="")  # fmt: skip
+        table, header = np.stack([t, u, read], 1), f"time (s),drive (V),response ({unit})"
+        np.savetxt(folder / f"{seed}.csv", table, "%.9g", ",", header=header, comments="")
         text += f'[[record]]\nfile = "{seed}.csv"\nholdout = {holdout}\nmeasures = "{measures}"\n'
     (folder / "campaign.toml").write_text(text)
     return folder
