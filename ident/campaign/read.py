@@ -109,7 +109,7 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
     notes += rate
     model = document.section("model")
     effects = model.texts("effects")
-    linear = model.choice("linear", ("auto", "oscillator", "no-spring"), "auto")
+    linear = model.choice("linear", ("auto", "oscillator", "no-spring", "quasi-static"), "auto")
     effect_files = tuple(_effect_file(model, folder, name) for name in model.texts("effect_files"))
     model.check_keys()
     settings, priors = _settings(document.section("effect")), _priors(document.section("priors"))

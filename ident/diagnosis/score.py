@@ -156,7 +156,8 @@ def prepare(fit: Fit, believed: bool = False) -> Bench:
     # A shape at its bound cannot move as its column says: to project that out would hide a misfit that remains.
     fitted = [i for i in solved.static.free if "at-bound" not in fit.estimates[i].flags]
     # A quality factor that had to be held (steady sines of one frequency) may be wrong: its error is no missing effect.
-    free = sorted({*fitted, 1}) if "held" in fit.estimates[1].flags else fitted
+    bent = "held" in fit.estimates[1].flags and fit.model.form != "quasi-static"
+    free = sorted({*fitted, 1}) if bent else fitted
     directions = np.eye(len(fit.values))[free] * np.where(fit.values[free] == 0, 1.0, fit.values[free])[:, None]
     along_measured = stack(bench, fit.model, np.tile(fit.values, (len(free), 1)), directions, linear=True)
     measured = _without(bench, along_measured, directions)

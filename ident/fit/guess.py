@@ -173,12 +173,14 @@ def _frequencies(records: Sequence[Trace], nominal: float | None) -> np.ndarray:
 
 def _highest_content(record: Trace) -> float:
     """Frequency below which 99.9 % of the drive's and the response's power lies, Hz."""
-    found = 0.0
-    for x in (record.drive, record.response):
-        power = np.abs(np.fft.rfft((x - np.mean(x)) * np.hanning(len(x)))) ** 2
-        index = int(np.searchsorted(np.cumsum(power), 0.999 * np.sum(power)))
-        found = max(found, index / (len(x) * record.step))
-    return found
+    return max(highest_content(x, record.step) for x in (record.drive, record.response))
+
+
+def highest_content(signal: np.ndarray, step: float) -> float:
+    """Frequency below which 99.9 % of a signal's power lies, Hz; (n,) samples, one every `step` s."""
+    power = np.abs(np.fft.rfft((signal - np.mean(signal)) * np.hanning(len(signal)))) ** 2
+    index = int(np.searchsorted(np.cumsum(power), 0.999 * np.sum(power)))
+    return max(index, 1) / (len(signal) * step)
 
 
 def oscillator_filter(frequency: float, quality: float, step: float, order: int = 0) -> tuple[np.ndarray, np.ndarray]:
