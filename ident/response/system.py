@@ -81,7 +81,7 @@ class System(NamedTuple):
 
     def drive(self, voltage: Any, rate: Any) -> Drive:
         """The drive as the effects see it."""
-        return Drive(voltage, rate, self.omega, self.gain, self.moving)
+        return Drive(voltage, rate, self.omega, self.gain, self.moving, self.order)
 
     def at(self, block: Block) -> System:
         """The same in a block of a record."""

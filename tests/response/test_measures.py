@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
 
 from ident.campaign import read_campaign
 from ident.campaign.record import MEASURES
@@ -87,3 +88,27 @@ def test_a_unit_of_acceleration_says_that_it_is_one(tmp_path: Path) -> None:
     assert 'measures = "acceleration"' in caught.value.do
     toml.write_text(toml.read_text().replace('output = "m"', 'output = "m/s^2"'))
     assert read_campaign(folder).traces[0].measures == "acceleration"
+
+
+@pytest.mark.parametrize(
+    ("measures", "ratio"), [("displacement", 1.25), ("acceleration", 1.25), ("acceleration", 0.45)]
+)
+def test_a_second_mode_close_by_is_a_second_mode(tmp_path: Path, measures: str, ratio: float) -> None:
+    order, share = MEASURES.index(measures), 0.3  # type: ignore[arg-type]
+    t, u, *first = motion(4, 0.0)
+    w2 = 2 * np.pi * F0 * ratio
+    drive = CubicSpline(t, u)
+    rate = lambda t, y: (y[1], GAIN * drive(t) - w2 / Q * y[1] - w2**2 * y[0])
+    second = solve_ivp(rate, (0, t[-1]), (0.0, 0.0), "DOP853", t, rtol=1e-9, atol=1e-13).y
+    other = (second[0], second[1], GAIN * u - w2 / Q * second[1] - w2**2 * second[0])[order]
+    read = first[order] + share * other
+    read += 3 * NOISE * np.std(read) * np.random.default_rng(0).normal(size=N)
+    header = f"time (s),drive (V),response ({('m', 'm/s', 'm/s^2')[order]})"
+    np.savetxt(tmp_path / "a.csv", np.stack([t, u, read], 1), "%.9g", ",", header=header, comments="")
+    device = 'device = { kind = "oscillator", output = "m" }'
+    (tmp_path / "campaign.toml").write_text(f'{device}\n[[record]]\nfile = "a.csv"\nmeasures = "{measures}"\n')
+    campaign = read_campaign(tmp_path)
+    found = prepare(fit(start_model(campaign), campaign))
+    best = score(found, built_in())[0]
+    assert best.name == "second-mode" and best.drop > 0.9 * found.chi2
+    assert np.isclose(best.values["period"] * F0 * ratio, 1.0, rtol=0.1)
