@@ -15,6 +15,7 @@ from .amplitude_unit import TO_PEAK, is_amplitude_unit, split_convention
 from .device import Device, Oscillator
 from .document import Section, shown
 from .opening import check_file, exists
+from .table import Table
 
 _TRACE_ROLES = ("time", "drive", "response")
 _SWEEP_ROLES = ("frequency", "level", "amplitude", "phase", "direction", "real", "imaginary")
@@ -24,7 +25,8 @@ SWEEP_NAMES = {"drive": "level", "response": "amplitude"}
 
 @dataclass(frozen=True)
 class RecordSpec:
-    """One `[[record]]`; `sine`: what `drive` tells instead of a column; `undriven`: nothing drove the device.
+    """One `[[record]]`; `sine`: what `drive` tells instead of a column; `undriven`: nothing drove the device; `table`:
+    the data, where they were no file.
 
     `noise` and `level` (a peak) are SI, `relative_noise` a fraction of the amplitude, `skip` is seconds (float) or
     samples (int), `rate` is Hz, `sweep_rate` Hz/s, `dwell` s."""
@@ -50,6 +52,7 @@ class RecordSpec:
     sine: str = ""
     drive_file: Path | None = None
     undriven: bool = False
+    table: Table | None = None
 
 
 def signal_units(device: Device) -> tuple[tuple[str, Dimension | None], tuple[str, Dimension | None]]:
@@ -68,10 +71,13 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
     file = section.text("file")
     if not file:
         raise UserError("a [[record]] without a file", where=section.where(), do='add file = "a.csv"')
-    path = folder / file
-    if "\0" in file or not exists(path):
+    path, table = folder / file, section.values.get("data")
+    if isinstance(table, Table):
+        section.used.add("data")
+    elif "\0" in file or not exists(path):
         raise section.error("file", f'there is no file "{file}" in {folder}', "correct the name")
-    check_file(path, f"{section.where('file')}: {file}")
+    else:
+        check_file(path, f"{section.where('file')}: {file}")
     (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device)
     kind = section.choice("kind", ("trace", "sweep"), "") if "kind" in section.values else ""
     section.used.add("kind")
@@ -102,6 +108,7 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
         sine="" if undriven else sine,
         drive_file=_drive_file(section, folder),
         undriven=undriven,
+        table=table if isinstance(table, Table) else None,
     )
     section.check_keys()
     if spec.sweep_rate is not None and spec.dwell is not None:
