@@ -1,5 +1,6 @@
 """A beam between magnets, swept up and down at four levels: `python -m experiments.real.magnetic_oscillator`.
-IDENT_BENCHMARKS names the folder above `magnetic_oscillator`. One level is fitted, three are predicted, jumps included."""
+IDENT_BENCHMARKS names the folder above `magnetic_oscillator`. One level is fitted, three are predicted, with
+jumps."""
 
 from __future__ import annotations
 
@@ -83,8 +84,9 @@ class Curves:
         print("level  way    error, % of peak (points)      jump, Hz                       published: error, jump")
         for one in found:
             other = next(p for p in published if (p.level, p.up) == (one.level, one.up))
-            print(f"{one.level:5g}  {'up' if one.up else 'down':5}  {one.error:5.2f} ({one.counted} of {one.points})".ljust(44)
-                  + f"{_hertz(one.jump)} (measured {_hertz(one.measured_jump)})".ljust(32)
+            way, counted = "up" if one.up else "down", f"{one.counted} of {one.points}"
+            jumps = f"{_hertz(one.jump)} (measured {_hertz(one.measured_jump)})"
+            print(f"{one.level:5g}  {way:5}  {one.error:5.2f} ({counted})".ljust(44) + jumps.ljust(32)
                   + f"{other.error:5.2f} %  {_hertz(other.jump)}")  # fmt: skip
         assert names and names[0] in self.first, names
         for one in (one for one in found if one.level != FITTED):
@@ -128,7 +130,7 @@ def _pass(level: float, up: bool, f: np.ndarray, measured: np.ndarray, model: np
 
 
 def _jump(f: np.ndarray, a: np.ndarray) -> float | None:
-    """Midway across the largest step, if it changes the amplitude by 15 % of the peak, as no smooth stretch of these does."""
+    """Midway across the largest step, if it is 15 % of the peak, as no smooth stretch of these curves has."""
     f, a = f[np.isfinite(a)], a[np.isfinite(a)]
     k = int(np.argmax(np.abs(np.diff(a))))
     return float(f[k] + f[k + 1]) / 2 if abs(a[k + 1] - a[k]) > 0.15 * np.max(a) else None

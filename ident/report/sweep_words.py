@@ -57,7 +57,8 @@ def run_sheet(campaign: Campaign) -> Sheet:
     )  # fmt: skip
     rows = tuple(
         (
-            shortened(record.name, 24), significant(run.level / volts.factor, 3), "up" if run.up else "down", str(run.points),
+            shortened(record.name, 24), significant(run.level / volts.factor, 3), "up" if run.up else "down",
+            str(run.points),
             f"{run.peak_frequency:.6g}", show_in(run.peak, None, unit, 3).value, str(run.within), _jump(run),
         )
         for record, run in runs
