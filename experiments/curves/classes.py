@@ -50,7 +50,7 @@ ALIKE: dict[bool, dict[str, set[str]]] = {
     }
     for phase, groups in _GROUPS.items()
 }
-"""With phase (True) and without: the effects that curves do not tell from each effect, as `main` finds them with seed 1,
+"""With phase (True) and without: the effects that curves do not tell from each effect, as `main` finds with seed 1,
 and those that no record tells from it."""
 
 SEEN = tuple(law.name for law in LAWS if law.in_library and law.name not in UNSEEN)
