@@ -21,13 +21,13 @@ FITTED = 1.5
 
 @dataclass(frozen=True)
 class Pass:
-    """One pass at a level: error of a model in per cent of the pass's peak, where it is on the device's branch, over
-    `counted` of `points`; its jump and the device's, Hz (None: none)."""
+    """One pass at a level: error of a model in per cent of the level's peak over the points at which it is on the device's
+    branch; `apart`, how many of the level's points are not; its jump and the device's, Hz (None: none)."""
 
     level: float
     up: bool
-    points: int
     counted: int
+    apart: int
     error: float
     jump: float | None
     measured_jump: float | None
@@ -84,13 +84,13 @@ class Curves:
         print("level  way    error, % of peak (points)      jump, Hz                       published: error, jump")
         for one in found:
             other = next(p for p in published if (p.level, p.up) == (one.level, one.up))
-            way, counted = "up" if one.up else "down", f"{one.counted} of {one.points}"
+            way, counted = "up" if one.up else "down", f"{one.counted} points"
             jumps = f"{_hertz(one.jump)} (measured {_hertz(one.measured_jump)})"
             print(f"{one.level:5g}  {way:5}  {one.error:5.2f} ({counted})".ljust(44) + jumps.ljust(32)
                   + f"{other.error:5.2f} %  {_hertz(other.jump)}")  # fmt: skip
         assert names and names[0] in self.first, names
         for one in (one for one in found if one.level != FITTED):
-            assert one.counted > 0.8 * one.points and one.error <= self.error, one
+            assert one.apart < 0.2 * 2 * one.counted and one.error <= self.error, one
             assert (one.jump is None) == (one.measured_jump is None), one
             assert one.jump is None or one.measured_jump is None or abs(one.jump - one.measured_jump) <= self.jump, one
 
@@ -126,7 +126,7 @@ def _pass(level: float, up: bool, f: np.ndarray, measured: np.ndarray, model: np
     counted &= np.isfinite(model)
     left = (measured - model)[counted]
     error = 100 * float(np.sqrt(np.mean(left**2))) / float(np.max(measured))
-    return Pass(level, up, len(f), int(np.sum(counted)), error, jumps[1], jumps[0])
+    return Pass(level, up, int(np.sum(counted)), int(np.sum(~counted)), error, jumps[1], jumps[0])
 
 
 def _jump(f: np.ndarray, a: np.ndarray) -> float | None:
