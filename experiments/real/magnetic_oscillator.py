@@ -21,8 +21,8 @@ FITTED = 1.5
 
 @dataclass(frozen=True)
 class Pass:
-    """One pass at a level: error of a model in per cent of the level's peak over the points at which it is on the device's
-    branch; `apart`, how many of the level's points are not; its jump and the device's, Hz (None: none)."""
+    """One pass at a level: error of a model in per cent of the level's peak, over the points at which it is on the
+    device's branch; `apart`, how many of the level's points are not; its jump and the device's, Hz (None: none)."""
 
     level: float
     up: bool
@@ -101,20 +101,9 @@ def passes_of(run: dict[str, Any]) -> list[Pass]:
     for record in run["records"]:
         for level in record["levels"]:
             jump = level["jump"] or {"model": None, "measured": None}
-            whole = record["n"] + record.get("apart", 0)
             share = 100 * level["rmse"] / record["peak"]
-            points = level["n"] if whole == record["n"] else level.get("points", level["n"])
-            found.append(
-                Pass(
-                    level["drive"],
-                    level["direction"] == "up",
-                    points,
-                    level["n"],
-                    share,
-                    jump["model"],
-                    jump["measured"],
-                )
-            )
+            up = level["direction"] == "up"
+            found.append(Pass(level["drive"], up, level["n"], record["apart"], share, jump["model"], jump["measured"]))
     return sorted(found, key=lambda one: (one.level, not one.up))
 
 
