@@ -33,8 +33,8 @@ def document_of(data: Any, columns: Mapping[str, str | int] | None, told: Mappin
     """
     if _is_document(data):
         records = [_with_table(record, f"record {k}") for k, record in enumerate(data["record"], 1)]
-        common = {**data.get("defaults", {}), **told, **({"columns": dict(columns)} if columns else {})}
-        return {**data, "record": records, "defaults": common}
+        common, own = data.get("defaults", {}), dict(told) | ({"columns": dict(columns)} if columns else {})
+        return {**data, "record": records, "defaults": {**common, **own} if isinstance(common, Mapping) else common}
     common, held = dict(told), told.get("holdout", ())
     common.pop("holdout", None)
     common |= {"columns": dict(columns)} if columns else {}

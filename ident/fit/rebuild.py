@@ -26,19 +26,20 @@ def fit_at(
     sigma: SigmaChoice = "known",
     starts: Sequence[Start] = (),
     converged: bool = True,
+    substeps: Sequence[int] | None = None,
 ) -> Fit:
     """The Fit of a model at given values: readings and uncertainties are computed anew, but nothing is searched.
 
     Only the initial states of records that do not start at rest are fitted, at those values.
 
     **Arguments:** `values`: (m,) SI, in the order of `model.parameters`; `sigma`, `starts`, `converged`: as the search
-    reported them.
+    reported them; `substeps`: of the solver per sample of each fitted record, if they are known.
     """
     records = campaign.fitted
     guess = first_guess(model, records)
     scales = data_scales(records, guess.frequency)
     first = float(base_values(model, guess, scales)[0])  # the search chose its solver step from the same numbers
-    tape = lay_out(records, max(guess.frequency, first), guess.quality, model.steps_per_period)
+    tape = lay_out(records, max(guess.frequency, first), guess.quality, model.steps_per_period, substeps)
     static, data = assemble(model, campaign, records, tape, np.asarray(values, float), scales)
     data, unknowns, found = solve.rescale(static, data, begin(data, static))
     if static.starts_free:
