@@ -1,7 +1,7 @@
 """Does any input end in an internal error, a hang, or a result that is no number?
 
-`python -m experiments.robust.fuzz --api 3000 --cli 200 --seed 0`. Every input is checked; what a check accepts is fitted
-every so often, because a fit takes a second. A hang is more than 5 s of the processor, without compiling.
+`python -m experiments.robust.fuzz --api 3000 --cli 200 --seed 0`. Every input is checked; what a check accepts is
+fitted every so often, because a fit takes a second. A hang is more than 5 s of the processor, without compiling.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def cli(number: int, seed: int, folder: Path) -> tuple[str, str]:
     file.write_bytes(table_text(rng).encode("utf-8", "surrogatepass"))
     words = {
         0: ["check", str(file)], 1: ["check", str(file), "--json"], 2: ["new", str(folder / f"n{number}"), str(file)],
-        3: ["check", str(file), "--columns", str(rng.choice(["time=1,drive=2,response=3", "time=t", "x=1", "time=99"]))],
+        3: ["check", str(file), "--columns", str(rng.choice(["time=1,drive=2,response=3", "time=t", "x=1"]))],
         4: ["fit", str(file), "-o", str(folder / f"r{number}"), "--effects", str(rng.choice(["", "cubic-stifness"]))],
     }[number % 5]  # fmt: skip
     out, err = io.StringIO(), io.StringIO()

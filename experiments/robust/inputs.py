@@ -88,7 +88,11 @@ def _float(text: str) -> float:
 
 def campaign_values(rng: np.random.Generator) -> dict[str, Any]:
     """What a campaign file would say, with a table in memory, after up to three accidents."""
-    record: dict[str, Any] = {"data": arrays(rng) if rng.random() < 0.3 else good_columns(rng), "file": "a", "start": "rest"}
+    record: dict[str, Any] = {
+        "data": arrays(rng) if rng.random() < 0.3 else good_columns(rng),
+        "file": "a",
+        "start": "rest",
+    }
     document: dict[str, Any] = {"title": "t", "record": [record]}
     for _ in range(rng.integers(0, 4)):
         value = _VALUES[int(rng.integers(0, len(_VALUES)))]
@@ -96,9 +100,13 @@ def campaign_values(rng: np.random.Generator) -> dict[str, Any]:
         if where < 3:
             record[str(rng.choice(_KEYS))] = value
         elif where == 3:
-            document[str(rng.choice(["title", "device", "model", "effect", "priors", "defaults", "record", "x"]))] = value
+            document[str(rng.choice(["title", "device", "model", "effect", "priors", "defaults", "record", "x"]))] = (
+                value
+            )
         elif where == 4:
-            document["effect"] = {str(rng.choice(["cubic-stiffness", "platform", "nothing"])): {"k3": value, "quality": 9.0}}
+            document["effect"] = {
+                str(rng.choice(["cubic-stiffness", "platform", "nothing"])): {"k3": value, "quality": 9.0}
+            }
         else:
             document["priors"] = {"platform.quality": {"normal": [value, 1.0], "unit": "1"}}
     return document

@@ -108,7 +108,7 @@ def _column(name: str, header: str, values: Sequence[Any] | np.ndarray, position
     stem, unit, doubtful = split_header(header)
     try:
         cells = np.array(values, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         cells = np.zeros((0, 0))
     if cells.ndim != 1:
         raise UserError("this is no column of numbers", where=f'{name}, column {position} ("{header}")', do=_DO)

@@ -47,7 +47,9 @@ def test_after_fit_add_remove_and_diagnose(campaign, tmp_path):
     lineage = json.loads((less / "lineage.json").read_text(encoding="utf-8"))
     errors = [entry["after"]["fitted"]["error_over_noise"] for entry in lineage]
     assert [entry["added"] or entry["removed"] for entry in lineage] == ["cubic-stiffness"] * 2
-    assert errors[0] < 1.3 < 2 < errors[1] == pytest.approx(lineage[0]["before"]["fitted"]["error_over_noise"], rel=1e-3)
+    assert (
+        errors[0] < 1.3 < 2 < errors[1] == pytest.approx(lineage[0]["before"]["fitted"]["error_over_noise"], rel=1e-3)
+    )
     for run in (first, more, less):
         page, same = again(run)
         assert page == same and ("How the error fell" in page) == (run != first)
