@@ -29,6 +29,7 @@ from .noise_pool import pooled
 from .opening import MOST_TEXT, check_file, exists
 from .record import Record, Trace
 from .spec import parse_record
+from .sweeps_together import seen_together
 from .table import Table
 
 PathLike = str | os.PathLike[str]
@@ -122,6 +123,7 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
         record, found = load_record(spec, spec.table or read_table(spec.path, spec.file, own), device)
         records.append(record)
         notes += found
+    records = seen_together(records, notes)
     files = [one for one in (path, device_path, *effect_files) if one is not None]
     files += [spec.path for spec in specs if spec.table is None]
     files += [spec.drive_file for spec in specs if spec.drive_file is not None]
@@ -133,7 +135,7 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
         effect_files,
         settings,
         priors,
-        tuple(notes),
+        tuple(dict.fromkeys(notes)),
         path,
         _checksums(files, folder),
         () if path is None else (path,),

@@ -14,6 +14,7 @@ from ..campaign.suspect import Suspect, suspects_by_data
 from ..campaign.trust import is_trusted
 from .data_judgement import about, judgement_dict, judgement_sheet, remarks, what_the_records_tell
 from .sheet import Sheet
+from .sweep_words import run_sheet
 from .terminal import sheet_text
 
 if TYPE_CHECKING:
@@ -43,7 +44,9 @@ class Check:
         yield from (data.title, "", judgement_sheet(data))
         for record in data.records:
             yield about(record, data)
-            yield from (f"  ! {remark}" for remark in remarks(record))
+            yield from (f"  ! {remark}" for remark in remarks(record, data))
+        if data.sweeps:
+            yield from ("", run_sheet(data))
         if data.notes:
             yield from ("\nAssumed and found", *(f"  {note}" for note in data.notes))
         for path in self.strangers:
@@ -63,7 +66,7 @@ class Check:
 
         told = self.as_json()["records"]
         rows = [
-            (r["holdout"], r["samples"], r.get("size"), r["noise"]["sigma"], "; ".join(remarks(record)))
+            (r["holdout"], r["samples"], r.get("size"), r["noise"]["sigma"], "; ".join(remarks(record, self.campaign)))
             for r, record in zip(told, self.campaign.records, strict=True)
         ]
         return DataFrame(

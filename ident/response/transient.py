@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -148,6 +147,8 @@ def march(
     **Returns:** the carry; at the beginning of each step readings, z and v, (BLOCKS, BLOCK), and slopes, (BLOCKS,
     BLOCK, d) or None.
     """
+    import equinox as eqx  # here, because whoever has the compiled program needs none of it
+
     parts = slices(equation)
     whole = assemble(equation, constants, values)
     fixed = eqx.filter(whole.numbers, eqx.is_inexact_array, inverse=True)
