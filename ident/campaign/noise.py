@@ -118,6 +118,9 @@ def _removed(
     columns, level_of = harmonics, np.zeros(harmonics.shape[1])
     if pole is not None and levels[-1] > 0:
         decaying, own = transient_columns(len(response), rate, pole, levels[-1])
+        room = len(response) // 2 - harmonics.shape[1]  # as many samples as numbers fitted are left to tell the noise
+        levels = tuple(level for level in levels if np.sum(own <= level) <= room) or levels[:1]
+        decaying, own = decaying[:, own <= levels[-1]], own[own <= levels[-1]]
         columns, level_of = np.column_stack([harmonics, decaying]), np.concatenate([level_of, own])
     basis, kept = orthonormal(columns)
     level_of, weights = level_of[kept], basis.T @ response

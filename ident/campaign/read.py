@@ -104,7 +104,7 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
     tables = [section.values.get("data") for section in record_sections(document)]
     device, notes = given or Platform(), [] if given else ["No device given: the nominal platform is assumed."]
     if given is None and path is None and all(isinstance(table, Table) for table in tables):
-        chosen = document.section("defaults").values.get("columns", {})
+        chosen = document.section("defaults").section("columns").values
         device, notes = guess_device([renamed(table, chosen) for table in tables if isinstance(table, Table)])
     device, measures, rate = of_displacement(device)
     notes += rate
