@@ -28,6 +28,7 @@ from experiments.simulator import noise
 from experiments.simulator.signals import Tones, multisine
 from ident.campaign import Campaign, Channel, NoiseFloor, Oscillator, Trace
 from ident.campaign.campaign import Prior
+from ident.fit import Fit
 from ident.fit.fit import fit
 from ident.model import build_model
 from ident.posterior.density import make_density
@@ -58,8 +59,8 @@ def respond(truth: dict[str, float], drive: Tones, time: np.ndarray, damping: fl
     return np.asarray(found.y[0])
 
 
-def one(seed: int, colour: str, starts: str, missing: bool, sigma: float) -> dict[str, Any]:
-    """Ranks (of `RANKS`) of the truths, whether the intervals hold them, and whether they would be called final."""
+def case(seed: int, colour: str, starts: str, missing: bool, sigma: float) -> tuple[dict[str, float], Fit]:
+    """True parameters, and the fit of one simulated campaign."""
     random = np.random.default_rng([14, seed])
     truth = {name: float(random.normal(p.mean, p.deviation)) for name, p in PRIORS.items()}
     lead = 400 if starts == "moving" else 0
@@ -78,11 +79,16 @@ def one(seed: int, colour: str, starts: str, missing: bool, sigma: float) -> dic
         )  # fmt: skip
     campaign = Campaign("calibration", tuple(records), Oscillator(), priors=PRIORS)
     model = build_model(campaign, ("cubic-stiffness",))
-    found = fit(replace(model, start=tuple((n, p.mean) for n, p in PRIORS.items())), campaign)
+    return truth, fit(replace(model, start=tuple((n, p.mean) for n, p in PRIORS.items())), campaign)
+
+
+def one(seed: int, colour: str, starts: str, missing: bool, sigma: float) -> dict[str, Any]:
+    """Ranks (of `RANKS`) of the truths, whether the intervals hold them, and whether they would be called final."""
+    truth, found = case(seed, colour, starts, missing, sigma)
     evidence = log_evidence(make_density(found))
     density = evidence.density
     values = density.values(evidence.resampled(DRAWS, seed))[:, list(density.static.free)]
-    values = values[random.permutation(len(values))]
+    values = values[np.random.default_rng([15, seed]).permutation(len(values))]
     at = np.array([truth[name] for name in density.names])
     below = np.mean(values < at, axis=0)
     return {
