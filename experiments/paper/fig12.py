@@ -96,7 +96,9 @@ def draw(found: Found) -> Figure:
     for a, z, multiple in zip(axes, found.z, MULTIPLES, strict=False):
         title = f"{multiple:g}ξ" if multiple > 1 else "ξ"
         if np.any(np.isnan(z)):
-            label(a, "time (periods of the drive)", "displacement (µm)", title)
+            label(a, title=title)
+            a.set_xticks([])
+            a.set_yticks([])
             a.text(
                 0.5, 0.5, "fails: no bounded motion", ha="center", va="center", transform=a.transAxes, color=RESIDUAL
             )
@@ -104,7 +106,7 @@ def draw(found: Found) -> Figure:
             period(a, z, MODEL, f"{title}; dashed: symmetric part")
     for a, z, multiple in zip(axes[4:7], found.z, MULTIPLES, strict=False):
         offset(a, z, MODEL, f"{multiple:g}ξ: what is not symmetric")
-        a.set_ylim(-2.5, 1.0)
+        a.set_ylim(-1.8, 0.3)
     a = axes[7]
     for closure, least in found.least.items():
         a.plot(SCAN, np.maximum(least, 0), color=SHADES[closure], lw=1.8)

@@ -19,6 +19,8 @@ from typing import Any
 
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
+from ident.diagnosis.missing import missing
+from ident.effects.registry import registry
 from ident.errors import UserError
 from ident.fit.fit import fit
 from ident.model import build_model
@@ -54,7 +56,7 @@ def one(cause: str, seed: int, condition: str) -> dict[str, Any]:
     line: dict[str, Any] = {"cause": cause, "seed": seed, "condition": condition}
     try:
         found = fit(build_model(campaign, effects), campaign)
-        told = attribute(found)
+        told = attribute(found, doubts=missing(found, registry(())))
     except UserError as error:
         return line | {"verdict": "refused", "words": str(error), "outcome": "undecided"}
     line |= {"verdict": told.verdict, "leading": list(told.leading), "words": told.words}

@@ -5,8 +5,9 @@
 Each case draws frequency, quality, gain and cubic spring of an oscillator from the very priors that are assumed,
 simulates two records by an adaptive solver (not by the package), and ranks each truth among draws of the posterior.
 `--noise ar` colours the noise; `--starts moving` lets the records begin in motion, so that initial states are
-integrated out; `--missing` hides a quadratic damping that the model lacks: no interval may then be called final, if the
-noise leaves it visible (`--sigma 0.005`; at 0.05 a wrong quality factor passes).
+integrated out; `--missing` hides a quadratic damping that the model lacks: no interval may then be called final, where the noise leaves
+it visible (`--sigma 0.005`, a hundredth of the signal; the standard 0.05 is a tenth of it). `--by importance` draws by
+importance sampling instead of the chain that `ident sample` makes.
 
 Source: S. Talts, M. Betancourt, D. Simpson, A. Vehtari, A. Gelman, Validating Bayesian inference algorithms with
 simulation-based calibration, arXiv:1804.06788.
@@ -16,8 +17,10 @@ from __future__ import annotations
 
 import argparse
 import json
+import time
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -28,12 +31,15 @@ from experiments.simulator import noise
 from experiments.simulator.signals import Tones, multisine
 from ident.campaign import Campaign, Channel, NoiseFloor, Oscillator, Trace
 from ident.campaign.campaign import Prior
+from ident.diagnosis.missing import missing
+from ident.effects.registry import registry
 from ident.fit import Fit
 from ident.fit.fit import fit
 from ident.model import build_model
-from ident.posterior.density import make_density
+from ident.posterior.density import Density, make_density
 from ident.posterior.evidence import log_evidence
 from ident.posterior.misfit import misfit
+from ident.posterior.sampler import sample
 
 PRIORS = {
     "oscillator.frequency": Prior(71.0, 1.5),
@@ -59,7 +65,7 @@ def respond(truth: dict[str, float], drive: Tones, time: np.ndarray, damping: fl
     return np.asarray(found.y[0])
 
 
-def case(seed: int, colour: str, starts: str, missing: bool, sigma: float) -> tuple[dict[str, float], Fit]:
+def case(seed: int, colour: str, starts: str, hidden: bool, sigma: float) -> tuple[dict[str, float], Fit]:
     """True parameters, and the fit of one simulated campaign."""
     random = np.random.default_rng([14, seed])
     truth = {name: float(random.normal(p.mean, p.deviation)) for name, p in PRIORS.items()}
@@ -69,7 +75,7 @@ def case(seed: int, colour: str, starts: str, missing: bool, sigma: float) -> tu
     for k in range(2):
         time = np.arange(SAMPLES + lead) * _STEP
         drive = multisine(0.25, np.arange(20.0, 131.0, 10.0), int(random.integers(1 << 30)))
-        clean = respond(truth, drive, time, 0.08 if missing else 0.0)
+        clean = respond(truth, drive, time, 0.08 if hidden else 0.0)
         error = noise.autoregressive(random, len(time), sigma, memory)
         floor = NoiseFloor(sigma, (memory,) if memory else (), "given in the campaign")
         volt, start = Channel("V", 1.0), "unknown" if lead else "rest"
@@ -82,20 +88,32 @@ def case(seed: int, colour: str, starts: str, missing: bool, sigma: float) -> tu
     return truth, fit(replace(model, start=tuple((n, p.mean) for n, p in PRIORS.items())), campaign)
 
 
-def one(seed: int, colour: str, starts: str, missing: bool, sigma: float) -> dict[str, Any]:
+def one(seed: int, colour: str, starts: str, hidden: bool, sigma: float, by: str) -> dict[str, Any]:
     """Ranks (of `RANKS`) of the truths, whether the intervals hold them, and whether they would be called final."""
-    truth, found = case(seed, colour, starts, missing, sigma)
-    evidence = log_evidence(make_density(found))
-    density = evidence.density
-    values = density.values(evidence.resampled(DRAWS, seed))[:, list(density.static.free)]
+    truth, found = case(seed, colour, starts, hidden, sigma)
+    begun = time.process_time()
+    density, draws, settled = _drawn(make_density(found), seed, by)
+    values = density.values(draws)[:, list(density.static.free)]
     values = values[np.random.default_rng([15, seed]).permutation(len(values))]
     at = np.array([truth[name] for name in density.names])
     below = np.mean(values < at, axis=0)
     return {
         "seed": seed, "ranks": [int(min(b * RANKS, RANKS - 1)) for b in below],
         "in50": [bool(0.25 < b < 0.75) for b in below], "in90": [bool(0.05 < b < 0.95) for b in below],
-        "efficiency": evidence.efficiency, "final": not misfit(density).reasons,
+        "final": settled and not misfit(density).reasons, "seen": bool(missing(found, registry(()))),
+        "cpu": round(time.process_time() - begun, 1),
     }  # fmt: skip
+
+
+def _drawn(density: Density, seed: int, by: str) -> tuple[Density, np.ndarray, bool]:
+    """The density at its peak, draws of it, and whether they have settled: by the chain that a user gets, or by
+    importance sampling, which costs a tenth."""
+    if by == "importance":
+        evidence = log_evidence(density)
+        return evidence.density, evidence.resampled(DRAWS, seed), evidence.trusted
+    with TemporaryDirectory() as folder:
+        sampled = sample(density, Path(folder) / "chain.h5", "calibration", seed=seed)
+    return sampled.laplace.density, sampled.draws(DRAWS), not sampled.convergence.reasons
 
 
 def summary(lines: list[dict[str, Any]]) -> dict[str, Any]:
@@ -103,13 +121,19 @@ def summary(lines: list[dict[str, Any]]) -> dict[str, Any]:
     ranks = np.array([x["ranks"] for x in lines])
     p_values = [float(stats.chisquare(np.bincount(column * 10 // RANKS, minlength=10)).pvalue) for column in ranks.T]
     cover = {name: float(np.mean([x[name] for x in lines])) for name in ("in50", "in90")}
-    return {"cases": len(lines), "p_values": p_values, **cover, "final": float(np.mean([x["final"] for x in lines]))}
+    return {
+        "cases": len(lines),
+        "p_values": p_values,
+        **cover,
+        "final": float(np.mean([x["final"] and not x["seen"] for x in lines])),
+    }
 
 
-def check(found: dict[str, Any], missing: bool) -> None:
-    """Ranks are uniform and intervals cover as they say, within what so few cases can show; or none is final."""
-    if missing:
-        assert found["final"] == 0.0, found
+def check(found: dict[str, Any], hidden: bool, sigma: float) -> None:
+    """Ranks are uniform and intervals cover as they say, within what so few cases can show; or none is final;
+    under much noise (a tenth of the signal) a few devices show no test that anything is missing."""
+    if hidden:
+        assert found["final"] <= (0.2 if sigma > 0.01 else 0.0), found
         return
     numbers = found["cases"] * len(found["p_values"])
     assert min(found["p_values"]) * len(found["p_values"]) > 0.01, found
@@ -125,6 +149,7 @@ def main() -> None:
     parser.add_argument("--noise", choices=("white", "ar"), default="white")
     parser.add_argument("--starts", choices=("rest", "moving"), default="rest")
     parser.add_argument("--missing", action="store_true")
+    parser.add_argument("--by", choices=("chain", "importance"), default="chain")
     parser.add_argument("--sigma", type=float, default=SIGMA)
     parser.add_argument("--results", type=Path, default=Path("runs/calibration.jsonl"))
     told = parser.parse_args()
@@ -133,12 +158,12 @@ def main() -> None:
     if told.results.exists():
         lines = [json.loads(text) for text in told.results.read_text(encoding="utf-8").splitlines()]
     for seed in range(len(lines), told.cases):
-        lines.append(one(seed, told.noise, told.starts, told.missing, told.sigma))
+        lines.append(one(seed, told.noise, told.starts, told.missing, told.sigma, told.by))
         with told.results.open("a", encoding="utf-8") as file:
             file.write(json.dumps(lines[-1]) + "\n")
     found = summary(lines)
     print(json.dumps(found))
-    check(found, told.missing)
+    check(found, told.missing, told.sigma)
 
 
 if __name__ == "__main__":

@@ -145,7 +145,12 @@ def acceleration(z, v, volt, volt_rate, c, curve):
     field, field_rate = volt / c.layer, volt_rate / c.layer
     strain = c.d31 * field - c.eta * field**3 + c.zeta * field_rate**3
     return (
-        c.gain * strain - c.damping * v - c.linear * z - c.cubic * z**3 - extra_force(z, volt, c, curve) - dry_friction(v, c)
+        c.gain * strain
+        - c.damping * v
+        - c.linear * z
+        - c.cubic * z**3
+        - extra_force(z, volt, c, curve)
+        - dry_friction(v, c)
     ) / c.mass
 
 

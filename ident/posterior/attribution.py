@@ -7,6 +7,7 @@ harmonic is shared as a vector: a share is the part of it that points along the 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -104,10 +105,11 @@ class Attribution(NamedTuple):
     records: tuple[RecordAttribution, ...]
 
 
-def attribute(fit: Fit, draws: np.ndarray | None = None, *, seed: int = 0) -> Attribution:
+def attribute(fit: Fit, draws: np.ndarray | None = None, *, doubts: Sequence[str] = (), seed: int = 0) -> Attribution:
     """Attribute the offset of every periodic record of a fit.
 
-    **Arguments:** `draws` (k, m) parameter values SI of the posterior; drawn by importance sampling if not given.
+    **Arguments:** `draws` (k, m) parameter values SI of the posterior; drawn by importance sampling if not given;
+    `doubts`: reasons against the model that were found elsewhere, and make the verdict undecided.
 
     **Raises:** UserError if there is no effect, or no periodic record, to attribute to.
     """
@@ -134,6 +136,7 @@ def attribute(fit: Fit, draws: np.ndarray | None = None, *, seed: int = 0) -> At
     wrong = misfit(density)
     if wrong.reasons:
         reasons.append(f"the model does not describe the records ({wrong.reasons[0]}): ask `ident diagnose`")
+    reasons += doubts
     records, parts = _share(fit, make_density(fit, periodic), periodic, draws)
     overall = _Parts(*(np.sum(a, axis=0) for a in zip(*parts, strict=True))).shares(names) if parts else ()
     return _judge(names, records, overall, reasons)

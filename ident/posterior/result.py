@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -74,16 +75,19 @@ class Posterior:
         return self.density.values(self.sampled.draws(count))
 
 
-def draw_posterior(fit: Fit, chain_file: Path, **options: Any) -> Posterior:
-    """Sample the posterior of a fit; `options` as of `sampler.sample`, which keeps the chain in `chain_file`."""
+def draw_posterior(fit: Fit, chain_file: Path, *, doubts: Sequence[str] = (), **options: Any) -> Posterior:
+    """Sample the posterior of a fit; `options` as of `sampler.sample`, which keeps the chain in `chain_file`.
+
+    **Arguments:** `doubts`: reasons against the model that were found elsewhere; with any, no interval is final.
+    """
     density = make_density(fit)
     seed = int(options.get("seed", 0))
     sampled = sample(density, chain_file, run_key(density, seed), **options)
-    return judge_posterior(fit, sampled)
+    return judge_posterior(fit, sampled, doubts)
 
 
-def judge_posterior(fit: Fit, sampled: Sampled) -> Posterior:
-    """The posterior that a chain describes, and whether it is final."""
+def judge_posterior(fit: Fit, sampled: Sampled, doubts: Sequence[str] = ()) -> Posterior:
+    """The posterior that a chain describes, and whether it is final; `doubts` as of `draw_posterior`."""
     density = sampled.laplace.density
     evidence = log_evidence(sampled.laplace, sampled.draws(_EVIDENCE_DRAWS))
     wrong = misfit(density)
@@ -93,6 +97,7 @@ def judge_posterior(fit: Fit, sampled: Sampled) -> Posterior:
     if wrong.reasons:
         first = wrong.reasons[0] + (f", and {len(wrong.reasons) - 1} more" if len(wrong.reasons) > 1 else "")
         reasons.append(f"the model does not describe the records: {first}; ask `ident diagnose` what is missing")
+    reasons += doubts
     if not fit.converged:
         reasons.append("the fit had not converged")
     if not fit.step_error < _STEP_ERROR:
