@@ -7,7 +7,7 @@ import sys
 
 from .sheet import show
 
-FIGURES = ("fig03", "fig08", "fig09", "fig10", "fig11", "fig12", "fig13", "slips")
+FIGURES = ("fig03", "fig08", "fig09", "fig10", "fig11", "fig12", "fig13", "slips", "closures")
 
 
 def main() -> None:

@@ -5,9 +5,9 @@
 Each case draws frequency, quality, gain and cubic spring of an oscillator from the very priors that are assumed,
 simulates two records by an adaptive solver (not by the package), and ranks each truth among draws of the posterior.
 `--noise ar` colours the noise; `--starts moving` lets the records begin in motion, so that initial states are
-integrated out; `--missing` hides a quadratic damping that the model lacks: no interval may then be called final, where the noise leaves
-it visible (`--sigma 0.005`, a hundredth of the signal; the standard 0.05 is a tenth of it). `--by importance` draws by
-importance sampling instead of the chain that `ident sample` makes.
+integrated out. `--missing` hides a quadratic damping that the model lacks: no interval may then be called final where
+the noise leaves it visible (`--sigma 0.005`, a hundredth of the signal; the standard 0.05 is a tenth of it).
+`--by importance` draws by importance sampling instead of the chain that `ident sample` makes.
 
 Source: S. Talts, M. Betancourt, D. Simpson, A. Vehtari, A. Gelman, Validating Bayesian inference algorithms with
 simulation-based calibration, arXiv:1804.06788.
