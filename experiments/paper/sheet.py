@@ -25,7 +25,7 @@ def sheet(
     figure = new_figure(width, whole)
     figure.text(0.008, 1 - 0.24 / whole, title, fontsize=11, color=INK, weight="bold", va="center")
     wide, tall = 1 / columns, height / whole
-    left, bottom = 0.62 / width, 0.52 / whole
+    left, bottom = 0.72 / width, 0.52 / whole
     return figure, [
         new_axes(
             figure, c * wide + left, (rows - 1 - r) * tall + bottom, wide - left - 0.12 / width, tall - 0.85 / whole
