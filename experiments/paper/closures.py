@@ -150,7 +150,7 @@ def draw(found: Found) -> Figure:
     b.text(1e-6 * SIGMA12 + 4, -0.45, "true", fontsize=8, color="#777777")
     b.set_ylim(-0.6, 3.6)
     b.set_xlim(-400, 160)
-    b.set_xticks([-150, -100, -50, 0, 50, 100])
+    b.set_xticks([-150, 0, 100])
     b.set_yticks([])
     label(b, "stress gradient σ12 (MPa)", "", f"what each finds, noise {1e6 * NOISE[-1]:g} µm")
     return figure
