@@ -24,6 +24,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from scipy import stats
 from scipy.integrate import solve_ivp
 
@@ -40,6 +41,7 @@ from ident.posterior.density import Density, make_density
 from ident.posterior.evidence import log_evidence
 from ident.posterior.misfit import misfit
 from ident.posterior.sampler import sample
+from ident.report.style import BAND, INK, MODEL, label, new_axes, new_figure, png
 
 PRIORS = {
     "oscillator.frequency": Prior(71.0, 1.5),
@@ -142,6 +144,26 @@ def check(found: dict[str, Any], hidden: bool, sigma: float) -> None:
     assert found["final"] > 0.97, found
 
 
+def draw(lines: list[dict[str, Any]]) -> Figure:
+    """Rank histograms: flat within the band where every interval means what it says."""
+    ranks = np.array([x["ranks"] for x in lines]) * 10 // RANKS
+    figure = new_figure(10.0, 2.6)
+    low, high = stats.binom.ppf([0.005, 0.995], len(lines), 0.1)
+    for k, name in enumerate(PRIORS):
+        axes = new_axes(figure, 0.05 + 0.24 * k, 0.19, 0.2, 0.6)
+        axes.axhspan(low, high, color=BAND)
+        axes.bar(np.arange(10), np.bincount(ranks[:, k], minlength=10), width=0.85, color=MODEL)
+        axes.axhline(len(lines) / 10, color=INK, lw=0.8, ls=":")
+        axes.set_xticks([-0.5, 9.5], ["lowest", "highest"])
+        label(axes, "", "datasets" if k == 0 else "", name)
+    claim = f"Where the truth ranks among draws of its posterior, {len(lines)} datasets: flat, as it should be"
+    figure.text(0.008, 0.94, claim, fontsize=11, weight="bold", color=INK, va="center")
+    figure.text(
+        0.53, 0.03, "rank of the truth among the draws; grey: 99 % of what chance leaves", fontsize=9, ha="center"
+    )
+    return figure
+
+
 def main() -> None:
     """Run the study, going on where it stopped."""
     parser = argparse.ArgumentParser()
@@ -152,6 +174,7 @@ def main() -> None:
     parser.add_argument("--by", choices=("chain", "importance"), default="chain")
     parser.add_argument("--sigma", type=float, default=SIGMA)
     parser.add_argument("--results", type=Path, default=Path("runs/calibration.jsonl"))
+    parser.add_argument("--figure", type=Path)
     told = parser.parse_args()
     told.results.parent.mkdir(parents=True, exist_ok=True)
     lines = []
@@ -162,6 +185,8 @@ def main() -> None:
         with told.results.open("a", encoding="utf-8") as file:
             file.write(json.dumps(lines[-1]) + "\n")
     found = summary(lines)
+    if told.figure is not None:
+        told.figure.write_bytes(png(draw(lines)))
     print(json.dumps(found))
     check(found, told.missing, told.sigma)
 
