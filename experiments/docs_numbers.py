@@ -1,7 +1,7 @@
 """Run the commands of the documents and hold every excerpt and number to what comes out.
 
-`python -m experiments.docs_numbers [FOLDER]`; run folders are left in FOLDER if it is given. `--figure` draws
-`docs/figures/tutorial.png` again.
+`python -m experiments.docs_numbers [FOLDER]`; run folders are left in FOLDER if it is given. `--figure` draws the
+figures of the tutorial and of the README again.
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 TUTORIAL = ROOT / "docs" / "tutorial.md"
-FIGURE = ROOT / "docs" / "figures" / "tutorial.png"
+README = ROOT / "README.md"
+FIGURES = ROOT / "docs" / "figures"
 README_RUN = "ident fit data/platform_317hz -o runs/paper"
 
 _NUMBER = re.compile(r"[-−]?\d+(?:\.\d+)?(?:e[-−]?\d+)?")
@@ -42,12 +43,8 @@ class Claim(NamedTuple):
 CLAIMS = (
     Claim("docs/tutorial.md", r"`voltage_force`, (\d+) standard errors", "stress", ("ratio", "voltage_force")),
     Claim("docs/tutorial.md", r"friction is ([\d.]+) ±", "friction", ("value", "coulomb-friction.friction"), 1e6),
-    Claim("README.md", r"platform_317hz` \| ([\d.]+) \|", "paper", ("fitted", "error_over_noise")),
-    Claim("README.md", r"platform_317hz` \| [\d.]+ \| ([\d.]+) \|", "paper", ("holdout", "error_over_noise")),
-    Claim("README.md", r"mystery_platform`, as it comes \| ([\d.]+) \|", "stress", ("fitted", "error_over_noise")),
-    Claim("README.md", r"as it comes \| [\d.]+ \| ([\d.]+) \|", "stress", ("holdout", "error_over_noise")),
-    Claim("README.md", r"`ident discover` \| ([\d.]+) \|", "mystery", ("fitted", "error_over_noise")),
-    Claim("README.md", r"`ident discover` \| [\d.]+ \| ([\d.]+) \|", "mystery", ("holdout", "error_over_noise")),
+    Claim("README.md", r"are ([\d.]+) \| [\d.]+ on `data/platform_317hz`", "paper", ("fitted", "error_over_noise")),
+    Claim("README.md", r"are [\d.]+ \| ([\d.]+) on `data/platform_317hz`", "paper", ("holdout", "error_over_noise")),
 )
 
 
@@ -116,7 +113,15 @@ def check_claims(work: Path) -> list[str]:
 
 
 def draw(work: Path) -> None:
-    """The figure of the tutorial: what three models leave of one record, and their errors."""
+    """The figures of the tutorial and of the README: what models leave of one record, and their errors."""
+    stress, friction = {"residual-stress": "stress"}, {"+ coulomb-friction": "friction"}
+    guess = {"+ prandtl-ishlinskii": "guess"}
+    _leaves(work, stress | guess | friction, ["stress\nalone", "with\nhysteresis", "with\nfriction"], "tutorial.png")
+    _leaves(work, stress | friction, ["stress\nalone", "with\nfriction"], "first_run.png")
+
+
+def _leaves(work: Path, models: dict[str, str], names: list[str], file: str) -> None:
+    """Residual of a record under each model, one below the other, beside the errors on fitted and held-out records."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -124,10 +129,12 @@ def draw(work: Path) -> None:
 
     from ident import load_run
 
-    models = {"residual-stress": "stress", "+ prandtl-ishlinskii": "guess", "+ coulomb-friction": "friction"}
-    figure = plt.figure(figsize=(10, 4.6))
-    left = [figure.add_axes((0.075, 0.68 - 0.275 * k, 0.52, 0.215)) for k in range(3)]
-    right = figure.add_axes((0.70, 0.13, 0.28, 0.765))
+    count = len(models)
+    tall = 0.75 + 1.28 * count  # inches: a strip for each model, and the labels below
+    figure = plt.figure(figsize=(10, tall))
+    bottoms = [(0.55 + 1.28 * (count - 1 - k)) / tall for k in range(count)]
+    left = [figure.add_axes((0.075, bottom, 0.52, 1.0 / tall)) for bottom in bottoms]
+    right = figure.add_axes((0.70, 0.6 / tall, 0.28, (tall - 1.0) / tall))
     errors = []
     for axes, (name, folder) in zip(left, models.items(), strict=True):
         fit = load_run(work / "runs" / folder)
@@ -141,29 +148,33 @@ def draw(work: Path) -> None:
         axes.tick_params(labelbottom=axes is left[-1])
         assert fit.holdout is not None
         errors.append((fit.fitted.error_over_noise, fit.holdout.error_over_noise))
-    left[1].set_ylabel("measured − model (nm); shaded: ±2 noise floors")
-    left[2].set_xlabel("time (ms), record at 3 V, 500 Hz")
-    at = np.arange(3)[::-1]
+    figure.text(0.012, 0.5, "measured − model (nm)", rotation=90, va="center", fontsize=9)
+    left[-1].set_xlabel("time (ms), record at 3 V, 500 Hz; shaded: ±2 noise floors")
+    at = np.arange(count)[::-1]
     for k, (label, colour) in enumerate((("fitted", "#0072B2"), ("held out", "#E69F00"))):
         bars = right.barh(at + 0.19 - 0.38 * k, [e[k] for e in errors], 0.36, color=colour, label=label)
         right.bar_label(bars, fmt="%.2f", padding=3, fontsize=9)
     right.axvline(1.0, color="0.2", lw=1)
-    right.set(yticks=at, yticklabels=["stress\nalone", "with\nhysteresis", "with\nfriction"], xlim=(0, 12.2))
+    right.set(yticks=at, yticklabels=names, xlim=(0, 12.2))
     right.set_xlabel("error over noise floor (line: 1)")
     right.legend(loc="lower right", frameon=False, fontsize=9)
     for axes in (*left, right):
         axes.spines[["top", "right"]].set_visible(False)
-    FIGURE.parent.mkdir(exist_ok=True)
-    figure.savefig(FIGURE, dpi=100)
+    FIGURES.mkdir(exist_ok=True)
+    figure.savefig(FIGURES / file, dpi=100)
+    plt.close(figure)
 
 
 def main(work: Path, figure: bool) -> int:
     """Run everything; the number of things that do not hold."""
     (work / "data").symlink_to(ROOT / "data")
-    wrong = []
-    for command, shown in [*steps(TUTORIAL.read_text(encoding="utf-8")), (README_RUN, [])]:
-        print(f"$ {command}", flush=True)
-        printed = run(command, work).splitlines()
+    wrong, said = [], {}
+    tutorial, readme = (list(steps(page.read_text(encoding="utf-8"))) for page in (TUTORIAL, README))
+    for command, shown in [*tutorial, *(step for step in readme if step[1]), (README_RUN, [])]:
+        if command not in said:
+            print(f"$ {command}", flush=True)
+            said[command] = run(command, work).splitlines()
+        printed = said[command]
         wrong += [f"{command} no longer prints: {line}" for line in shown if not any(same(line, p) for p in printed)]
     wrong += check_claims(work)
     if figure:

@@ -2,15 +2,17 @@
 
     import ident
 
-    campaign = ident.read_campaign("data/platform_clean")
-    fit = ident.fit_model(ident.build_model(campaign), campaign)
-    ident.write_run(fit, "runs/first")
+    fit = ident.fit("data/platform_clean")
+    print(fit["quality"].value, fit["quality"].error)
 
-Names are imported when they are first used, so that `import ident` costs nothing.
+What the command line does is a function here, on files, DataFrames or arrays (see `read_campaign`): check, fit,
+diagnose, add, remove, discover, sample, compare, simulate. Names are imported when they are first used, so that
+`import ident` costs nothing.
 """
 
 from __future__ import annotations
 
+import difflib
 import importlib
 from typing import TYPE_CHECKING, Any
 
@@ -18,50 +20,56 @@ if TYPE_CHECKING:
     from .campaign import Campaign as Campaign
     from .campaign import Oscillator as Oscillator
     from .campaign import Platform as Platform
-    from .campaign import Sweep as Sweep
-    from .campaign import Trace as Trace
     from .campaign import read_campaign as read_campaign
     from .campaign.trust import trust as trust
+    from .diagnosis.change import add as add
+    from .diagnosis.change import remove as remove
+    from .diagnosis.diagnose import diagnose as diagnose
+    from .diagnosis.diagnose import discover as discover
+    from .diagnosis.judged import compare as compare
+    from .diagnosis.judged import sample as sample
     from .effects import AbstractEffect as AbstractEffect
     from .effects import amplitude as amplitude
     from .effects import choice as choice
     from .effects import shape as shape
-    from .effects.registry import registry as registry
     from .errors import UserError as UserError
     from .fit import Fit as Fit
     from .fit.fit import fit as fit_model  # noqa: F401
+    from .fit.fit_data import fit_data as fit  # noqa: F401
     from .fit.profile import profile as profile
-    from .fit.start_model import start_model as start_model
-    from .model import Model as Model
+    from .fit.simulate import simulate as simulate
     from .model import build_model as build_model
-    from .model import make_effect as make_effect
+    from .report.check import check as check
     from .report.run_folder import load_run as load_run
     from .report.run_folder import write_run as write_run
 
-# name: (module, name there). `fit` is the package, so the function has a name of its own here.
+# name: (module, name there)
 _STORY = {
-    "UserError": ("errors", "UserError"),
     "read_campaign": ("campaign", "read_campaign"),
+    "check": ("report.check", "check"),
+    "fit": ("fit.fit_data", "fit_data"),
+    "diagnose": ("diagnosis.diagnose", "diagnose"),
+    "add": ("diagnosis.change", "add"),
+    "remove": ("diagnosis.change", "remove"),
+    "discover": ("diagnosis.diagnose", "discover"),
+    "sample": ("diagnosis.judged", "sample"),
+    "compare": ("diagnosis.judged", "compare"),
+    "simulate": ("fit.simulate", "simulate"),
+    "profile": ("fit.profile", "profile"),
+    "write_run": ("report.run_folder", "write_run"),
+    "load_run": ("report.run_folder", "load_run"),
+    "Fit": ("fit", "Fit"),
     "Campaign": ("campaign", "Campaign"),
-    "trust": ("campaign.trust", "trust"),
-    "Trace": ("campaign", "Trace"),
-    "Sweep": ("campaign", "Sweep"),
     "Platform": ("campaign", "Platform"),
     "Oscillator": ("campaign", "Oscillator"),
+    "UserError": ("errors", "UserError"),
+    "trust": ("campaign.trust", "trust"),
     "AbstractEffect": ("effects", "AbstractEffect"),
     "amplitude": ("effects", "amplitude"),
     "shape": ("effects", "shape"),
     "choice": ("effects", "choice"),
-    "registry": ("effects.registry", "registry"),
-    "Model": ("model", "Model"),
     "build_model": ("model", "build_model"),
-    "make_effect": ("model", "make_effect"),
     "fit_model": ("fit.fit", "fit"),
-    "Fit": ("fit", "Fit"),
-    "profile": ("fit.profile", "profile"),
-    "start_model": ("fit.start_model", "start_model"),
-    "write_run": ("report.run_folder", "write_run"),
-    "load_run": ("report.run_folder", "load_run"),
 }
 
 __all__ = list(_STORY)  # pyright: ignore[reportUnsupportedDunderAll]
@@ -69,7 +77,8 @@ __all__ = list(_STORY)  # pyright: ignore[reportUnsupportedDunderAll]
 
 def __getattr__(name: str) -> Any:
     if name not in _STORY:
-        raise AttributeError(f"module 'ident' has no attribute {name!r}")
+        near = difflib.get_close_matches(name, _STORY, 1, 0.6)
+        raise AttributeError(f"module 'ident' has no attribute {name!r}" + (f": {near[0]!r}?" if near else ""))
     module, there = _STORY[name]
     return getattr(importlib.import_module(f".{module}", __name__), there)
 

@@ -116,8 +116,8 @@ def test_the_lock_pins_every_dependency_and_names_no_host():
     assert (_needed_by_users() | tools) - {_name(line) for line in entries} == set()
 
 
-def test_every_dependency_has_its_reason_in_the_readme():
-    table = (ROOT / "README.md").read_text(encoding="utf-8").split("## What it stands on")[1].split("\n## ")[0]
+def test_every_dependency_has_its_reason_in_the_documents():
+    table = (ROOT / "docs" / "dependencies.md").read_text(encoding="utf-8")
     explained = {
         _normal(name) for row in re.findall(r"^\| ([\w ,.-]+) \|", table, re.MULTILINE) for name in row.split(", ")
     }

@@ -19,12 +19,10 @@ from typing import Any
 
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
-from ident.diagnosis.missing import missing
-from ident.effects.registry import registry
+from ident.diagnosis.judged import attribute
 from ident.errors import UserError
 from ident.fit.fit import fit
 from ident.model import build_model
-from ident.posterior.attribution import attribute
 
 CAUSES: dict[str, tuple[str, ...]] = {
     "residual stress": ("residual-stress",),
@@ -56,7 +54,7 @@ def one(cause: str, seed: int, condition: str) -> dict[str, Any]:
     line: dict[str, Any] = {"cause": cause, "seed": seed, "condition": condition}
     try:
         found = fit(build_model(campaign, effects), campaign)
-        told = attribute(found, doubts=missing(found, registry(())))
+        told = attribute(found)
     except UserError as error:
         return line | {"verdict": "refused", "words": str(error), "outcome": "undecided"}
     line |= {"verdict": told.verdict, "leading": list(told.leading), "words": told.words}

@@ -13,12 +13,16 @@ from dataclasses import dataclass, replace
 from ident.errors import UserError
 from ident.units import FREQUENCY, LENGTH, NUMBER, TIME, VOLTAGE, Dimension, base_unit, find_unit
 
-from .table import Column, Table, peak_unit
+from .amplitude_unit import AmplitudeUnit, amplitude_unit, split_convention
+from .table import Column, Table
 
 
 @dataclass(frozen=True)
 class Role:
-    """What a column can be: its names in decreasing order of claim, and the dimension it must have."""
+    """What a column can be: its names in decreasing order of claim, and the dimension it must have.
+
+    `per`: of an amplitude, the role of the drive by which it may be divided; its decibels are accepted too.
+    """
 
     name: str
     exact: frozenset[str]
@@ -27,15 +31,24 @@ class Role:
     dimension: Dimension | None = None
     own_unit: str = ""
     needed: bool = True
+    per: Role | None = None
 
     def accepts(self, unit: str | None) -> bool:
         """Whether a column in this unit can play the role."""
         if unit is None or self.dimension is None and not self.own_unit:
             return True
+        return self.amplitude(unit) is not None
+
+    def measures(self, unit: str) -> bool:
+        """Whether this is a plain unit of what the role measures."""
         if self.own_unit:
             return unit == self.own_unit
-        found = find_unit(peak_unit(unit)[0])
+        found = find_unit(unit)
         return found is not None and found.dimension == self.dimension
+
+    def amplitude(self, unit: str) -> AmplitudeUnit | None:
+        """What the unit says if the column holds amplitudes."""
+        return amplitude_unit(unit, self.measures, self.per.measures if self.per else None)
 
 
 def _words(text: str) -> frozenset[str]:
@@ -64,8 +77,11 @@ _RESPONSE_WEAK = _words(
 )
 _FREQUENCY = _words("f, freq, frequency, frequenz, drive frequency, excitation frequency, w, omega")
 _FREQUENCY_STRONG = _words("freq, frequency, frequenz, omega, hz")
-_AMPLITUDE = _words("a, amp, amplitude, mag, magnitude, r, amplitude z, z amplitude, z amp, amplitude response")
-_AMPLITUDE_STRONG = _words("amp, amplitude, mag, magnitude")
+_AMPLITUDE = _words(
+    "a, amp, amplitude, mag, magnitude, r, amplitude z, z amplitude, z amp, amplitude response, gain, h, frf, s21, "
+    "betrag, transfer function, receptance"
+)
+_AMPLITUDE_STRONG = _words("amp, amplitude, mag, magnitude, gain, frf")
 _LEVEL = _DRIVE | _words(
     "level, drive level, drive amplitude, voltage amplitude, v, voltage, drive amp, amplitude drive"
 )
@@ -85,18 +101,22 @@ def trace_roles(drive: Dimension, response: Dimension, own_units: tuple[str, str
 def sweep_roles(drive: Dimension, response: Dimension, own_units: tuple[str, str] = ("", "")) -> tuple[Role, ...]:
     """Frequency, drive level, amplitude, and where they were measured phase and direction, of a sweep."""
     strong = _DRIVE_STRONG | {"level"}
+    level = Role("level", _LEVEL, strong, _DRIVE_WEAK, drive, own_units[0], needed=False)
     return (
         Role("frequency", _FREQUENCY, _FREQUENCY_STRONG, dimension=FREQUENCY),
         Role("phase", _PHASE, _words("phase"), dimension=NUMBER, needed=False),
         Role("direction", _DIRECTION, _words("direction, dir"), dimension=NUMBER, needed=False),
-        Role("level", _LEVEL, strong, _DRIVE_WEAK, drive, own_units[0], needed=False),
-        Role("amplitude", _AMPLITUDE, _AMPLITUDE_STRONG, _RESPONSE | _RESPONSE_STRONG, response, own_units[1]),
+        level,
+        Role(
+            "amplitude", _AMPLITUDE, _AMPLITUDE_STRONG, _RESPONSE | _RESPONSE_STRONG, response, own_units[1], per=level
+        ),
+        Role("time", _TIME, _words("time, zeit"), dimension=TIME, needed=False),
     )
 
 
 def _claim(column: Column, role: Role) -> int:
     stem = re.sub(r"([a-z])([A-Z])", r"\1 \2", column.stem) if not column.stem.isupper() else column.stem
-    words = re.sub(r"[^a-z0-9]+", " ", stem.lower()).split()
+    words = re.sub(r"[^a-z0-9]+", " ", (split_convention(stem)[0] or stem).lower()).split()
     if " ".join(words) in role.exact or "".join(words) in role.exact:
         return 3
     if role.strong.intersection(words):

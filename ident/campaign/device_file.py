@@ -41,9 +41,13 @@ _RANGES = {
 
 def read_device(campaign: Section, folder: Path) -> tuple[Device | None, Path | None]:
     """The device of a campaign (None if it names none), and the file it came from."""
-    value = campaign.get("device", (str, dict), 'a file ("device.toml") or a table ({ kind = "oscillator" })')
+    value = campaign.get(
+        "device", (str, dict, Platform, Oscillator), 'a file ("device.toml") or a table ({ kind = "oscillator" })'
+    )
     if value is None:
         return None, None
+    if isinstance(value, (Platform, Oscillator)):
+        return value, None
     if isinstance(value, dict):
         return parse_device(campaign.inside("device", value)), None
     path = folder / value

@@ -1,16 +1,20 @@
-"""What kind of device a set of data files comes from, when no campaign says so."""
+"""What kind of record and of device data files hold, when no campaign says so."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from ident.errors import UserError
 from ident.units import CURRENT, LENGTH, NUMBER, VOLTAGE, Dimension, base_unit, find_unit
 
-from .columns import match_columns, sweep_roles, trace_roles
+from .amplitude_unit import amplitude_unit
+from .columns import Role, match_columns, sweep_roles, trace_roles
 from .device import Device, Oscillator, Platform
-from .table import Table, peak_unit
+from .sweep_form import curve_form
+from .table import Column, Table
 
 # What a sensor of an oscillator may read; a "response" in kg is a slip, not an oscillator.
 _READINGS: tuple[Dimension, ...] = (
@@ -32,7 +36,17 @@ def guess_kind(table: Table) -> str:
     roles = [replace(role, needed=False) for role in trace_roles(VOLTAGE, LENGTH)]
     time = match_any(table, (roles[0],))
     frequency = match_any(table, (replace(sweep_roles(VOLTAGE, LENGTH)[0], needed=False),))
-    return "sweep" if frequency and not time else "trace"
+    return "sweep" if frequency and not (time and _instantaneous(table, roles)) else "trace"
+
+
+def _instantaneous(table: Table, roles: list[Role]) -> bool:
+    """Whether a table with times and frequencies holds a signal, which swings, and not the amplitudes of one."""
+    amplitude = match_any(table, (replace(sweep_roles(VOLTAGE, LENGTH)[-2], weak=frozenset(), needed=False),))
+    column = amplitude.get("amplitude") or match_any(table, tuple(roles)).get("response")
+    try:
+        return column is None or bool(np.any(column.numbers() < 0))
+    except UserError:
+        return True
 
 
 def match_any(table: Table, roles: tuple) -> dict:
@@ -53,21 +67,40 @@ def renamed(table: Table, chosen: Mapping[str, str | int], units: Mapping[str, s
     return replace(table, columns=tuple(columns))
 
 
+def _measured(column: Column) -> Dimension | None:
+    """The dimension of what a column holds; of a response ratio, that of its numerator."""
+
+    def reads(name: str) -> bool:
+        found = find_unit(name)
+        return found is not None and found.dimension in (*_READINGS, LENGTH) and name not in ("V/V", "mV/V", "A/A")
+
+    def drives(name: str) -> bool:
+        found = find_unit(name)
+        return found is not None and found.dimension in (VOLTAGE, *_PUSHES)
+
+    if column.unit is None:
+        return None
+    meant = amplitude_unit(column.unit, reads, drives)
+    if meant is not None and not meant.unit:  # bare decibels: no platform moves a millimetre per volt
+        return VOLTAGE if float(np.max(column.numbers())) > -60.0 else LENGTH
+    found = find_unit(meant.unit if meant is not None else column.unit)
+    return None if found is None else found.dimension
+
+
 def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
     """A platform, unless every response is in one unit that is no length; and a sentence that says so."""
     outputs, inputs, undriven = set(), set(), 0
     for table in tables:
         kind = guess_kind(table)
+        table = curve_form(table) if kind == "sweep" else table
         roles = (sweep_roles if kind == "sweep" else trace_roles)(VOLTAGE, LENGTH)
         if kind == "trace" and len(table.columns) < len(roles):
             roles, undriven = tuple(role for role in roles if role.name != "drive"), undriven + 1
         found = match_any(table, tuple(replace(role, dimension=None, needed=False) for role in roles))
         for names, units in ((("response", "amplitude"), outputs), (("drive", "level"), inputs)):
             for name in names:
-                unit = found[name].unit if name in found else None
-                known = find_unit(peak_unit(unit)[0]) if unit else None
-                if known is not None:
-                    units.add(known.dimension)
+                if name in found and (dimension := _measured(found[name])) is not None:
+                    units.add(dimension)
     reading = outputs.pop() if len(outputs) == 1 else None
     pushed = inputs.pop() if len(inputs) == 1 else VOLTAGE
     alone = len(tables) == undriven

@@ -37,7 +37,7 @@ def noise_floor(time: np.ndarray, drive: np.ndarray, response: np.ndarray, perio
         found = _short_period(response[:LONGEST], None, mains)
     elif period is None:
         found = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
-    elif period <= 8 * HARMONICS or (n / period >= 8 and _highest_harmonic(drive, period) <= HARMONICS // 3):
+    elif period <= 8 * HARMONICS or _highest_harmonic(drive, period) <= HARMONICS // 3:
         found = _short_period(response[-LONGEST:], period, mains)
     else:
         found = _repeats(response, period)

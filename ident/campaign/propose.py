@@ -15,14 +15,15 @@ from ident.errors import UserError
 from ident.units import LENGTH, VOLTAGE
 
 from .added_drive import with_drive
-from .columns import trace_roles
+from .columns import sweep_roles, trace_roles
 from .device import Oscillator, Platform
 from .drive import drive_frequency
 from .guess import guess_device, guess_kind, match_any, renamed
 from .load import load_record, read_table
 from .opening import check_file
-from .record import Record, Trace
+from .record import Record, Sweep, Trace, same_level
 from .spec import RecordSpec
+from .sweep_form import direction_in, level_in
 from .table import Column, Table
 
 _ONE_OF_TWO = re.compile(
@@ -32,6 +33,8 @@ _ONE_OF_TWO = re.compile(
 )
 _DRIVING = re.compile(r"(?i)drive|input|excitation|command|1$")
 _LOAD = re.compile(r"(?i)(\d+(?:[.,p]\d+)?)[ _]?(mg|ug)(?![a-z])")
+_ANSWERED = re.compile("start is not given|direction is not given|read from the name of the file")
+_LEVEL_ROLE = tuple(role for role in sweep_roles(VOLTAGE, LENGTH) if role.name == "level")
 
 
 @dataclass(frozen=True)
@@ -64,7 +67,10 @@ def propose(paths: Sequence[Path], folder: Path, columns: Mapping[str, str | int
         _record(path, tables[path], pairs.get(path), device, (*chosen[path], units[path]), columns, folder)
         for path in alone
     ]
-    held = _held_out([p.record for p in proposals])
+    if len(proposals) == 1:
+        proposals = _one_per_level(proposals[0])
+    records = [p.record for p in proposals]
+    held = _held_out(records) or _held_out_level(records)
     parts = [f"title = {_text(folder.resolve().name)}"]
     if isinstance(device, Oscillator):
         parts.append(
@@ -79,10 +85,10 @@ def propose(paths: Sequence[Path], folder: Path, columns: Mapping[str, str | int
         parts += ["[defaults]                       # for every record", f"columns = {{ {told} }}", ""]
     for k, proposal in enumerate(proposals):
         parts += ["[[record]]", *proposal.lines]
-        if k == held:
+        if k in held:
             parts.append("holdout = true                   # suggested: never fitted, only used to judge")
         parts += [f"# doubt: {doubt}" for doubt in proposal.doubts] + [""]
-    if held is None:
+    if not held:
         parts.append("# Nothing is held out: a record taken under other conditions, with holdout = true, would judge.")
     return "\n".join(_line(part) for part in parts).rstrip() + "\n"
 
@@ -137,10 +143,12 @@ def _record(
         record, notes = load_record(spec, table, device)
     except UserError as error:
         return _Proposal(tuple(lines), None, (*doubts, f"as it stands it cannot be read: {error}"))
-    doubts += [note.removeprefix(f"{path.name}: ") for note in notes if "start is not given" not in note]
+    doubts += [note.removeprefix(f"{path.name}: ") for note in notes if not _ANSWERED.search(note)]
     if isinstance(record, Trace):
         start, why = _start(record)
         lines.append(f'start = "{start}"' + " " * max(1, 24 - len(start)) + f"# {why}")
+    else:
+        lines += _sweep_lines(path, table, record)
     return _Proposal(tuple(lines), record, tuple(doubts))
 
 
@@ -221,11 +229,51 @@ def _start(record: Trace) -> tuple[str, str]:
     return "unknown", "the initial state is fitted"
 
 
-def _held_out(records: Sequence[Record | None]) -> int | None:
+def _sweep_lines(path: Path, table: Table, record: Sweep) -> list[str]:
+    """What the names of files and the order of rows told of a curve: the level, and a direction that is one."""
+    lines = []
+    if level_in(path.stem) and len(same_level(record.level)) == 1 and "level" not in match_any(table, _LEVEL_ROLE):
+        lines.append(f"level = {_text(level_in(path.stem))}" + "                   # by the name of the file")
+    if len({run.up for run in record.runs}) == 1:
+        by_name = bool(direction_in(path.stem))
+        why = "by the name of the file" if by_name else "by the order of the rows: was it swept that way?"
+        lines.append(f'direction = "{"up" if record.up[0] else "down"}"' + f"                # {why}")
+    return lines
+
+
+def _one_per_level(proposal: _Proposal) -> list[_Proposal]:
+    """A record for each level of a single table of three or more, so that one of them can judge."""
+    record = proposal.record
+    groups = same_level(record.level) if isinstance(record, Sweep) else ()
+    if not isinstance(record, Sweep) or len(groups) < 3:
+        return [proposal]
+    channel, found = record.drive_channel, []
+    for rows in groups:
+        level = f"{np.median(record.level[rows]) / channel.factor:.6g} {channel.unit}"
+        part = replace(record, level=record.level[rows])
+        lines = (*proposal.lines, f"level = {_text(level)}" + "                   # these rows of the table")
+        found.append(_Proposal(lines, part, () if found else proposal.doubts))
+    return found
+
+
+def _held_out_level(records: Sequence[Record | None]) -> frozenset[int]:
+    """Sweeps of a middle level, if three levels or more lie in files of their own."""
+    levels = {
+        k: float(r.level[0]) for k, r in enumerate(records) if isinstance(r, Sweep) and len(same_level(r.level)) == 1
+    }
+    found = sorted(set(levels.values()))
+    return (
+        frozenset(k for k, level in levels.items() if level == found[len(found) // 2])
+        if len(found) > 2
+        else frozenset()
+    )
+
+
+def _held_out(records: Sequence[Record | None]) -> frozenset[int]:
     """A record to judge with: within what the others span, but driven as none of them."""
     traces = [(k, r) for k, r in enumerate(records) if isinstance(r, Trace) and np.ptp(r.drive) > 0]
     if len(traces) < 3:
-        return None
+        return frozenset()
     level = {k: float(np.std(r.drive)) for k, r in traces}
     rate = {k: drive_frequency(r) for k, r in traces}
     inner = sorted(level, key=lambda k: (level[k], rate[k]))[1:-1]
@@ -234,7 +282,7 @@ def _held_out(records: Sequence[Record | None]) -> int | None:
         others = [j for j in level if j != k]
         return min(abs(np.log(level[k] / level[j])) + abs(np.log(rate[k] / rate[j])) for j in others)
 
-    return max(inner, key=distance)
+    return frozenset([max(inner, key=distance)])
 
 
 def _pairs(tables: Mapping[Path, Table]) -> dict[Path, Path]:

@@ -11,6 +11,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
 from ident.errors import UserError
 from ident.units import looks_like_quantity, parse_quantity, to_si
 
@@ -20,38 +22,56 @@ from .device import Oscillator, Platform
 from .device_file import read_device
 from .document import Section, read_document, record_sections, shown
 from .guess import guess_device, renamed
+from .in_memory import document_of, is_path
 from .instrument_files import INSTRUMENT_READERS
 from .load import load_record, read_table
 from .noise_pool import pooled
 from .opening import MOST_TEXT, check_file, exists
 from .record import Record, Trace
-from .spec import RecordSpec, parse_record
+from .spec import parse_record
+from .sweeps_together import seen_together
+from .table import Table
 
 PathLike = str | os.PathLike[str]
 
 DATA_SUFFIXES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".lvm", *READERS, *INSTRUMENT_READERS)
 
 
-def read_campaign(path: PathLike | Sequence[PathLike], columns: Mapping[str, str | int] | None = None) -> Campaign:
-    """The campaign in a TOML file, in a folder with a `campaign.toml`, or in one or more data files.
+def read_campaign(data: Any, columns: Mapping[str, str | int] | None = None, **told: Any) -> Campaign:
+    """The campaign in a TOML file, in a folder with a `campaign.toml`, in one or more data files, or in memory.
 
-    `columns` says for data files which column is which ({"drive": "CH1"}); a campaign says so itself.
+    In memory a record is a DataFrame, a mapping of columns or an (n, 3) array of time, drive and response; several are
+    a list or a mapping by name; a mapping with "record" says all that a campaign file can, tables standing under
+    "data". Headers carry units as in a file ("z [um]"); without one, SI is assumed.
+
+    **Arguments:** `columns`: which column is which ({"drive": "CH1"}); `told`: what a campaign file would say instead:
+    `device`, `title`, the names of the records to `holdout`, and for all records `start`, `noise`, `skip`, `rate`, ….
+    A campaign file says all this itself.
 
     All numbers of the result are SI. What was assumed, and what the data checks found, is in `Campaign.notes`.
     Anything unusable raises one `UserError` that says where it is and what to do.
     """
-    paths = [Path(path)] if isinstance(path, (str, os.PathLike)) else [Path(one) for one in path]
+    if isinstance(data, Campaign):
+        if columns or told:
+            raise UserError(f"the campaign {data.title} is read already", do="say it when the data are read")
+        return data
+    if not is_path(data):
+        campaign = _from_document(Section(document_of(data, columns, told), ""), Path())
+        return replace(campaign, checksums={record.name: _fingerprint(record) for record in campaign.records})
+    paths = [Path(data)] if isinstance(data, (str, os.PathLike)) else [Path(one) for one in data]
     if not paths:
         raise UserError("no campaign given", do="name a campaign.toml, a folder that holds one, or CSV files")
     for one in paths:
         if "\0" in str(one) or not exists(one):
             raise UserError("there is no such file or folder", where=str(one), do="correct the path")
     try:
-        if len(paths) == 1 and paths[0].is_dir():
-            return _from_toml(_in_folder(paths[0]), columns)
-        if len(paths) == 1 and paths[0].suffix.lower() == ".toml":
-            return _from_toml(paths[0], columns)
-        return _from_files(paths, columns or {})
+        if len(paths) == 1 and (paths[0].is_dir() or paths[0].suffix.lower() == ".toml"):
+            path = _in_folder(paths[0]) if paths[0].is_dir() else paths[0]
+            if columns or told:
+                do = "write columns = { … } and the rest under its [[record]] or [defaults]"
+                raise UserError("a campaign file says itself which column is which", where=path.name, do=do)
+            return _from_document(read_document(path, path.name), path.parent, path)
+        return _from_files(paths, columns or {}, told)
     except OSError as error:
         where = str(error.filename or paths[0])
         raise UserError(error.strerror or "cannot be read", where=where, do="check that the file can be read") from None
@@ -66,37 +86,26 @@ def _in_folder(folder: Path) -> Path:
     raise UserError("the folder has no campaign.toml", where=str(folder), do=do)
 
 
-def _from_files(paths: list[Path], columns: Mapping[str, str | int]) -> Campaign:
+def _from_files(paths: list[Path], columns: Mapping[str, str | int], told: Mapping[str, Any]) -> Campaign:
     for path in paths:
         if path.is_dir() or path.suffix.lower() == ".toml":
             what = f"a {'folder' if path.is_dir() else 'campaign file'} cannot be mixed with data files"
             raise UserError(what, where=str(path), do="name either one campaign or data files only")
         check_file(path, path.name)
-    tables = [read_table(path, path.name) for path in paths]
-    device, notes = guess_device([renamed(table, columns) for table in tables])
-    records: list[Record] = []
-    for path, table in zip(paths, tables, strict=True):
-        record, found = load_record(RecordSpec(file=path.name, path=path, columns=columns), table, device)
-        records.append(record)
-        notes += found
-    return Campaign(
-        title=", ".join(path.stem for path in paths),
-        records=_with_common_noise(records),
-        device=device,
-        notes=tuple(notes),
-        checksums=_checksums(paths),
-        files=tuple(paths),
-    )
+    document = document_of([read_table(path, path.name) for path in paths], columns, told)
+    campaign = _from_document(Section(document, ""), Path())
+    return replace(campaign, checksums=_checksums(paths), files=tuple(paths))
 
 
-def _from_toml(path: Path, columns: Mapping[str, str | int] | None) -> Campaign:
-    if columns:
-        do = "write columns = { … } under its [[record]] or [defaults]"
-        raise UserError("a campaign file says itself which column is which", where=path.name, do=do)
-    document, folder = read_document(path, path.name), path.parent
+def _from_document(document: Section, folder: Path, path: Path | None = None) -> Campaign:
+    """The campaign that a document describes; `path` of its file, unless it was made of data alone."""
     title = document.text("title", folder.resolve().name)
     given, device_path = read_device(document, folder)
-    device = given or Platform()
+    tables = [section.values.get("data") for section in record_sections(document)]
+    device, notes = given or Platform(), [] if given else ["No device given: the nominal platform is assumed."]
+    if given is None and path is None and all(isinstance(table, Table) for table in tables):
+        chosen = document.section("defaults").values.get("columns", {})
+        device, notes = guess_device([renamed(table, chosen) for table in tables if isinstance(table, Table)])
     model = document.section("model")
     effects = model.texts("effects")
     linear = model.choice("linear", ("auto", "oscillator", "no-spring"), "auto")
@@ -106,15 +115,17 @@ def _from_toml(path: Path, columns: Mapping[str, str | int] | None) -> Campaign:
     specs = [parse_record(section, folder, device) for section in record_sections(document)]
     document.check_keys()
     if not specs:
-        raise UserError("the campaign has no records", where=path.name, do='add [[record]] with file = "a.csv"')
-    notes = [] if given else ["No device given: the nominal platform is assumed."]
+        where = path.name if path else ""
+        raise UserError("the campaign has no records", where=where, do='add [[record]] with file = "a.csv"')
     records: list[Record] = []
     for spec in specs:
         own = (device.output, device.input) if isinstance(device, Oscillator) else ()
-        record, found = load_record(spec, read_table(spec.path, spec.file, own), device)
+        record, found = load_record(spec, spec.table or read_table(spec.path, spec.file, own), device)
         records.append(record)
         notes += found
-    files = [path, *([device_path] if device_path else []), *effect_files, *(spec.path for spec in specs)]
+    records = seen_together(records, notes)
+    files = [one for one in (path, device_path, *effect_files) if one is not None]
+    files += [spec.path for spec in specs if spec.table is None]
     files += [spec.drive_file for spec in specs if spec.drive_file is not None]
     return Campaign(
         title,
@@ -124,10 +135,10 @@ def _from_toml(path: Path, columns: Mapping[str, str | int] | None) -> Campaign:
         effect_files,
         settings,
         priors,
-        tuple(notes),
+        tuple(dict.fromkeys(notes)),
         path,
         _checksums(files, folder),
-        (path,),
+        () if path is None else (path,),
         linear,
     )
 
@@ -222,3 +233,12 @@ def _checksums(files: Sequence[Path], folder: Path | None = None) -> Mapping[str
         with open(path, "rb") as file:
             sums[name] = hashlib.file_digest(file, "sha256").hexdigest()
     return MappingProxyType(sums)
+
+
+def _fingerprint(record: Record) -> str:
+    """SHA-256 of the numbers of a record that came from no file."""
+    trace = isinstance(record, Trace)
+    arrays = (record.time, record.drive, record.response) if trace else (
+        record.frequency, record.level, record.amplitude
+    )  # fmt: skip
+    return hashlib.sha256(b"".join(np.ascontiguousarray(one, float).tobytes() for one in arrays)).hexdigest()

@@ -90,12 +90,34 @@ class Trace:
         return self.start != "rest" and not self.excerpt
 
 
+@dataclass(frozen=True)
+class Run:
+    """One pass of a sweep over the frequencies, at one drive level (median, V) and in one direction.
+
+    `rows`: (k,) the points of the record in the order in which they were passed.
+    """
+
+    level: float
+    up: bool
+    rows: np.ndarray
+
+
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """An amplitude-frequency curve.
+    """An amplitude-frequency curve; rows stand as in the file, `runs` orders them.
 
-    `frequency` (n,) Hz, `level` (n,) drive amplitude in V, `amplitude` (n,) m, `phase` (n,) rad or None, `up` (n,)
-    bool.
+    **Arguments:**
+
+    - `frequency`: (n,) Hz; `level`: (n,) drive amplitude (peak of the sine), V; `amplitude`: (n,) amplitude of the
+      response (half its peak-to-peak value for the quantity "half-peak-to-peak"), m.
+    - `phase`: (n,) rad by which the response leads the drive, z = a sin(ωt + φ) for V = V0 sin ωt, unwrapped along each
+      run up to a multiple of 2π; or None.
+    - `up`: (n,) bool, whether the frequency was rising.
+    - `dwell`: (n,) s between the previous point of the run and this one, if the sweep was run faster than the motion
+      settles or the table tells; None: every point had settled.
+    - `noise`: its `sigma` is the part of the amplitude noise that is the same at every point.
+    - `relative_noise`: the part that grows with the amplitude, a fraction of it.
+    - `phase_noise`: rad, what the phase scatters beyond sigma/amplitude.
     """
 
     name: str
@@ -110,6 +132,43 @@ class Sweep:
     noise: NoiseFloor
     holdout: bool = False
     load: float = 0.0
+    dwell: np.ndarray | None = None
+    relative_noise: float = 0.0
+    phase_noise: float = 0.0
+
+    @property
+    def deviation(self) -> np.ndarray:
+        """(n,) standard deviation of the amplitudes, m: √(σ² + (r a)²)."""
+        return np.hypot(self.noise.sigma, self.relative_noise * self.amplitude)
+
+    @property
+    def phase_deviation(self) -> np.ndarray:
+        """(n,) standard deviation of the phases, rad: √((σ/a)² + σ_φ²), at most that of a phase nobody knows."""
+        smallest = np.maximum(self.amplitude, 1e-300)
+        return np.minimum(np.hypot(self.noise.sigma / smallest, self.phase_noise), np.pi / np.sqrt(3.0))
+
+    @property
+    def runs(self) -> tuple[Run, ...]:
+        """The passes over the frequencies, weakest level first, up before down."""
+        found = []
+        for rows in same_level(self.level):
+            for up in (True, False):
+                here = rows[self.up[rows] == up]
+                if len(here):
+                    order = np.argsort(self.frequency[here] if up else -self.frequency[here], kind="stable")
+                    found.append(Run(float(np.median(self.level[here])), up, here[order]))
+        return tuple(found)
+
+
+SAME_LEVEL = 1.05
+"""Ratio of neighbouring drive levels up to which they count as one: a monitored level sags by that at resonance."""
+
+
+def same_level(level: np.ndarray) -> tuple[np.ndarray, ...]:
+    """The rows of each drive level, weakest first, in the order of the file."""
+    order = np.argsort(level, kind="stable")
+    ends = np.flatnonzero(level[order][1:] > SAME_LEVEL * level[order][:-1]) + 1
+    return tuple(np.sort(rows) for rows in np.split(order, ends))
 
 
 Record = Trace | Sweep

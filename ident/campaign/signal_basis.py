@@ -113,19 +113,28 @@ def _peaks(values: np.ndarray) -> np.ndarray:
     return 2 * np.pi * peaks[np.argsort(spectrum[peaks])[::-1][:3]] / size
 
 
+def _dies(values: np.ndarray, rate: float) -> bool:
+    """Whether a line has lost more than half of itself from the first third to the last: mains hum stays."""
+    beat = values * np.exp(-1j * rate * np.arange(len(values)))
+    third = len(values) // 3
+    return abs(np.mean(beat[-third:])) < 0.5 * abs(np.mean(beat[:third]))
+
+
 def find_transient(
     response: np.ndarray, drive_rate: float | None, count: int, avoid: tuple[float, ...] = ()
 ) -> Pole | None:
     """The pole of the transient by separable least squares; None if there is no transient to be seen.
 
     **Arguments:** `response` (n,), `drive_rate`: rad per sample or None, `count`: harmonics of the drive, `avoid`:
-    rates of lines that are no transient (mains hum).
+    rates of lines that are no transient unless they
+    die (mains hum).
     """
     n = len(response)
     steady, _ = orthonormal(harmonic_columns(n, drive_rate, count))
     rest = response - steady @ (steady.T @ response)
     rates = np.concatenate([_peaks(rest), _peaks(rest[: max(n // 4, 64)])])
-    rates = np.array([rate for rate in rates if all(abs(rate - line) > 7.0 / n for line in avoid)])
+    near = [any(abs(rate - line) < 7.0 / n for line in avoid) for rate in rates]
+    rates = np.array([rate for rate, hum in zip(rates, near, strict=True) if not hum or _dies(rest, rate)])
     if len(rates) == 0:
         return None
     fastest = max(float(np.max(rates)), drive_rate or 0.0)

@@ -2,29 +2,34 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
 from ident.errors import UserError
 from ident.units import FREQUENCY, LENGTH, MASS, TIME, VOLTAGE, Dimension, find_unit, parse_quantity, to_si
 
+from .amplitude_unit import TO_PEAK, is_amplitude_unit, split_convention
 from .device import Device, Oscillator
 from .document import Section, shown
 from .opening import check_file, exists
+from .table import Table
 
 _TRACE_ROLES = ("time", "drive", "response")
-_SWEEP_ROLES = ("frequency", "level", "amplitude", "phase", "direction")
+_SWEEP_ROLES = ("frequency", "level", "amplitude", "phase", "direction", "real", "imaginary")
 SWEEP_NAMES = {"drive": "level", "response": "amplitude"}
 """A sweep's level and amplitude may be called like a trace's columns."""
 
 
 @dataclass(frozen=True)
 class RecordSpec:
-    """One `[[record]]`; `sine`: what `drive` tells instead of a column; `undriven`: nothing drove the device.
+    """One `[[record]]`; `sine`: what `drive` tells instead of a column; `undriven`: nothing drove the device; `table`:
+    the data, where they were no file.
 
-    `noise` and `level` are SI, `skip` is seconds (float) or samples (int), `rate` is Hz."""
+    `noise` and `level` (a peak) are SI, `relative_noise` a fraction of the amplitude, `skip` is seconds (float) or
+    samples (int), `rate` is Hz, `sweep_rate` Hz/s, `dwell` s."""
 
     file: str
     path: Path
@@ -37,6 +42,9 @@ class RecordSpec:
     skip: float | int = 0
     rate: float | None = None
     level: float | None = None
+    relative_noise: float = 0.0
+    sweep_rate: float | None = None
+    dwell: float | None = None
     direction: str = ""
     quantity: Literal["fundamental", "half-peak-to-peak"] = "fundamental"
     columns: Mapping[str, str | int] = field(default_factory=dict)
@@ -44,6 +52,7 @@ class RecordSpec:
     sine: str = ""
     drive_file: Path | None = None
     undriven: bool = False
+    table: Table | None = None
 
 
 def signal_units(device: Device) -> tuple[tuple[str, Dimension | None], tuple[str, Dimension | None]]:
@@ -62,10 +71,13 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
     file = section.text("file")
     if not file:
         raise UserError("a [[record]] without a file", where=section.where(), do='add file = "a.csv"')
-    path = folder / file
-    if "\0" in file or not exists(path):
+    path, table = folder / file, section.values.get("data")
+    if isinstance(table, Table):
+        section.used.add("data")
+    elif "\0" in file or not exists(path):
         raise section.error("file", f'there is no file "{file}" in {folder}', "correct the name")
-    check_file(path, f"{section.where('file')}: {file}")
+    else:
+        check_file(path, f"{section.where('file')}: {file}")
     (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device)
     kind = section.choice("kind", ("trace", "sweep"), "") if "kind" in section.values else ""
     section.used.add("kind")
@@ -73,6 +85,7 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
     section.used.add("start")
     sine = _sine(section)
     undriven = sine.lower() == "none"
+    noise, relative = _noise(section, response_unit, response_dimension)
     spec = RecordSpec(
         file=file,
         path=path,
@@ -81,10 +94,13 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
         start=start,  # type: ignore[arg-type]
         holdout=section.flag("holdout"),
         load=_load(section, device),
-        noise=_amount(section, "noise", response_unit, response_dimension, "12 nm"),
+        noise=noise,
+        relative_noise=relative,
         skip=_skip(section),
         rate=_amount(section, "rate", "Hz", FREQUENCY, "10 kHz"),
         level=_amount(section, "level", drive_unit, drive_dimension, "3 V"),
+        sweep_rate=_amount(section, "sweep_rate", "Hz/s", (0, 0, -2, 0, 0, 0, 0), "0.5 Hz/s"),
+        dwell=_amount(section, "dwell", "s", TIME, "0.2 s"),
         direction=section.text("direction"),
         quantity=section.choice("quantity", ("fundamental", "half-peak-to-peak"), "fundamental"),  # type: ignore[arg-type]
         columns=_columns(section, kind),
@@ -92,9 +108,12 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
         sine="" if undriven else sine,
         drive_file=_drive_file(section, folder),
         undriven=undriven,
+        table=table if isinstance(table, Table) else None,
     )
     section.check_keys()
-    for key in ("direction", "quantity", "level") if kind == "trace" else ():
+    if spec.sweep_rate is not None and spec.dwell is not None:
+        raise section.error("dwell", "sweep_rate says already how long each frequency was held", "remove one of them")
+    for key in ("direction", "quantity", "level", "sweep_rate", "dwell") if kind == "trace" else ():
         if key in section.values:
             raise section.error(
                 key, "belongs to a sweep, and this record is a trace", 'remove it, or write kind = "sweep"'
@@ -126,11 +145,26 @@ def _amount(section: Section, key: str, unit: str, dimension: Dimension | None, 
     if text is None:
         return None
     where = section.where(key)
-    own = dimension is None and text.strip().endswith(unit)
-    value = parse_quantity(text.strip().removesuffix(unit) if own else text, None if own else dimension, where=where)
+    text, how = split_convention(text) if key == "level" else (text.strip(), "")
+    own = dimension is None and text.endswith(unit)
+    value = parse_quantity(text.removesuffix(unit) if own else text, None if own else dimension, where=where)
     if not value > 0:
         raise section.error(key, f'"{text}" is not positive', f'write for example "{example}"')
-    return value
+    return value * TO_PEAK[how]
+
+
+def _noise(section: Section, unit: str, dimension: Dimension | None) -> tuple[float | None, float]:
+    """Absolute and relative part of the noise: "12 nm", and of a sweep also "12 nm + 0.5 %" or "0.5 %"."""
+    text = section.values.get("noise")
+    share = re.fullmatch(r"(?:(.*)\+)?\s*(\d+(?:\.\d*)?|\.\d+)\s*%\s*", text) if isinstance(text, str) else None
+    if share is None:
+        return _amount(section, "noise", unit, dimension, "12 nm"), 0.0
+    section.used.add("noise")
+    relative = float(share[2]) / 100
+    if not 0 < relative < 1:
+        raise section.error("noise", f'"{text}" is no share of an amplitude', 'write for example "12 nm + 0.5 %"')
+    part = replace(section, values={"noise": share[1].strip()}) if share[1] else None
+    return (0.0 if part is None else _amount(part, "noise", unit, dimension, "12 nm")), relative
 
 
 def _sine(section: Section) -> str:
@@ -190,7 +224,7 @@ def _units(section: Section, device: Device) -> dict[str, str]:
     for key in table.values:
         unit = table.text(key).strip()
         own = isinstance(device, Oscillator) and unit in (device.output, device.input)
-        if not own:
-            to_si(1.0, unit.removesuffix("pp").removesuffix("rms"), where=table.where(key))
+        if not own and not is_amplitude_unit(unit):
+            to_si(1.0, unit, where=table.where(key))
         found[key] = unit
     return found

@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ident.errors import UserError
-from ident.units import find_unit
+
+from .amplitude_unit import is_amplitude_unit
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +41,12 @@ class Column:
         """Where a cell is, for an error message."""
         line = f"line {self.lines[row]}" if row < len(self.lines) else f"row {row + 1}"
         return f'{self.file}, {line}, column {self.position} ("{self.header}")'
+
+    def at(self, rows: np.ndarray) -> Column:
+        """The column with only those rows."""
+        cells = self.cells[rows] if isinstance(self.cells, np.ndarray) else [self.cells[row] for row in rows]
+        lines = [self.lines[row] for row in rows] if len(self.lines) else ()
+        return replace(self, cells=cells, lines=lines, printed=())
 
     def numbers(self) -> np.ndarray:
         """(n,) the cells as finite numbers, in the unit of the file; a `UserError` at the first cell that is none."""
@@ -94,7 +101,7 @@ _SUFFIX_UNITS = frozenset(
     re.split(
         " ",
         "s ms us ns min V mV uV kV m mm um nm pm micron Hz kHz MHz rad deg A mA uA N mN uN Pa kPa MPa K C kg mg "
-        "Vpp Vrms volt volts second seconds hertz m/s mm/s rad/s m/s^2",
+        "Vpp Vrms Vpk dB dBV dBm volt volts second seconds hertz m/s mm/s rad/s m/s^2",
     )
 )
 
@@ -103,18 +110,9 @@ def _usual(text: str) -> str:
     return text.replace("µ", "u").replace("μ", "u")
 
 
-def peak_unit(text: str) -> tuple[str, float]:
-    """A unit of amplitude without "pp" or "rms", and what turns such a number into an amplitude."""
-    match = re.fullmatch(r"\s*(.*?[VmAN])\s*[_-]?(pp|p-p|pk-pk|rms|pk|peak)\s*", text, re.IGNORECASE)
-    if match is None or find_unit(match[1]) is None:
-        return text, 1.0
-    suffix = match[2].lower()
-    return match[1], {"rms": math.sqrt(2.0), "pk": 1.0, "peak": 1.0}.get(suffix, 0.5)
-
-
 def is_unit(text: str, rare: bool = True) -> bool:
-    """Whether a text is a unit, or one of amplitudes ("Vpp")."""
-    return find_unit(peak_unit(text)[0], rare) is not None
+    """Whether a text is a unit, or one of amplitudes ("Vpp", "dB")."""
+    return is_amplitude_unit(text, rare)
 
 
 def split_header(header: str, own_unit: str = "") -> tuple[str, str | None, str]:

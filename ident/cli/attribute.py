@@ -30,18 +30,14 @@ def command(run: str, as_json: bool) -> None:
     progress("reading the run")
     fit = load_run(folder)
 
-    from ident.diagnosis.missing import missing
-    from ident.effects.registry import registry
-    from ident.posterior.attribution import attribute
+    from ident.diagnosis.judged import attribute
     from ident.report.attribution_view import attribution_dict, attribution_sheet, write_attribution_figure
     from ident.report.html import write_report
 
     from .sections import drawn_sections
 
-    progress("asking every effect of the library whether the records see it")
-    doubts = missing(fit, registry(fit.campaign.effect_files))
-    progress("switching mechanisms on and off at draws of the posterior")
-    document = attribution_dict(attribute(fit, doubts=doubts), fit.model.device)
+    progress("asking the library what is missing, switching mechanisms on and off at draws of the posterior")
+    document = attribution_dict(attribute(fit), fit.model.device)
     write_json(folder / "attribution.json", document)
     write_attribution_figure(document, folder)
     progress("writing the report")

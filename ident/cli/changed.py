@@ -22,7 +22,7 @@ def change(run: str, effect: str, output: str | None, *, adding: bool, force: bo
     parent = load_run(run)
 
     from ident.diagnosis.change import add, lineage_entry, remove
-    from ident.effects.registry import find, registry
+    from ident.effects.registry import registry
     from ident.report.story import change_sheet, staircase_section
 
     if adding and effect.endswith(".py"):
@@ -34,7 +34,7 @@ def change(run: str, effect: str, output: str | None, *, adding: bool, force: bo
     elif adding:
         name = effect
     if adding:
-        after = add(parent, find(name, registry(parent.campaign.effect_files)), progress)
+        after = add(parent, name, progress)
         entry = lineage_entry(parent, after, str(run), added=name)
     else:
         after = remove(parent, effect, progress)

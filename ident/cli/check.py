@@ -22,37 +22,11 @@ def command(campaign: tuple[str, ...], columns: dict[str, str | int], as_json: b
     Example:
       ident check data/platform_317hz
     """
-    from ident.campaign import read_campaign
-    from ident.campaign.suspect import suspects_by_data
-    from ident.campaign.trust import is_trusted
-    from ident.report.data_judgement import about, judgement_dict, judgement_sheet, remarks, what_the_records_tell
+    from ident.report.check import check
 
-    data = read_campaign(campaign, columns)
-    strange = [path for path in data.effect_files if not is_trusted(path)]
-    if not strange and (data.effects or data.settings or data.priors or data.effect_files):
-        from ident.model import build_model
-
-        build_model(data)  # what a fit would refuse about the model is refused here
+    found = check(list(campaign), columns)
     if as_json:
-        say_json(judgement_dict(data))
+        say_json(found.as_json())
         return
-    say(data.title)
-    say()
-    say_sheet(judgement_sheet(data))
-    for record in data.records:
-        say(about(record, data))
-        for remark in remarks(record):
-            say(f"  ! {remark}")
-    if data.notes:
-        say("\nAssumed and found")
-        for note in data.notes:
-            say(f"  {note}")
-    for path in strange:
-        say(f"  ! {path} has not run here: a fit needs --trust, and whether it is right was not checked")
-    for suspect in suspects_by_data(data):
-        say(f"  ! {suspect.sentence}")
-    if not data.fitted:
-        say("  ! a fit needs at least one trace that is not held out")
-    say("\nWhat these records tell apart")
-    for sentence in what_the_records_tell(data):
-        say(f"  {sentence}")
+    for part in found.parts:
+        say(part) if isinstance(part, str) else say_sheet(part)

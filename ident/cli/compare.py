@@ -39,14 +39,12 @@ def command(runs: tuple[str, ...], output: str | None, force: bool, as_json: boo
         progress(f"reading {run}")
         fits.append((run, load_run(run)))
 
-    from ident.diagnosis.missing import missing
-    from ident.effects.registry import registry
-    from ident.posterior.compare import compare
+    from ident.diagnosis.judged import compare
     from ident.report.compare_view import compare_dict, compare_figure, compare_sheet
     from ident.report.style import png
 
     progress("evidence, left-out and held-out scores")
-    document = compare_dict(compare(fits, lambda best: missing(best, registry(best.campaign.effect_files))))
+    document = compare_dict(compare(fits))
     if folder is not None:
         folder.mkdir(parents=True, exist_ok=True)
         write_json(folder / "compare.json", document)

@@ -34,12 +34,13 @@ def command(run: str, target: str | None, as_json: bool) -> None:
     progress("reading the run")
     fitted = load_run(run)
 
+    from ident.diagnosis.diagnose import diagnose
     from ident.diagnosis.document import diagnosis_dict
     from ident.report.diagnosis_view import advice
 
-    from .walk import examine, tell
+    from .walk import tell
 
-    found = examine(fitted, None if target is None else Path(target))
+    found = diagnose(fitted, None, progress, None if target is None else Path(target))
     document = diagnosis_dict(found) | {"advice": advice(found)}
     write_json(Path(run) / "diagnosis.json", document)
     if as_json:

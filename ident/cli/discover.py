@@ -50,13 +50,12 @@ def command(
     folder = Path(output) if output else default_folder(campaign)
     check_target(folder, force)
 
-    from ident.fit import fit
-    from ident.fit.start_model import start_model
+    from ident.fit.fit_data import fit_data, model_for
 
     from .limit import Limit
     from .walk import walk
 
     limit = Limit(minutes)
-    model = start_model(data, effects, progress)
+    model = model_for(data, effects, progress)
     progress(f"fitting {', '.join(model.names) or 'the linear model'}")
-    walk(fit(model, data, report=progress), folder, force=force, as_json=as_json, limit=limit)
+    walk(fit_data(data, model, report=progress), folder, force=force, as_json=as_json, limit=limit)

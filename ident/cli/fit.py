@@ -57,13 +57,12 @@ def command(
     folder = Path(output) if output else default_folder(campaign)
     check_target(folder, force)
 
-    from ident.fit import fit
+    from ident.fit.fit_data import fit_data, model_for
     from ident.fit.profile import check_profiled, profile
-    from ident.fit.start_model import start_model
 
-    model = start_model(data, effects, progress)
+    model = model_for(data, effects, progress)
     check_profiled(model, profiles)
-    found = fit(model, data, sigma=sigma, robust=robust, starts=starts, seed=seed, report=progress)  # type: ignore[arg-type]
+    found = fit_data(data, model, sigma=sigma, robust=robust, starts=starts, seed=seed, report=progress)  # type: ignore[arg-type]
     curves = [profile(found, name, robust=robust, report=progress) for name in profiles]
     options = {"sigma": sigma, "robust": robust, "starts": starts, "seed": seed}
     documents = {"profiles.json": {"format": 1, "profiles": [c.as_dict() for c in curves]}} if curves else {}

@@ -3,18 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import click
 
 from .options import effects_option, force_option, trust_option
 from .output import progress, say, say_json
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from ident.campaign import Campaign
-    from ident.model import Model
 
 
 @click.command("simulate", short_help="Write the forward model of every record to a CSV file.")
@@ -54,84 +47,39 @@ def command(
 
     if Path(output).exists() and not force:
         raise UserError("this exists already", where=output, do="choose another name, or --force to replace it")
-    model, campaign, values = _model(source, effects)
-    values = _changed(model, values, settings)
-    records = [r for r in campaign.traces if not wanted or r.name in wanted]
-    missing = set(wanted) - {r.name for r in records}
-    if missing or not records:
-        what = f"there is no trace called {min(missing)}" if missing else "the campaign has no traces"
-        raise UserError(what, do=f"the traces are {', '.join(r.name for r in campaign.traces) or 'none'}")
+    changes = dict(_setting(text) for text in settings)
 
-    from ident.fit.reading import read
+    from ident.fit.simulate import simulate, simulate_state
     from ident.report.model_csv import write_model_csv
-
-    progress(f"compiling the model and simulating {len(records)} records")
-    write_model_csv(records, read(model, values, records), campaign.device, output, force=force)
-    numbers = {p.name: float(v) for p, v in zip(model.parameters, values, strict=True)}
-    if as_json:
-        names = [r.name for r in records]
-        say_json({"format": 1, "file": output, "effects": list(model.names), "parameters": numbers, "records": names})
-        return
-    from ident.report.quantity import show
-
-    for parameter in model.parameters:
-        say(f"{parameter.name} = {show(numbers[parameter.name], None, parameter.unit, model.device)}")
-    say(f"{len(records)} records written to {output}")
-
-
-def _model(source: tuple[str, ...], effects: tuple[str, ...] | None) -> tuple[Model, Campaign, np.ndarray]:
-    from ident.campaign import read_campaign
-    from ident.errors import UserError
 
     if len(source) == 1 and (Path(source[0]) / "run.json").is_file():
         if effects is not None:
-            raise UserError(
-                "a run has its effects already", where="--effects", do="name the campaign instead of the run"
-            )
+            do = "name the campaign instead of the run"
+            raise UserError("a run has its effects already", where="--effects", do=do)
         from ident.report.run_folder import load_state
 
-        return load_state(source[0])
-    campaign = read_campaign(source)
+        found = simulate_state(load_state(source[0]), changes, wanted, progress)
+    else:
+        found = simulate(list(source), effects, values=changes, records=wanted, report=progress)
+    write_model_csv(found.records, found.readings, found.model.device, output, force=force)
+    if as_json:
+        names = [r.name for r in found.records]
+        told = {"effects": list(found.model.names), "parameters": found.parameters, "records": names}
+        say_json({"format": 1, "file": output, **told})
+        return
+    from ident.report.quantity import show
 
-    from ident.fit.guess import data_scales, guess_linear
-    from ident.fit.starts import base_values
-    from ident.model import build_model
-
-    model = build_model(campaign, effects)
-    if not campaign.traces:
-        raise UserError("the campaign has no traces", do="a forward model needs the drive of a trace")
-    guess = guess_linear(campaign.traces, model.linear.nominal_frequency)
-    return model, campaign, base_values(model, guess, data_scales(campaign.traces, guess.frequency))
+    for parameter in found.model.parameters:
+        value = found.parameters[parameter.name]
+        say(f"{parameter.name} = {show(value, None, parameter.unit, found.model.device)}")
+    say(f"{len(found.records)} records written to {output}")
 
 
-def _changed(model: Model, values: Any, settings: tuple[str, ...]) -> np.ndarray:
-    """The parameter values with those of `--set NAME=VALUE`."""
-    import difflib
-    import math
-
-    import numpy as np
-
-    from ident.campaign.table import is_number
+def _setting(text: str) -> tuple[str, str]:
+    """Name and value of one `--set NAME=VALUE`."""
     from ident.errors import UserError
-    from ident.units import parse_quantity, unit
 
-    values = np.array(values, float)
-    index = {p.name: i for i, p in enumerate(model.parameters)}
-    for setting in settings:
-        name, equals, text = (part.strip() for part in setting.partition("="))
-        if not equals:
-            raise UserError(f"{setting!r} is not NAME=VALUE", where="--set", do="write for example platform.quality=40")
-        if name not in index:
-            near = difflib.get_close_matches(name, index, 1, 0.4)
-            do = f"did you mean {near[0]}?" if near else f"the parameters are {', '.join(index)}"
-            raise UserError(f"the model has no parameter {name!r}", where="--set", do=do)
-        if is_number(text):
-            value = float(text)
-        else:
-            value = parse_quantity(text, unit(model.parameters[index[name]].unit).dimension, where=f"--set {name}")
-        if not math.isfinite(value) or (model.parameters[index[name]].positive and value < 0):
-            raise UserError(
-                f"{text} is not possible", where=f"--set {name}", do="give a finite value of the right sign"
-            )
-        values[index[name]] = value
-    return values
+    name, equals, value = (part.strip() for part in text.partition("="))
+    if not equals:
+        raise UserError(f"{text!r} is not NAME=VALUE", where="--set", do="write for example platform.quality=40")
+    return name, value

@@ -21,6 +21,7 @@ def walk(start: Fit, folder: Path, *, force: bool, as_json: bool, limit: Limit) 
 
     The folder is written after every step, so that a walk that is stopped leaves what it found.
     """
+    from ident.diagnosis.diagnose import diagnose
     from ident.diagnosis.document import diagnosis_dict, lineage_of
     from ident.report.diagnosis_view import advice, sections
     from ident.report.run_folder import write_run
@@ -29,7 +30,7 @@ def walk(start: Fit, folder: Path, *, force: bool, as_json: bool, limit: Limit) 
     try:
         kept.keep(start, ())
         with limit.running():
-            found = examine(start, _free_file(folder), keeps_walk=True, keep=kept.within(limit))
+            found = diagnose(start, None, progress, _free_file(folder), True, kept.within(limit))
     except OutOfTime:
         kept.tell("the time is over", as_json)
         return
@@ -100,20 +101,6 @@ def _free_file(folder: Path) -> Path:
     """Where an effect file may be written beside a run folder; nothing of the user's is overwritten."""
     names = (folder.with_name(f"{folder.name}_effect{'' if i == 1 else i}.py") for i in range(1, 1000))
     return next(path for path in names if not path.exists())
-
-
-def examine(
-    start: Fit,
-    effect_file: Path | None = None,
-    *,
-    keeps_walk: bool = False,
-    keep: Callable[[Fit, Sequence[Step]], None] = lambda _, __: None,
-) -> Diagnosis:
-    """The diagnosis of a fit with all effects that its campaign knows; other arguments as in `diagnose`."""
-    from ident.diagnosis.diagnose import diagnose
-    from ident.effects.registry import registry
-
-    return diagnose(start, registry(start.campaign.effect_files), progress, effect_file, keeps_walk, keep)
 
 
 def tell(found: Diagnosis) -> None:

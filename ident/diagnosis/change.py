@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..effects.effect import AbstractEffect
+from ..effects.registry import find, registry
 from ..fit import Fit, fit
 from ..fit.fit import minimise
 from ..fit.judge import Score
@@ -21,11 +22,12 @@ _FEW = 4  # steps after which the better of two starts is known
 ENOUGH = 25  # steps from the parent's values: a model that is as good without the effect, or with another, is near by
 
 
-def add(parent: Fit, effect: type[AbstractEffect], report: Report = lambda _: None) -> Fit:
+def add(parent: Fit, effect: str | type[AbstractEffect], report: Report = lambda _: None) -> Fit:
     """The parent's model with one effect more, fitted from the parent's values and the size that the score predicts.
 
-    **Raises:** UserError if the model has the effect, or the effect cannot act on this device.
+    **Raises:** UserError if there is no such effect, the model has it, or it cannot act on this device.
     """
+    effect = find(effect, registry(parent.campaign.effect_files)) if isinstance(effect, str) else effect
     model = with_effect(parent, effect)
     report(f"estimating {effect.name} along the measured motion")
     found = score(prepare(parent), {effect.name: effect})

@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from html import escape
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from ..campaign.suspect import Suspect
 from ..effects.effect import AbstractEffect
-from ..fit import Fit
+from ..effects.registry import registry
+from ..fit import Fit, fit_data
+from ..fit.fit_data import Effects
 from .beyond import free_name, go_beyond
-from .discover import Discovery, Keep, Step, continue_from
+from .discover import Discovery, Keep, Step, Verdict, continue_from
 from .effect_file import write_effect
 from .enough import adequate
 from .experiments import NextExperiment, next_experiments, rank_experiments
@@ -23,6 +27,9 @@ from .suspects import BY_OTHERS, cleared, find_suspects
 from .ties import Unseen, unseen
 from .unknown import Unknown, find_unknown
 from .where_words import summary
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 Report = Callable[[str], None]
 _EXPERIMENTS = 3
@@ -52,10 +59,47 @@ class Diagnosis:
         """Where the fit that was diagnosed fails, in one paragraph."""
         return summary(self.where)
 
+    @property
+    def verdict(self) -> Verdict:
+        """Whether something is missing, and how sure its name is."""
+        return self.discovery.verdict
+
+    @property
+    def final(self) -> Fit:
+        """The fit with everything that was found."""
+        return self.discovery.final
+
+    def to_dataframe(self) -> DataFrame:
+        """The candidates, best first: share of the error beyond noise that each removes, as scored and as refitted."""
+        from pandas import DataFrame
+
+        ranking, confirmed = self.discovery.ranking, self.discovery.confirmed
+        rows = [(c.predicted_gain, confirmed.get(c.name), c.p_value) for c in ranking]
+        return DataFrame(rows, columns=["predicted", "confirmed", "by chance"], index=[c.name for c in ranking])
+
+    def __repr__(self) -> str:
+        added = " + ".join(step.added for step in self.discovery.steps) or "nothing added"
+        before, after = (f.fitted.error_over_noise for f in (self.discovery.start, self.final))
+        suspect = f"; suspect: {', '.join(s.file for s in self.suspects)}" if self.suspects else ""
+        return f"<Diagnosis: {self.verdict}; {added}; error over noise {before:#.3g} → {after:#.3g}{suspect}>"
+
+    def _repr_html_(self) -> str:
+        return f"<p>{escape(repr(self))}</p><p>{escape(self.summary)}</p>{self.to_dataframe().to_html()}"
+
+
+def discover(
+    data: Any, effects: Effects = None, *, report: Report = lambda _: None, effect_file: Path | None = None, **told: Any
+) -> Diagnosis:
+    """Fit, see where the model fails, add what explains it, until the noise floor; `.final` is the last model.
+
+    **Arguments:** `data`, `effects`, `told`: as in `ident.fit`; `effect_file`: as in `diagnose`.
+    """
+    return diagnose(fit_data(data, effects, report=report, **told), None, report, effect_file, keeps_walk=True)
+
 
 def diagnose(
     fitted: Fit,
-    library: Mapping[str, type[AbstractEffect]],
+    library: Mapping[str, type[AbstractEffect]] | None = None,
     report: Report = lambda _: None,
     effect_file: Path | None = None,
     keeps_walk: bool = False,
@@ -63,10 +107,12 @@ def diagnose(
 ) -> Diagnosis:
     """Locate the misfit, walk the loop, and look beyond the library where it does not reach.
 
-    **Arguments:** `effect_file`: where to write what the library lacks; the model with it then ends the walk.
-    `keeps_walk`: whether the caller goes on with the last model of the walk; what it lacks is then written, if named
-    effects nearly explain the records, and else what the fit lacks. `keep`: as of `continue_from`.
+    **Arguments:** `library`: the effects to choose from, if not all that the campaign knows; `effect_file`: where to
+    write what the library lacks; the model with it then ends the walk. `keeps_walk`: whether the caller goes on with
+    the last model of the walk; what it lacks is then written, if named effects nearly explain the records, and else
+    what the fit lacks. `keep`: as of `continue_from`.
     """
+    library = registry(fitted.campaign.effect_files) if library is None else library
     report("locating the misfit")
     bench = prepare(working(fitted))
     where = locate(bench)

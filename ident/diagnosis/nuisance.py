@@ -76,8 +76,14 @@ def _dropped(measured: np.ndarray, predicted: np.ndarray, sigma: float, skip: in
 
 
 def _drift(y: np.ndarray, p: np.ndarray, sigma: float) -> Nuisance:
-    """The response moves away along a parabola of time; its size is the change in noise floors."""
+    """The response moves away along a parabola of time; its size is the change in noise floors.
+
+    A parabola that is more of a level than of a change is no drift: an offset is something that a device may have.
+    """
     t = np.linspace(-1.0, 1.0, len(y))
     basis = np.column_stack([np.ones_like(t), t, t**2])
     curve = basis @ np.linalg.lstsq(basis, y - p, rcond=None)[0]
-    return Nuisance("drift", float(np.ptp(curve)) / sigma, "noise floors", rms(y - p - curve, sigma))
+    moves = np.ptp(curve) > abs(np.mean(curve))
+    return Nuisance(
+        "drift", float(np.ptp(curve)) / sigma, "noise floors", rms(y - p - curve, sigma) if moves else np.inf
+    )

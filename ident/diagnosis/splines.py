@@ -37,7 +37,8 @@ _TIMES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 40.0)  # of the relaxations, in 
 
 _STEPS = (0.003, 0.006, 0.0125, 0.025, 0.05, 0.1)  # widths of the steps, in parts of the largest value
 
-# SI. Each coordinate and "rate", V̇: (1, points); "z history", "V history": (rows, 1, points); "step": (1,).
+# SI. Each coordinate and "rate", V̇: (1, points); "z history", "V history", "z splines" …: (rows, 1, points);
+# "step": (1,).
 Places = dict[str, np.ndarray]
 
 
@@ -49,23 +50,32 @@ class Size(NamedTuple):
     largest: float
 
 
-def places(lane: Lane, path: Path, stride: int, period: float, largest: Sequence[float]) -> Places:
-    """The coordinates and memories along the motion of one record, SI.
+def places(
+    lanes: Sequence[Lane], paths: Sequence[Path], strides: Sequence[int], period: float, largest: Sequence[float]
+) -> tuple[Places, ...]:
+    """The coordinates and memories along the motion of each record, SI.
 
-    **Arguments:** `stride` thins the half-step grid; `period` of the resonance, s; `largest`: absolute values of z and
+    **Arguments:** `strides` thin the half-step grids; `period` of the resonance, s; `largest`: absolute values of z and
     V in all records.
     """
+    found = [_coordinates(*record) for record in zip(lanes, paths, strides, strict=True)]
+    for name, size in zip(("z", "V"), largest, strict=True):
+        held = plays([place[name][0] for place in found], np.array(_WIDTHS) * size)
+        for place, own in zip(found, held, strict=True):
+            late = [lagging(place[name], place["step"], time * period, period) for time in _TIMES]
+            place[f"{name} history"] = np.concatenate([own[:, None], np.stack(late)])
+    return tuple(found)
+
+
+def _coordinates(lane: Lane, path: Path, stride: int) -> Places:
     omega, half = lane.omega if lane.omega > 0 else np.inf, 0.5 * lane.step
     thin = lambda x: np.asarray(x)[None, ::stride]
     time = half * np.arange(len(lane.voltage))
     found = {"z": thin(path.z), "v": thin(path.v), "V": thin(lane.voltage), "dV": thin(lane.rate / omega)}
-    found |= {"t": thin(time), "rate": thin(lane.rate), "step": np.array([half * stride])}
-    for name, size in zip(("z", "V"), largest, strict=True):
-        found[f"{name} history"] = memories(found[name], found["step"], period, size)
-    return found
+    return found | {"t": thin(time), "rate": thin(lane.rate), "step": np.array([half * stride])}
 
 
-def sizes(found: list[Places]) -> dict[str, Size]:
+def sizes(found: Sequence[Places]) -> dict[str, Size]:
     """Range of each coordinate over all records."""
     ranges = {}
     for name in COORDINATES:
@@ -97,7 +107,10 @@ def sharp(x: np.ndarray) -> np.ndarray:
 
 def pair(names: tuple[str, str], place: Places, ranges: Mapping[str, Size]) -> np.ndarray:
     """Products of splines of two coordinates, (k, …)."""
-    first, second = (splines(place[name], ranges[name], _PAIRED) for name in names)
+    for name in names:  # kept with the place: every coordinate is in several pairs
+        if f"{name} splines" not in place:
+            place[f"{name} splines"] = splines(place[name], ranges[name], _PAIRED)
+    first, second = (place[f"{name} splines"] for name in names)
     return (first[:, None] * second[None]).reshape(-1, *first.shape[1:])
 
 
@@ -109,26 +122,16 @@ def splines(x: np.ndarray, size: Size, count: int) -> np.ndarray:
     return matrix.toarray().T.reshape(count, *x.shape)
 
 
-def memories(x: np.ndarray, step: np.ndarray, period: float, largest: float) -> np.ndarray:
-    """What a signal leaves behind: plays of several widths, and relaxations of several times; (k, …).
-
-    **Arguments:** `x`, (lanes, points); `step`, (lanes,) s between points; `period` of the resonance, s; `largest`
-    absolute value of `x`.
-    """
-    held = plays(x, np.array(_WIDTHS) * largest)
-    late = [lagging(x, step, time * period, period) for time in _TIMES]
-    return np.concatenate([held, np.stack(late)])
-
-
-def plays(x: np.ndarray, widths: np.ndarray) -> np.ndarray:
-    """Play operators of half widths (k,) along (lanes, points), all zero before; (k, lanes, points)."""
-    found = np.empty((x.shape[1], len(widths), x.shape[0]))
+def plays(signals: Sequence[np.ndarray], widths: np.ndarray) -> list[np.ndarray]:
+    """Play operators of half widths (k,) along several signals (points,), all zero before; (k, points) each."""
+    longest = max(len(x) for x in signals)
+    together = np.stack([np.pad(x, (0, longest - len(x)), mode="edge") for x in signals], axis=1)
+    found = np.empty((longest, len(widths), len(signals)))
+    low, high = together[:, None] - widths[:, None], together[:, None] + widths[:, None]
     state = np.zeros(found.shape[1:])
-    low, high = x.T[:, None] - widths[:, None], x.T[:, None] + widths[:, None]
-    for k in range(len(found)):
-        state = np.minimum(np.maximum(state, low[k]), high[k])
-        found[k] = state
-    return np.moveaxis(found, 0, 2)
+    for k in range(longest):
+        state = np.minimum(np.maximum(state, low[k]), high[k], out=found[k])
+    return [found[: len(x), :, i].T for i, x in enumerate(signals)]
 
 
 def lagging(x: np.ndarray, step: np.ndarray, time: float, period: float) -> np.ndarray:

@@ -34,14 +34,11 @@ def set_stage(bench: Bench) -> Stage:
     """The coordinates along all fitted records."""
     scene, scales = bench.scene, bench.fit.scales
     largest, lanes = (scales.displacement, scales.voltage), scene.tape.lanes
-    moved = [places(lane, p, 1, scales.period, largest) for lane, p in zip(lanes, scene.paths, strict=True)]
-    own = [
-        places(lane, p, 2 * span.substeps, scales.period, largest)
-        for lane, p, span in zip(lanes, scene.own, scene.tape.spans, strict=True)
-    ]
+    moved = places(lanes, scene.paths, [1] * len(lanes), scales.period, largest)
+    own = places(lanes, scene.own, [2 * span.substeps for span in scene.tape.spans], scales.period, largest)
     linear, omega = bench.fit.model.linear, 2 * np.pi * float(bench.fit.values[0])
     force_unit = linear.mass * omega**2 * scales.displacement
-    return Stage(tuple(moved), tuple(own), sizes(moved), force_unit, scales.displacement)
+    return Stage(moved, own, sizes(moved), force_unit, scales.displacement)
 
 
 def rows_of(bench: Bench, stage: Stage, side: Side, functions: Callable[[Places], np.ndarray]) -> np.ndarray:

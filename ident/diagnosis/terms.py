@@ -138,7 +138,7 @@ def remembered(name: str, size: Size, period: float) -> list[Term]:
     found = [monomial([("v", 1)]) if name == "z" else Term("V̇", "rate", ("rate",), (("rate", 1),), lambda x: x["rate"])]
     for width in (part * size.largest for part in _PLAYS):
         own = Number(f"width_{name}", UNITS[name], width, "half width of the play", True)
-        value = lambda x, w=width: plays(x[name], np.array([w]))[0]
+        value = lambda x, w=width: plays([x[name][0]], np.array([w]))[0]
         found.append(Term(f"play({name}; {number(width)})", "{h}", (name,), ((name, 1),), value, own, memory="play"))
     for time in (part * period for part in _LATE):
         own = Number(f"time_{name}", "s", time, "relaxation time", True)

@@ -14,18 +14,19 @@ from ..errors import UserError
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from .result import Estimate, Fit
+    from .result import Fit
 
 
-def by_name(estimates: Sequence[Estimate], name: str) -> Estimate:
-    """The estimate called `name`, in full ("platform.quality") or by what stands behind the point if one has it."""
-    names = [estimate.name for estimate in estimates]
-    fits = [e for e in estimates if e.name == name] or [e for e in estimates if e.name.rpartition(".")[2] == name]
-    if len(fits) == 1:
-        return fits[0]
-    if fits:
-        raise UserError(f"{name!r} is the name of {len(fits)} parameters", do=f"{' or '.join(e.name for e in fits)}?")
-    near = difflib.get_close_matches(name, names + [one.rpartition(".")[2] for one in names], 1, 0.4)
+def position(names: Sequence[str], name: str) -> int:
+    """Where a parameter stands, by its full name ("platform.quality") or by what is behind the point if one has it."""
+    found = [k for k, one in enumerate(names) if one == name]
+    found = found or [k for k, one in enumerate(names) if one.rpartition(".")[2] == name]
+    if len(found) == 1:
+        return found[0]
+    if found:
+        do = f"{' or '.join(names[k] for k in found)}?"
+        raise UserError(f"{name!r} is the name of {len(found)} parameters", do=do)
+    near = difflib.get_close_matches(str(name), [*names, *(one.rpartition(".")[2] for one in names)], 1, 0.4)
     do = f"did you mean {near[0]!r}?" if near else f"the parameters are {', '.join(names)}"
     raise UserError(f"the model has no parameter {name!r}", do=do)
 
@@ -56,9 +57,9 @@ def residuals(fit: Fit) -> dict[str, np.ndarray]:
 def line(fit: Fit) -> str:
     """The fit in one line."""
     effects = ", ".join(fit.model.names) or "the linear model alone"
-    held = "" if fit.holdout is None else f", held out {fit.holdout.error_over_noise:.3g}"
+    held = "" if fit.holdout is None else f", held out {fit.holdout.error_over_noise:#.3g}"
     state = "" if fit.converged else ", not converged"
-    return f"<Fit of {effects}: error over noise {fit.fitted.error_over_noise:.3g}{held}{state}>"
+    return f"<Fit of {effects}: error over noise {fit.fitted.error_over_noise:#.3g}{held}{state}>"
 
 
 def html(fit: Fit) -> str:

@@ -26,6 +26,7 @@ _QUALITIES = (4.0, 15.0, 60.0)
 _CRITICAL = 0.4999  # quality below which a start in motion leaves two exponentials
 _LEAST_QUALITY, _LOG_QUALITY = 0.5, 9.0  # below, nothing oscillates; beyond e⁹, nothing decays within a record
 _POINTS_PER_OCTAVE = 14
+GRID_STEP = math.log(2) / _POINTS_PER_OCTAVE  # in ln f
 _STEP, _CYCLE = 0.03, 0.1  # first step of the search in ln f; of a decay, so much of a cycle at its end
 
 
@@ -87,6 +88,13 @@ def _searched(records: tuple[Trace, ...], nominal_frequency: float | None, held:
         best = min(best, (float(found.fun), math.exp(found.x[0]), quality))
     misfit, frequency, quality = best
     return LinearGuess(frequency, quality, _gain(pieces, frequency, quality), misfit)
+
+
+def coarse_frequency(records: Sequence[Trace], among: Sequence[Trace], held: float | None = None) -> float:
+    """The best frequency (Hz) for some records of a campaign, on the grid for all of them; good to a step of it."""
+    pieces = [make_piece(record) for record in records]
+    qualities = _QUALITIES if held is None else (held,)
+    return min((_misfit(pieces, f, q), f) for q in qualities for f in _frequencies(among, None))[1]
 
 
 def told_guess(start: Mapping[str, float], names: Sequence[str]) -> LinearGuess | None:

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
 from ..campaign.campaign import Campaign
-from ..campaign.record import Trace
 from ..model import Model
 from ..response import lay_out
 from . import access
 from .guess import DataScales
 from .identifiability import Combination
 from .judge import RecordScore, Score, combine
+from .predict import Prediction, predict
 from .problem import Data, Evaluation, Static, Unknowns, readings
-from .reading import read
 from .uncertainty import Covariance, Linearisation
 
 if TYPE_CHECKING:
@@ -137,12 +137,12 @@ class Fit:
         return self.converged and self.fitted.error_over_noise <= _TRUSTED
 
     def value(self, name: str) -> float:
-        """Value of one parameter by its full name, SI."""
-        return float(self.values[[p.name for p in self.model.parameters].index(name)])
+        """Value of one parameter, SI."""
+        return self[name].value
 
     def __getitem__(self, name: str) -> Estimate:
         """The estimate of one parameter: `fit["quality"].value`, `.error`, `.unit`."""
-        return access.by_name(self.estimates, name)
+        return self.estimates[access.position([e.name for e in self.estimates], name)]
 
     def __repr__(self) -> str:
         return access.line(self)
@@ -164,6 +164,11 @@ class Fit:
         """Per record (n,) measured − model, SI."""
         return access.residuals(self)
 
-    def predict(self, record: Trace) -> np.ndarray:
-        """Reading of the fitted model for any record, (n,) m; the initial state is fitted unless it starts at rest."""
-        return read(self.model, self.values, [record])[0]
+    def predict(self, data: Any, values: Mapping[str, float | str] | None = None) -> Prediction:
+        """What the model says of a drive, with its error: `fit.predict({"time (ms)": t, "drive (V)": u}).reading`.
+
+        **Arguments:** `data`: a record, or its name in the campaign, whose initial state is fitted unless it starts at
+        rest; or a drive, from a file or from memory, that begins at rest. `values`: parameters to change, SI or with a
+        unit ({"quality": 40, "frequency": "0.6 kHz"}); they count as known.
+        """
+        return predict(self, data, values)

@@ -4,20 +4,25 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from html import escape
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..fit.access import position
 from ..fit.result import Fit
 from .density import Density, make_density
 from .evidence import Evidence, log_evidence
 from .laplace import inverse
 from .misfit import misfit, too_narrow
 from .priors import Prior
-from .sampler import Sampled, sample
+from .sampler import Progress, Sampled, sample
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 DECIDES = 1.25
 """The prior decides a parameter whose standard deviation grows by more than this where all priors are twice as broad:
@@ -74,15 +79,47 @@ class Posterior:
         """(count, m) parameter values SI, all parameters of the model."""
         return self.density.values(self.sampled.draws(count))
 
+    def __getitem__(self, name: str) -> Marginal:
+        """One parameter: `posterior["quality"].mean`, `.low`, `.high`."""
+        return self.marginals[position([one.prior.name for one in self.marginals], name)]
 
-def draw_posterior(fit: Fit, chain_file: Path, *, doubts: Sequence[str] = (), **options: Any) -> Posterior:
-    """Sample the posterior of a fit; `options` as of `sampler.sample`, which keeps the chain in `chain_file`.
+    def to_dataframe(self) -> DataFrame:
+        """Mean, standard deviation, 90 % interval (SI) and who decides it, per parameter, as a pandas table."""
+        from pandas import DataFrame
 
-    **Arguments:** `doubts`: reasons against the model that were found elsewhere; with any, no interval is final.
+        rows = [(m.mean, m.deviation, m.low, m.high, m.prior_decides) for m in self.marginals]
+        names = [m.prior.name for m in self.marginals]
+        return DataFrame(rows, columns=["mean", "sd", "low", "high", "prior decides"], index=names)
+
+    def __repr__(self) -> str:
+        state = "" if self.trusted else f", not final: {self.reasons[0]}"
+        return f"<Posterior of {len(self.marginals)} parameters, {self.sampled.convergence.ess.min():.0f} draws{state}>"
+
+    def _repr_html_(self) -> str:
+        return f"<p>{escape(repr(self))}</p>{self.to_dataframe().to_html()}"
+
+
+def draw_posterior(
+    fit: Fit,
+    chain_file: Path | None = None,
+    *,
+    seed: int = 0,
+    seconds: float | None = None,
+    resume: bool = False,
+    report: Callable[[Progress], None] = lambda _: None,
+    doubts: Sequence[str] = (),
+) -> Posterior:
+    """Sample the posterior of a fit until it can be trusted, or until the `seconds` are over.
+
+    **Arguments:** `chain_file`: keeps the chain, with which `resume` goes on; `seed`: of the walkers and their moves;
+    `report`: called with the progress; `doubts`: reasons against the model that were found elsewhere, with any of which
+    no interval is final.
+
+    **Raises:** UserError if there is no chain to go on with, or it is another's.
     """
     density = make_density(fit)
-    seed = int(options.get("seed", 0))
-    sampled = sample(density, chain_file, run_key(density, seed), **options)
+    key = run_key(density, seed)
+    sampled = sample(density, chain_file, key, resume=resume, seed=seed, seconds=seconds, report=report)
     return judge_posterior(fit, sampled, doubts)
 
 

@@ -63,7 +63,7 @@ class Sampled(NamedTuple):
 
 def sample(
     density: Density,
-    path: Path,
+    path: Path | None,
     key: str,
     *,
     resume: bool = False,
@@ -74,11 +74,12 @@ def sample(
 ) -> Sampled:
     """Draw until N > 50 τ with τ stable and R̂ < 1.01, or until time is up; Ctrl-C ends it with what there is.
 
-    **Arguments:** `path`: the chain's file; `key`: what it belongs to; `resume`: go on with the file that is there.
+    **Arguments:** `path`: the chain's file, None to keep it in memory; `key`: what it belongs to; `resume`: go on with
+    the file that is there.
 
     **Raises:** UserError if there is no chain to resume, or it is damaged or another run's.
     """
-    if resume:
+    if resume and path is not None:
         chain = read_chain(path, key)
         density = density.framed(chain.frame)
         laplace = Laplace(density, float(chain.frame["peak"]), chain.frame["covariance"])
@@ -108,13 +109,14 @@ def sample(
             if steps >= most_steps:
                 stopped = f"{most_steps} steps were not enough"
                 break
-            if time.monotonic() - written > _EVERY:
+            if path is not None and time.monotonic() - written > _EVERY:
                 write_chain(path, chain)
                 written = time.monotonic()
             chain = _block(samplers, chain)
     except KeyboardInterrupt:
         stopped = "it was interrupted"
-    write_chain(path, chain)
+    if path is not None:
+        write_chain(path, chain)
     return Sampled(laplace, chain, found or judge(chain.positions, chain.taus), stopped)
 
 

@@ -12,22 +12,28 @@ from ..campaign.campaign import Campaign
 from ..campaign.device import Platform
 from ..campaign.drive import drive_frequency
 from ..campaign.judge import judge
-from ..campaign.record import Record, Sweep, Trace
+from ..campaign.record import SAME_LEVEL, Record, Sweep, Trace
 from .drive_words import drive_words, only_frequency
 from .quantity import Scale, scale, show_in, significant
 from .sheet import Column, Mark, Sheet
+from .sweep_words import sweep_dict, sweep_remarks, sweep_words, what_the_sweeps_tell
 
 _CLIPPED = 1e-3
-_SAME = 1.05  # ratio of two levels or loads up to which they count as one
+_SAME = SAME_LEVEL
 _SAME_FREQUENCY = 1.01  # a third of the half-width of a resonance of quality 15: nearer ones tell it no better
+
+_NOTHING_HELD_OUT = (
+    "Nothing is held out, so nothing will show whether a model predicts: set holdout = true on a record taken under "
+    "other conditions."
+)
 
 
 def what_the_records_tell(campaign: Campaign) -> tuple[str, ...]:
     """What the records together can and cannot tell apart, from how they were driven."""
     traces, fitted = campaign.traces, campaign.fitted
+    found = list(what_the_sweeps_tell(campaign))
     if not traces:
-        return ("There are sweeps only; without a trace, memory and the shape of the motion remain unseen.",)
-    found = []
+        return (*found, *([_NOTHING_HELD_OUT] if not any(sweep.holdout for sweep in campaign.sweeps) else []))
     drives = [_level(r) for r in fitted]
     if fitted and max(drives) <= _SAME * min(drives):
         found.append(
@@ -46,12 +52,9 @@ def what_the_records_tell(campaign: Campaign) -> tuple[str, ...]:
             "All records have one load: forces are known only relative to the mass of the stage in the device "
             "description. A record with a known extra mass fixes them."
         )
-    if not campaign.heldout:
-        found.append(
-            "Nothing is held out, so nothing will show whether a model predicts: set holdout = true on a record "
-            "taken under other conditions."
-        )
-    elif not any(_differs(r, fitted) for r in campaign.heldout):
+    if not any(record.holdout for record in campaign.records):
+        found.append(_NOTHING_HELD_OUT)
+    elif campaign.heldout and not any(_differs(r, fitted) for r in campaign.heldout):
         found.append(
             "Every held-out record repeats the conditions of a fitted one: it tests repeatability, not the model."
         )
@@ -85,7 +88,7 @@ def _differs(record: Trace, others: tuple[Trace, ...]) -> bool:
 def judgement_sheet(campaign: Campaign) -> Sheet:
     """All records in one table: how long each is, and its size beside its noise floor."""
     common = scale(max(record.noise.sigma for record in campaign.records), "m", campaign.device)
-    rows = tuple(_row(record, common) for record in campaign.records)
+    rows = tuple(_row(record, common, campaign) for record in campaign.records)
     marks: tuple[Mark, ...] = tuple("" if row[-1] == "good" else "warning" for row in rows)
     columns = (
         Column("record"), Column("use"), Column("samples", True), Column("kHz", True),
@@ -96,36 +99,30 @@ def judgement_sheet(campaign: Campaign) -> Sheet:
     return Sheet("Records", columns, rows, marks, note if coloured else "")
 
 
-def _row(record: Record, common: Scale) -> tuple[str, ...]:
+def _row(record: Record, common: Scale, campaign: Campaign) -> tuple[str, ...]:
     use = "held out" if record.holdout else "fitted"
     if isinstance(record, Sweep):
         size, n, rate = float(np.sqrt(np.mean(record.amplitude**2))), len(record.frequency), "–"
     else:
         size, n, rate = float(np.std(record.response)), len(record.time), significant(1e-3 / record.step, 3)
     noise = show_in(record.noise.sigma, None, common, 3).value + ("*" if record.noise.ar else "")
-    verdict = "see below" if remarks(record) else "good"
+    verdict = "see below" if remarks(record, campaign) else "good"
     return (record.name, use, str(n), rate, show_in(size, None, common, 3).value, noise, verdict)
 
 
 def about(record: Record, campaign: Campaign) -> str:
     """How a record was driven and how its noise floor was found, in one line."""
-    drive = _sweep_words(record) if isinstance(record, Sweep) else drive_words(record, campaign.device)
+    drive = sweep_words(record) if isinstance(record, Sweep) else drive_words(record, campaign.device)
     return f"{record.name}: {drive}. Noise floor: {record.noise.method}."
 
 
-def remarks(record: Record) -> tuple[str, ...]:
+def remarks(record: Record, campaign: Campaign) -> tuple[str, ...]:
     """What is unusual about a record, in words."""
     if isinstance(record, Sweep):
-        return ()
+        return sweep_remarks(record, campaign)
     found = judge(record)
     clipped = (f"{found.clipped:.1%} of the response sticks to a limit",) if found.clipped > _CLIPPED else ()
     return (*clipped, *found.remarks)
-
-
-def _sweep_words(record: Sweep) -> str:
-    low, high = (significant(float(f(record.frequency)), 3) for f in (np.min, np.max))
-    levels = len(np.unique(np.round(record.level, 6)))
-    return f"sweep {low} to {high} Hz, {levels} drive level{'s' if levels > 1 else ''}"
 
 
 def judgement_dict(campaign: Campaign) -> dict[str, Any]:
@@ -142,7 +139,7 @@ def judgement_dict(campaign: Campaign) -> dict[str, Any]:
 def _as_dict(record: Record, campaign: Campaign) -> dict[str, Any]:
     common = {"file": record.name, "holdout": record.holdout, "noise": asdict(record.noise)}
     if isinstance(record, Sweep):
-        return {**common, "kind": "sweep", "drive": _sweep_words(record), "samples": len(record.frequency)}
+        return {**common, "kind": "sweep", **sweep_dict(record)}
     judged = asdict(judge(record))
     own = {key: value for key, value in judged.items() if key not in ("name", "noise")}
     return {**common, "kind": "trace", "drive": drive_words(record, campaign.device), **own}

@@ -115,6 +115,9 @@ def _number(told: float | None) -> float:
 
 
 def _campaign(told: dict[str, Any], folder: Path) -> Campaign:
+    if not told["files"]:
+        what = "this run was fitted to data in memory, which no file holds"
+        raise UserError(what, where=str(folder), do="fit them again, or from files")
     campaign = read_campaign([folder / file for file in told["files"]])
     for file, told_sum in told["checksums"].items():
         if campaign.checksums.get(file) != told_sum:

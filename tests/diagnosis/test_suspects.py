@@ -100,3 +100,10 @@ def test_the_number_that_brings_a_record_back():
         best = nuisances(measured + noise, curve, 0.01)[0]
         assert best.kind == kind and best.error < 1.2
         assert size is None or abs(best.size - size) < 0.02 * abs(size)
+
+
+def test_a_level_is_no_drift():
+    # Seen of a device whose sensor has an offset: "the response drifts by 0.13 noise floors".
+    predicted = np.sin(np.linspace(0.0, 40.0, 700))
+    measured = predicted + 0.3 + 0.01 * np.random.default_rng(0).standard_normal(700)
+    assert next(one for one in nuisances(measured, predicted, 0.01) if one.kind == "drift").error == np.inf

@@ -89,8 +89,10 @@ def test_terms_with_memory_are_written_with_their_hidden_states(tmp_path):
 
 
 def test_a_play_rests_until_it_is_dragged():
-    x = np.array([[0.0, 1.0, 0.5, -0.5, -2.0]])
-    assert plays(x, np.array([0.4]))[0, 0] == pytest.approx([0.0, 0.6, 0.6, -0.1, -1.6])
+    long, short = np.array([0.0, 1.0, 0.5, -0.5, -2.0]), np.array([0.0, -1.0])
+    found = plays([long, short], np.array([0.4]))
+    assert found[0][0] == pytest.approx([0.0, 0.6, 0.6, -0.1, -1.6])
+    assert found[1][0] == pytest.approx([0.0, -0.6])
 
 
 def test_a_relaxation_follows_its_differential_equation():

@@ -88,7 +88,7 @@ def test_a_defect_of_ours_is_one_line_too_and_says_how_to_see_more(monkeypatch, 
     def broken(*_):
         raise RuntimeError("a\ndefect")
 
-    monkeypatch.setattr("ident.campaign.read_campaign", broken)
+    monkeypatch.setattr("ident.report.check.check", broken)
     outcome = ident("check", small)
     assert (outcome.code, outcome.out, len(outcome.err.splitlines())) == (1, "", 1)
     assert "RuntimeError: a defect" in outcome.err and "IDENT_DEBUG=1" in outcome.err

@@ -9,12 +9,10 @@ from experiments import docs_numbers
 from ident.cli.main import COMMANDS
 
 
-@pytest.mark.slow
 def test_every_excerpt_and_every_number_holds(tmp_path: Path) -> None:
     assert docs_numbers.main(tmp_path, figure=False) == 0
 
 
-@pytest.mark.slow
 def test_the_python_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
     text = (docs_numbers.ROOT / "README.md").read_text(encoding="utf-8")
     fence = re.search(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
@@ -22,8 +20,10 @@ def test_the_python_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.Monke
     (tmp_path / "data").symlink_to(docs_numbers.ROOT / "data")
     monkeypatch.chdir(tmp_path)
     exec(fence[1], {})
-    error, quality = map(float, capsys.readouterr().out.split())
-    assert error == pytest.approx(1.0, abs=0.02) and quality == pytest.approx(35.0, abs=0.05)
+    error, quality, deviation = map(float, capsys.readouterr().out.split())
+    assert (
+        error == pytest.approx(1.0, abs=0.02) and quality == pytest.approx(35.0, abs=5 * deviation) and deviation < 0.05
+    )
     assert (tmp_path / "runs" / "clean" / "report.html").is_file()
 
 

@@ -1,0 +1,41 @@
+"""A drive without a response: what a model is asked about before anything is measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ident.units import NUMBER, find_unit
+
+from .checks import on_grid, uniform_time
+from .columns import match_columns, trace_roles
+from .device import Device
+from .drive import find_period
+from .record import Channel, NoiseFloor, Trace
+from .spec import signal_units
+from .table import Column, Table
+
+_FINE = 1e-4  # of a response that is not known: the solver's step is then as fine as for the best records
+
+
+def drive_alone(table: Table, device: Device, columns: Mapping[str, str | int] | None = None) -> Trace:
+    """Time and drive of a table as a record that starts at rest; its response is zero, because there is none.
+
+    **Raises:** UserError if the columns cannot be told, or time is not uniform.
+    """
+    (unit, dimension), (response_unit, _) = signal_units(device)
+    roles = trace_roles(dimension or NUMBER, NUMBER, ("" if dimension else unit, ""))[:2]
+    found = match_columns(table, roles, columns or {}, {})
+    time_factor, drive_factor = _factor(found["time"]), _factor(found["drive"])
+    time = uniform_time(found["time"], time_factor, [])
+    drive = on_grid(found["time"], time_factor, time, found["drive"].numbers() * drive_factor)
+    noise = NoiseFloor(_FINE, method="nothing was measured")
+    channels = Channel(found["drive"].unit or unit, drive_factor), Channel(response_unit, 1.0)
+    nothing = np.zeros(len(time))
+    return Trace(table.name, time, drive, nothing, *channels, noise=noise, start="rest", period=find_period(drive))
+
+
+def _factor(column: Column) -> float:
+    known = find_unit(column.unit) if column.unit else None
+    return known.factor if known else 1.0

@@ -1,0 +1,35 @@
+"""Single parameters changed by name: `{"quality": 40, "residual-stress.sigma12": "80 MPa"}`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..campaign.table import is_number
+from ..errors import UserError
+from ..model import Model
+from ..units import parse_quantity, unit
+from .access import position
+
+
+def changed_values(model: Model, values: np.ndarray, changes: Mapping[str, float | str]) -> np.ndarray:
+    """The parameter values (m,) SI with those of `changes`: SI numbers, or texts with a unit.
+
+    **Raises:** UserError for a name that the model does not have, or a value that its parameter cannot take.
+    """
+    values = np.array(values, float)
+    for name, told in changes.items():
+        index = position([p.name for p in model.parameters], name)
+        parameter = model.parameters[index]
+        if isinstance(told, str) and not is_number(told):
+            value = parse_quantity(told, unit(parameter.unit).dimension, where=name)
+        elif isinstance(told, (str, int, float, np.number)):
+            value = float(told)
+        else:
+            raise UserError(f"{told!r} is no number", where=name, do='give a number in SI units, or a text ("0.6 kHz")')
+        if not math.isfinite(value) or (parameter.positive and value < 0):
+            raise UserError(f"{told} is not possible", where=name, do="give a finite value of the right sign")
+        values[index] = value
+    return values

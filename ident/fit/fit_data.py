@@ -1,0 +1,58 @@
+"""`ident.fit(data)`: a fit of records as they come, from files or memory, on the linear model that they ask for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from ..campaign.campaign import Campaign
+from ..campaign.read import read_campaign
+from ..effects.effect import AbstractEffect
+from ..model import Model, make_effect
+from .fit import fit
+from .result import Fit, SigmaChoice
+from .start_model import start_model
+
+Effects = Model | Sequence[str | type[AbstractEffect]] | str | None
+"""A model, or what `model_for` makes one of: names of effects, or classes of one's own."""
+
+
+def fit_data(
+    data: Any,
+    effects: Effects = None,
+    *,
+    sigma: SigmaChoice = "known",
+    robust: bool = False,
+    starts: int = 0,
+    seed: int = 0,
+    report: Callable[[str], None] = lambda _: None,
+    **told: Any,
+) -> Fit:
+    """Fit the records of `data` that are not held out, by least squares; what `ident fit` does, without its run folder.
+
+    **Arguments:**
+
+    - `data`, `told`: a campaign, files, or arrays, as of `read_campaign`.
+    - `effects`: names of effects, or effect classes of one's own, instead of those of the campaign; () is the linear
+      model alone. Or a whole model.
+    - `sigma`, `robust`: what the error bars stand on, as in `ident.fit_model`.
+    - `starts`, `seed`: random starts beside those that the records suggest. `report`: called with progress in words.
+
+    **Raises:** UserError for data, effects or settings that cannot be used.
+    """
+    campaign = read_campaign(data, **told)
+    model = model_for(campaign, effects, report)
+    return fit(model, campaign, sigma=sigma, robust=robust, starts=starts, seed=seed, report=report)
+
+
+def model_for(campaign: Campaign, effects: Effects, report: Callable[[str], None] = lambda _: None) -> Model:
+    """The model of a fit: as it is, or with the linear part that the records choose and these effects."""
+    if isinstance(effects, Model):
+        return effects
+    asked = (effects,) if isinstance(effects, (str, type)) else effects
+    names = None if asked is None else [one for one in asked if isinstance(one, str)]
+    model = start_model(campaign, names, report)
+    for own in () if asked is None else asked:
+        if not isinstance(own, str):
+            model = model + make_effect(campaign, own.name, {own.name: own})
+    return model

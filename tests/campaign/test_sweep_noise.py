@@ -1,0 +1,104 @@
+"""The noise of curves is found beside their peaks, bends and jumps."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from ident.campaign.jump import find_jump, loop_runs_backwards
+from ident.campaign.record import Channel, NoiseFloor, Sweep
+from ident.campaign.sweep_noise import sweep_noise
+from tests.campaign.curves import QUALITY, RESONANCE, both_ways, duffing
+
+# 40 frequencies, 4.5 of them within the half-power width near resonance, as in experiments/curves
+FREQUENCY = RESONANCE * (
+    1 + np.concatenate([np.linspace(-10, -2.5, 8), np.linspace(-2.2, 3.5, 26), np.linspace(4, 12, 6)]) / QUALITY
+)
+LEVELS = (1 / 3, 5 / 9, 7 / 9, 1.0)
+
+
+@cache
+def _clean(cubic: float):
+    return both_ways(LEVELS, FREQUENCY, cubic)
+
+
+def _sweep(cubic: float, phase: bool, constant: float, relative: float, turn: float, seed: int):
+    f, level, up, clean = _clean(cubic)
+    rng = np.random.default_rng(seed)
+
+    def white() -> np.ndarray:
+        return rng.standard_normal(len(f))
+
+    seen = clean * (1 + relative * white()) * np.exp(1j * turn * white()) + constant * (white() + 1j * white())
+    volts = Channel("V", 1.0)
+    sweep = Sweep("s.csv", f, level, np.abs(seen), np.angle(seen) if phase else None, up, "fundamental", volts, volts,
+                  NoiseFloor(0.0))  # fmt: skip
+    size = np.abs(clean)
+    return sweep, np.hypot(constant, relative * size), np.hypot(constant / size, turn)
+
+
+@pytest.mark.parametrize("phase", [True, False], ids=["phase", "amplitude"])
+@pytest.mark.parametrize("cubic", [0.0, 0.03, 0.12], ids=["linear", "bent", "jumps"])
+@pytest.mark.parametrize(
+    "noise", [(1e-3, 2e-3, 2e-3), (2e-3, 0.0, 0.0), (1e-4, 5e-3, 5e-3)], ids=["both", "constant", "relative"]
+)
+def test_the_noise_of_curves(noise, cubic, phase):
+    ratios = []
+    for seed in range(6):
+        sweep, amplitude, angle = _sweep(cubic, phase, *noise, seed)
+        found = sweep_noise(sweep)
+        high = amplitude >= np.quantile(amplitude, 0.9)
+        ratios.append(
+            [np.median(found.deviation / amplitude), np.median((found.deviation / amplitude)[high]),
+             np.median(found.phase_deviation / angle)]
+        )  # fmt: skip
+        assert found.noise.relative_error < 0.3 and "scatter" in found.noise.method
+    everywhere, top, turned = np.mean(ratios, 0)
+    print(f"{everywhere:.2f} {top:.2f} {turned:.2f}, scatter {np.std(ratios, 0)}")
+    assert 0.88 < everywhere < 1.12
+    assert 0.85 < top < (1.25 if cubic == 0.0 else 1.8 if phase or cubic < 0.1 else 2.3)
+    assert not phase or 0.88 < turned < 1.12
+
+
+def test_curves_without_noise_or_with_few_points():
+    sweep, *_ = _sweep(0.0, True, 0.0, 0.0, 0.0, 0)
+    assert 0 < sweep_noise(sweep).noise.sigma < 2e-3
+    few = both_ways((1.0,), np.linspace(480, 520, 6), 0.0)
+    volts = Channel("V", 1.0)
+    short = Sweep("s.csv", few[0], few[1], np.abs(few[3]), None, few[2], "fundamental", volts, volts, NoiseFloor(0.0))
+    assert "too few" in sweep_noise(short).noise.method and sweep_noise(short).noise.relative_error == 1.0
+
+
+def test_points_too_far_apart_give_an_upper_estimate():
+    f, level, up, clean = both_ways((1.0,), np.linspace(440, 580, 15), 0.12)
+    volts = Channel("V", 1.0)
+    found = sweep_noise(Sweep("s.csv", f, level, np.abs(clean), None, up, "fundamental", volts, volts, NoiseFloor(0.0)))
+    assert found.noise.relative_error == 1.0
+
+
+@pytest.mark.parametrize("cubic", [0.15, -0.15], ids=["hardening", "softening"])
+def test_jumps_stand_where_branches_end(cubic):
+    f = np.arange(420.0, 580.0, 1.0)
+    up, down = (find_jump(g, np.abs(duffing(1.0, g, cubic))) for g in (f, f[::-1]))
+    assert up is not None and down is not None
+    assert up.frequency > down.frequency and up.rise == down.rise == (cubic < 0)
+    assert loop_runs_backwards(up, down) is False and loop_runs_backwards(down, up) is True
+    fine = np.arange(420.0, 580.0, 0.02)
+    for jump, g in ((up, fine), (down, fine[::-1])):
+        step = int(np.argmax(np.abs(np.diff(np.abs(duffing(1.0, g, cubic))))))
+        assert abs(jump.frequency - g[step]) <= jump.uncertainty + 0.02
+
+
+@pytest.mark.parametrize("spacing", [0.5, 1.0, 3.0, 4.0])
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+def test_a_resonance_without_a_jump_has_none(spacing, noise):
+    f = np.arange(440.0, 560.0, spacing)
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        f = f + 0.37 * spacing * (seed % 3 - 1)
+        response = 1 / (1 - (f / 500) ** 2 + 1j * f / 500 / QUALITY) / QUALITY
+        response = response + noise * rng.standard_normal(len(f))
+        assert find_jump(f, np.abs(response)) is None
+        assert find_jump(f, np.abs(response), np.angle(response)) is None
