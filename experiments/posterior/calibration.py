@@ -4,6 +4,7 @@
 
 Each case draws frequency, quality, gain and cubic spring of an oscillator from the very priors that are assumed,
 simulates two records by an adaptive solver (not by the package), and ranks each truth among draws of the posterior.
+`--device platform` draws six parameters of a stressed platform instead (`stressed_platforms`).
 `--noise ar` colours the noise; `--starts moving` lets the records begin in motion, so that initial states are
 integrated out. `--missing` hides a quadratic damping that the model lacks: no interval may then be called final where
 the noise leaves it visible (`--sigma 0.005`, a hundredth of the signal; the standard 0.05 is a tenth of it).
@@ -28,6 +29,7 @@ from matplotlib.figure import Figure
 from scipy import stats
 from scipy.integrate import solve_ivp
 
+from experiments.posterior import stressed_platforms
 from experiments.simulator import noise
 from experiments.simulator.signals import Tones, multisine
 from ident.campaign import Campaign, Channel, NoiseFloor, Oscillator, Trace
@@ -90,9 +92,8 @@ def case(seed: int, colour: str, starts: str, hidden: bool, sigma: float) -> tup
     return truth, fit(replace(model, start=tuple((n, p.mean) for n, p in PRIORS.items())), campaign)
 
 
-def one(seed: int, colour: str, starts: str, hidden: bool, sigma: float, by: str) -> dict[str, Any]:
+def one(seed: int, truth: dict[str, float], found: Fit, by: str) -> dict[str, Any]:
     """Ranks (of `RANKS`) of the truths, whether the intervals hold them, and whether they would be called final."""
-    truth, found = case(seed, colour, starts, hidden, sigma)
     begun = time.process_time()
     density, draws, settled = _drawn(make_density(found), seed, by)
     values = density.values(draws)[:, list(density.static.free)]
@@ -100,7 +101,7 @@ def one(seed: int, colour: str, starts: str, hidden: bool, sigma: float, by: str
     at = np.array([truth[name] for name in density.names])
     below = np.mean(values < at, axis=0)
     return {
-        "seed": seed, "ranks": [int(min(b * RANKS, RANKS - 1)) for b in below],
+        "seed": seed, "names": density.names, "ranks": [int(min(b * RANKS, RANKS - 1)) for b in below],
         "in50": [bool(0.25 < b < 0.75) for b in below], "in90": [bool(0.05 < b < 0.95) for b in below],
         "final": settled and not misfit(density).reasons, "seen": bool(missing(found, registry(()))),
         "cpu": round(time.process_time() - begun, 1),
@@ -147,15 +148,17 @@ def check(found: dict[str, Any], hidden: bool, sigma: float) -> None:
 def draw(lines: list[dict[str, Any]]) -> Figure:
     """Rank histograms: flat within the band where every interval means what it says."""
     ranks = np.array([x["ranks"] for x in lines]) * 10 // RANKS
-    figure = new_figure(10.0, 2.6)
+    figure = new_figure(11.0, 2.6)
     low, high = stats.binom.ppf([0.005, 0.995], len(lines), 0.1)
-    for k, name in enumerate(PRIORS):
-        axes = new_axes(figure, 0.05 + 0.24 * k, 0.19, 0.2, 0.6)
+    names = lines[0]["names"]
+    wide = 0.96 / len(names)
+    for k, name in enumerate(names):
+        axes = new_axes(figure, 0.05 + wide * k, 0.19, 0.8 * wide, 0.6)
         axes.axhspan(low, high, color=BAND)
         axes.bar(np.arange(10), np.bincount(ranks[:, k], minlength=10), width=0.85, color=MODEL)
         axes.axhline(len(lines) / 10, color=INK, lw=0.8, ls=":")
-        axes.set_xticks([-0.5, 9.5], ["lowest", "highest"])
-        label(axes, "", "datasets" if k == 0 else "", name)
+        axes.set_xticks([0, 9], ["low", "high"])
+        label(axes, "", "datasets" if k == 0 else "", name.rpartition(".")[2])
     claim = f"Where the truth ranks among draws of its posterior, {len(lines)} datasets: flat, as it should be"
     figure.text(0.008, 0.94, claim, fontsize=11, weight="bold", color=INK, va="center")
     figure.text(
@@ -168,6 +171,7 @@ def main() -> None:
     """Run the study, going on where it stopped."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--cases", type=int, default=60)
+    parser.add_argument("--device", choices=("oscillator", "platform"), default="oscillator")
     parser.add_argument("--noise", choices=("white", "ar"), default="white")
     parser.add_argument("--starts", choices=("rest", "moving"), default="rest")
     parser.add_argument("--missing", action="store_true")
@@ -181,7 +185,11 @@ def main() -> None:
     if told.results.exists():
         lines = [json.loads(text) for text in told.results.read_text(encoding="utf-8").splitlines()]
     for seed in range(len(lines), told.cases):
-        lines.append(one(seed, told.noise, told.starts, told.missing, told.sigma, told.by))
+        if told.device == "platform":
+            drawn = stressed_platforms.case(seed)
+        else:
+            drawn = case(seed, told.noise, told.starts, told.missing, told.sigma)
+        lines.append(one(seed, *drawn, told.by))
         with told.results.open("a", encoding="utf-8") as file:
             file.write(json.dumps(lines[-1]) + "\n")
     found = summary(lines)
