@@ -94,7 +94,8 @@ def _short_period(
     beside += ["a transient"] if removed.level else []
     words = "a decay" if period is None else f"{n / period:.0f} periods"
     numbers = f"{removed.basis.shape[1]} numbers fitted"
-    method = f"what {words} leave beside {' and '.join(beside) or 'a constant'} ({numbers})"
+    verb = "leaves" if words.startswith("a ") else "leave"
+    method = f"what {words} {verb} beside {' and '.join(beside) or 'a constant'} ({numbers})"
     return fit, method + (f"; mains hum, {share:.0%} of its power, is part of it" if share > 0 else "")
 
 

@@ -30,10 +30,10 @@ def command(run: str, as_json: bool) -> None:
     progress("reading the run")
     fit = load_run(folder)
 
-    from ident.posterior.attribution import attribute
+    from ident.diagnosis.judged import attribute
     from ident.report.attribution_view import attribution_dict, attribution_section, attribution_sheet
 
-    progress("switching mechanisms on and off at draws of the posterior")
+    progress("asking the library what is missing, switching mechanisms on and off at draws of the posterior")
     document = attribution_dict(attribute(fit), fit.model.device)
     write_json(folder / "attribution.json", document)
     progress("writing the report")

@@ -48,7 +48,7 @@ def command(run: str, resume: bool, minutes: float | None, seed: int, force: boo
     progress("reading the run")
     fit = load_run(folder)
 
-    from ident.posterior.result import draw_posterior
+    from ident.diagnosis.judged import sample
     from ident.report.posterior_json import posterior_dict
     from ident.report.posterior_view import (
         evidence_words,
@@ -58,9 +58,9 @@ def command(run: str, resume: bool, minutes: float | None, seed: int, force: boo
         verdict_words,
     )
 
-    progress("finding the peak and compiling the posterior")
+    progress("asking the library what is missing, finding the peak and compiling the posterior")
     seconds = None if minutes is None else 60 * minutes
-    posterior = draw_posterior(fit, chain_file, resume=resume, seed=seed, seconds=seconds, report=_tell)
+    posterior = sample(fit, chain_file, resume=resume, seed=seed, seconds=seconds, report=_tell)
     document = posterior_dict(posterior)
     progress("writing posterior.nc and the report")
     write_json(folder / "posterior.json", document)

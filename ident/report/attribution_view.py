@@ -35,6 +35,7 @@ def attribution_dict(found: Attribution, device: Device) -> dict[str, Any]:
         "mechanisms": list(found.mechanisms),
         "leading": list(found.leading),
         "overall": [_share(s) for s in found.overall],
+        "within": [_share(s) for s in found.within],
         "records": [
             {
                 "file": r.record.name,
