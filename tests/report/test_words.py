@@ -196,6 +196,6 @@ def test_a_record_that_is_clipped_is_named_beside_the_fit(make_fit):
     first, *others = found.campaign.traces
     limit = 0.7 * float(np.max(np.abs(first.response)))
     clipped = replace(first, response=np.clip(first.response, -limit, limit))
-    spoilt = replace(found, campaign=replace(found.campaign, records=(clipped, *others)))
+    spoilt = make_fit(campaign=replace(found.campaign, records=(clipped, *others)))
     assert "sticks to a limit" in _warned(spoilt) and first.name in _warned(spoilt)
     assert "Suspect" not in _said(found)
