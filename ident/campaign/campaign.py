@@ -74,3 +74,13 @@ class Campaign:
     def heldout(self) -> tuple[Trace, ...]:
         """The traces that only judge."""
         return tuple(r for r in self.traces if r.holdout)
+
+    @property
+    def fitted_sweeps(self) -> tuple[Sweep, ...]:
+        """The sweeps that the fit may see."""
+        return tuple(r for r in self.sweeps if not r.holdout)
+
+    @property
+    def heldout_sweeps(self) -> tuple[Sweep, ...]:
+        """The sweeps that only judge."""
+        return tuple(r for r in self.sweeps if r.holdout)

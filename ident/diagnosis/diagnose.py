@@ -125,6 +125,8 @@ def diagnose(
     if found.verdict == "identified" and any(one.kind in BY_OTHERS for one in suspects):
         found = replace(found, verdict="ambiguous")
     answer = partial(Diagnosis, found, where, unseen=unseen(bench, found.ranking, library), suspects=suspects)
+    if not fitted.campaign.fitted:
+        return answer()  # what a curve lacks beyond the library, and the next record, only traces tell
     if found.verdict != "not-in-library":
         unknown = _instead(bench, report) if found.lacking else None
         return answer(unknown, next_experiments=measure_next(found, library, report))

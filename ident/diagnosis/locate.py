@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..campaign.drive import drive_frequency
+from ..campaign.record import Sweep
 from .score import Bench
 from .views import View, chance_of, from_sums, view
 from .whiteness import Correlation, drive_correlation, whiteness
@@ -76,7 +77,8 @@ class _Samples(NamedTuple):
     """Counted samples of one record: white residual and where each was taken, all (n,).
 
     **Arguments:** `time`: 0 to 1 of the record; `z`, `v`: −1 to 1 of their largest; `phase`: of the drive, 0 to 360°,
-    and `turns`, its periods since the first sample; None if the drive is not periodic.
+    and `turns`, its periods since the first sample; None if the drive is not periodic; `frequency`: of the drive at
+    each point of a sweep, whose `step` is 0.
     """
 
     white: np.ndarray
@@ -86,6 +88,7 @@ class _Samples(NamedTuple):
     phase: np.ndarray | None
     turns: np.ndarray | None
     step: float
+    frequency: np.ndarray | None = None
 
 
 def locate(bench: Bench) -> Where:
@@ -93,7 +96,7 @@ def locate(bench: Bench) -> Where:
 
     Source: L. Ljung, System Identification: Theory for the User, 1999, §16.6 (residual analysis).
     """
-    records = bench.fit.campaign.fitted
+    records = (*bench.fit.campaign.fitted, *bench.fit.campaign.fitted_sweeps)
     samples = _all_samples(bench)
     floor_error = float(np.sqrt(np.mean([r.noise.relative_error**2 for r in records])))
     squares = np.concatenate([s.white for s in samples]) ** 2
@@ -116,7 +119,12 @@ def locate(bench: Bench) -> Where:
         _by_harmonic(samples, resonance, float(bench.fit.values[1])),
         _by_frequency(samples, resonance, floor_error),
         whiteness(white, [len(r.noise.ar) for r in records]),
-        drive_correlation(white, [r.drive[r.skip :] for r in records], [r.step for r in records], _LAGS / resonance),
+        drive_correlation(
+            [s.white for s in samples if s.step],
+            [r.drive[r.skip :] for r in bench.fit.campaign.fitted],
+            [r.step for r in bench.fit.campaign.fitted],
+            _LAGS / resonance,
+        ),
         resonance,
     )
 
@@ -141,6 +149,30 @@ def _all_samples(bench: Bench) -> list[_Samples]:
                 record.step,
             )
         )
+    return found + _all_points(bench)
+
+
+def _all_points(bench: Bench) -> list[_Samples]:
+    """The numbers of each sweep: its amplitudes, then its phases."""
+    sweeps, found = bench.fit.campaign.fitted_sweeps, []
+    ends = [*bench.starts[1:], bench.n]
+    own = list(zip(bench.starts, ends, strict=True))[len(ends) - len(sweeps) :]
+    for sweep, (first, last) in zip(sweeps, own, strict=True):
+        many = (last - first) // len(sweep.frequency)
+        twice = lambda x, many=many, n=last - first: np.tile(x, many)[:n]
+        speed = sweep.amplitude * sweep.frequency
+        found.append(
+            _Samples(
+                bench.residual[first:last],
+                np.linspace(0, 1, last - first, endpoint=False),
+                twice(sweep.amplitude / np.max(sweep.amplitude)),
+                twice(speed / np.max(speed)),
+                None,
+                None,
+                0.0,
+                twice(sweep.frequency),
+            )
+        )
     return found
 
 
@@ -151,11 +183,14 @@ def _phase(drive: np.ndarray, turns: np.ndarray) -> np.ndarray:
 
 
 def _by_record(bench: Bench) -> tuple[RecordView, ...]:
-    """Error ÷ noise floor of every trace; fitted ones are judged on the white residual."""
+    """Error ÷ noise floor of every record; fitted ones are judged on the white residual."""
     ends = [*bench.starts[1:], bench.n]
     white = iter(bench.residual[first:last] for first, last in zip(bench.starts, ends, strict=True))
     found = []
-    for record, scored in zip(bench.fit.campaign.traces, bench.fit.scores, strict=True):
+    pairs = sorted(
+        zip(bench.fit.campaign.records, bench.fit.scores, strict=True), key=lambda p: isinstance(p[0], Sweep)
+    )
+    for record, scored in pairs:  # the traces first, as on the bench
         if record.holdout:
             n, chi2 = scored.n, scored.n * scored.error_over_noise**2
         else:
@@ -163,6 +198,11 @@ def _by_record(bench: Bench) -> tuple[RecordView, ...]:
             n, chi2 = len(own), float(own @ own)
         ratio = float(np.sqrt(chi2 / n))
         p = chance_of(chi2, n, record.noise.relative_error)
+        if isinstance(record, Sweep):
+            top = int(np.argmax(record.amplitude))
+            at = float(record.level[top]), float(record.amplitude[top]), float(record.frequency[top])
+            found.append(RecordView(record.name, record.holdout, ratio, chi2 - n, p, *at))
+            continue
         level, travel = (float(np.max(np.abs(x[record.skip :]))) for x in (record.drive, record.response))
         frequency = drive_frequency(record) / (2 * np.pi)
         found.append(RecordView(record.name, record.holdout, ratio, chi2 - n, p, level, travel, frequency))
@@ -208,6 +248,10 @@ def _by_frequency(samples: list[_Samples], resonance: float, floor_error: float)
     place, power = [], []
     for s in samples:
         n = len(s.white)
+        if s.frequency is not None:  # of a sweep every point is a frequency
+            power.append(s.white**2)
+            place.append(s.frequency / resonance)
+            continue
         power.append(np.abs(np.fft.rfft(s.white)[1:]) ** 2 / n)
         place.append(np.fft.rfftfreq(n, s.step)[1:] / resonance)
     where, mean = np.concatenate(place), np.concatenate(power)

@@ -25,7 +25,9 @@ from ..fit import Fit
 from ..model import Model, make_effect
 from ..pulse import Report
 from ..response import Equation
+from .balance import Balanced, balanced
 from .columns import Terms, contributions, push_columns
+from .curve_columns import Plane, curve_columns, curve_order, plane_of
 from .side_by_side import at_once
 from .trajectory import Scene, lay_out
 from .whiten import Piece, make_piece, prediction_filter, whiten
@@ -36,9 +38,12 @@ class Bench:
     """A fit prepared for regressions: whitened residual (n,) without what the model absorbs, and how to project a
     column.
 
+    The numbers of the sweeps follow those of the traces, one sweep after another.
+
     **Arguments:** `starts`: first sample of each record within n; `absorbed`: (n, q) orthonormal, the span of `known`
     (k, n), which moving the parameters along `directions` (k, m) does; `left` (n,) and `fit_chi2`: the whitened
-    residual as the fit left it and its χ², with which refits are compared; `credible`: whether the model's own
+    residual as the fit left it and its χ², with which refits are compared; `plane`: what the sweeps say while
+    parameters move; `credible`: whether the model's own
     parameters could be followed along the measured motion, on which the score statistics rest (see `prepare`);
     `instead_of`: the bench of the best fit, if this one is of other values (see `lone_record`).
     """
@@ -52,6 +57,7 @@ class Bench:
     left: np.ndarray
     known: np.ndarray
     directions: np.ndarray
+    plane: Plane | None = None
     credible: bool = True
     instead_of: Bench | None = None
 
@@ -74,9 +80,9 @@ class Bench:
         return max(best.fit_chi2 - best.n, 1e-9)
 
     @property
-    def criterion(self) -> float:
-        """Information criterion of the fit: χ² plus ln n per number that the records determine."""
-        return self.fit_chi2 + self.fit.freedom * float(np.log(self.n))
+    def numbers(self) -> int:
+        """How many numbers of the fit the records determine."""
+        return self.fit.freedom
 
     def moved(self, added: np.ndarray) -> np.ndarray | None:
         """Where the model's own parameters (m,) go when something is added that does (n,) to the readings; None if
@@ -84,6 +90,10 @@ class Bench:
         if not self.credible:
             return None
         step, _, _, _ = np.linalg.lstsq(self.known.T, self.left - added, rcond=1e-10)
+        return self.stepped(step)
+
+    def stepped(self, step: np.ndarray) -> np.ndarray:
+        """The model's own parameters (m,) after a step (k,) along the directions."""
         return self.fit.values + np.clip(step, -_FARTHEST, _FARTHEST) @ self.directions
 
     def project(self, stacked: np.ndarray) -> np.ndarray:
@@ -119,12 +129,14 @@ class Candidate(NamedTuple):
 
 class _Point(NamedTuple):
     """One point of an effect's grid: fall of χ², 0 if a sign cannot be (friction that drives); parameters; orthonormal
-    columns (n, q); where its columns are among those of all points."""
+    columns (n, q); where its columns are among those of all points; the model's own parameters beside it, if they were
+    found on the way."""
 
     drop: float
     values: Mapping[str, float]
     basis: np.ndarray
     rows: slice
+    beside: np.ndarray | None = None
 
 
 _NEAR_POINTS = 5  # of a grid, kept as starts: the best of them may lead into a local minimum
@@ -149,29 +161,53 @@ def prepare(fit: Fit, believed: bool = False) -> Bench:
         rows = solved.found.by_start[:, own] if record.start != "rest" else None
         pieces.append(make_piece(record, rows))
     lengths = [len(r.time) - r.skip for r in records]
+    white = [whiten(piece, r[None])[0] for piece, r in zip(pieces, scene.residuals, strict=True)]
+    left = list(white)
+    curves = solved.data.curves
+    if curves is not None:
+        lengths += [len(curves.places(own)) for own in curves.slices]
+        left.append(-solved.found.residuals[scene.tape.samples :][curve_order(solved)])
     starts = tuple(int(x) for x in np.concatenate([[0], np.cumsum(lengths)[:-1]]))
-    residual = np.concatenate([whiten(piece, r[None])[0] for piece, r in zip(pieces, scene.residuals, strict=True)])
+    residual = np.concatenate(left)
     empty = np.zeros((0, len(residual)))
     bench = Bench(fit, scene, tuple(pieces), starts, empty.T, residual, residual, empty, np.zeros((0, len(fit.values))))
     # A shape at its bound cannot move as its column says: to project that out would hide a misfit that remains.
     fitted = [i for i in solved.static.free if "at-bound" not in fit.estimates[i].flags]
     # A quality factor that had to be held (steady sines of one frequency) may be wrong: its error is no missing effect.
-    free = sorted({*fitted, 1}) if "held" in fit.estimates[1].flags else fitted
+    bent = "held" in fit.estimates[1].flags and fit.model.form != "quasi-static"
+    free = sorted({*fitted, 1}) if bent else fitted
     directions = np.eye(len(fit.values))[free] * np.where(fit.values[free] == 0, 1.0, fit.values[free])[:, None]
+    if curves is not None:
+        bench = replace(bench, plane=plane_of(solved, directions))
     along_measured = stack(bench, fit.model, np.tile(fit.values, (len(free), 1)), directions, linear=True)
     measured = _without(bench, along_measured, directions)
-    if believed or bench.fit_chi2 - measured.chi2 < _CREDIBLE * max(bench.fit_chi2 - bench.n, bench.n):
+    if believed or not records or bench.fit_chi2 - measured.chi2 < _CREDIBLE * max(bench.fit_chi2 - bench.n, bench.n):
         return measured
     chosen = [solved.static.free.index(i) for i in fitted]
     bench = replace(bench, credible=False)
-    return _without(bench, by_record(bench, solved.found.by_x[chosen]), np.zeros((0, 0)))
+    rows = by_record(bench, solved.found.by_x[chosen][:, : scene.tape.samples])
+    if curves is not None:
+        rows = np.concatenate(
+            [rows, solved.found.by_x[chosen][:, scene.tape.samples :][:, curve_order(solved)]], axis=1
+        )
+    return _without(bench, rows, np.zeros((0, 0)))
 
 
 def _without(bench: Bench, known: np.ndarray, directions: np.ndarray) -> Bench:
     """The bench with what rows (k, n) can absorb taken out of its residual."""
     absorbed = _orthonormal(known)
     residual = bench.left - absorbed @ (absorbed.T @ bench.left)
-    return replace(bench, absorbed=absorbed, residual=residual, known=known, directions=directions)
+    found = replace(bench, absorbed=absorbed, residual=residual, known=known, directions=directions)
+    if bench.plane is None or not len(directions):
+        return found
+    own = balanced(found, np.zeros((0, scene_samples(found))), np.zeros((0, len(bench.plane.needed))))
+    absorbed = _orthonormal(own.slopes)
+    return replace(found, absorbed=absorbed, residual=own.left - absorbed @ (absorbed.T @ own.left))
+
+
+def scene_samples(bench: Bench) -> int:
+    """How many of the bench's numbers are samples of traces."""
+    return bench.n - (0 if bench.plane is None else len(bench.plane.order))
 
 
 def stack(bench: Bench, model: Model, values: np.ndarray, directions: np.ndarray, linear: bool = False) -> np.ndarray:
@@ -180,7 +216,21 @@ def stack(bench: Bench, model: Model, values: np.ndarray, directions: np.ndarray
     `values` and `directions` are (d, m). The terms of `model` push, its linear ones only if asked for; the bench's own
     model answers.
     """
-    scene, asked = bench.scene, Terms(Equation(model), linear)
+    scene, solved, parts = bench.scene, bench.scene.solved, []
+    if scene.tape.spans:
+        parts.append(_along_traces(bench, Terms(Equation(model), linear), values, directions))
+    if solved.data.curves is not None:
+        plane = bench.plane
+        assert plane is not None  # there are sweeps
+        # Of its own parameters the model itself says what they do, all harmonics together.
+        moved = plane.own if linear else curve_columns(solved, Equation(model), values, directions)
+        parts.append(-plane.slopes(plane.needed, moved))
+    return np.concatenate(parts, axis=1)
+
+
+def _along_traces(bench: Bench, asked: Terms, values: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """`stack` of the traces."""
+    scene = bench.scene
     both = contributions(asked, scene.tape, values, directions, scene.moved, scene.seen)
     forces, shown = zip(*both, strict=True)
     rows = np.zeros((len(values), scene.tape.samples))
@@ -235,6 +285,7 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     values = np.array([np.concatenate([known, point]) for point in points for _ in amplitudes])
     directions = np.array([np.eye(values.shape[1])[first + a] for _ in points for a in amplitudes])
     raw = stack(bench, model, values, directions)
+    moves = None if bench.plane is None else curve_columns(bench.scene.solved, Equation(model), values, directions)
     projected = bench.project(raw)
     names = [p.name for p in instance.declared()]
     one_sided = [p.name for p in instance.declared() if p.one_sided]
@@ -242,7 +293,9 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     for k, point in enumerate(points):
         rows = slice(k * len(amplitudes), (k + 1) * len(amplitudes))
         basis = _orthonormal(projected[rows], raw[rows])
-        if basis.shape[1]:
+        if basis.shape[1] and moves is not None:
+            tried.append(_balanced_point(bench, names, amplitudes, point, one_sided, raw[rows], moves[rows], rows))
+        elif basis.shape[1]:
             found = _estimate(bench, names, amplitudes, point, projected[rows])
             sizes = [found[name] for name in one_sided]
             impossible = bench.credible and max(sizes, default=0.0) <= 0 > min(sizes, default=0.0)
@@ -251,7 +304,9 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     if not tried:
         return None
     best, *others = sorted(tried, key=lambda tried: -tried.drop)
-    beside = bench.moved(np.array([best.values[names[a]] for a in amplitudes]) @ raw[best.rows])
+    beside = best.beside
+    if beside is None:
+        beside = bench.moved(np.array([best.values[names[a]] for a in amplitudes]) @ raw[best.rows])
     rows = projected[best.rows]
     lengths = np.maximum(np.linalg.norm(rows, axis=1), 1e-300)  # amplitudes differ in unit, and so by powers of ten
     unit = rows / lengths[:, None]
@@ -275,6 +330,23 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
         near,
         beside,
     )
+
+
+def _balanced_point(
+    bench: Bench, names: list[str], amplitudes: list[int], point: np.ndarray, one_sided: list[str], raw: np.ndarray,
+    moves: np.ndarray, rows: slice,
+) -> _Point:  # fmt: skip
+    """One point of an effect's grid where there are sweeps: amplitudes by the balance of the fundamental."""
+    found: Balanced = balanced(bench, raw[:, : scene_samples(bench)], moves)
+    own = len(bench.directions)
+    values = dict(zip(names, (float(x) for x in point), strict=True))
+    values |= {names[a]: float(x) for a, x in zip(amplitudes, found.step[own:], strict=True)}
+    sizes = [values[name] for name in one_sided]
+    impossible = max(sizes, default=0.0) <= 0 > min(sizes, default=0.0)
+    drop = 0.0 if impossible else max(bench.chi2 - float(found.left @ found.left), 0.0)
+    explained = (bench.residual - found.left)[None]  # where the effect is small, its own projected column
+    basis = _orthonormal(np.concatenate([explained, bench.project(found.slopes[own:])])[: len(raw)])
+    return _Point(drop, values, basis, rows, bench.stepped(found.step[:own]))
 
 
 def _estimate(

@@ -51,7 +51,7 @@ def find_suspects(fitted: Fit, report: Report = lambda _: None) -> tuple[Suspect
 
 
 def _disagree(fitted: Fit) -> bool:
-    errors = [score.error_over_noise for score in fitted.scores]
+    errors = [score.error_over_noise for score in fitted.trace_scores]
     return len(errors) > 1 and max(errors) > _FAR * _FLOOR
 
 
@@ -67,7 +67,7 @@ def cleared(suspects: tuple[Suspect, ...], final: Fit) -> tuple[Suspect, ...]:
 
 def _by_others(fitted: Fit) -> list[Suspect]:
     traces = fitted.campaign.traces
-    worst = sorted(range(len(traces)), key=lambda i: -fitted.scores[i].error_over_noise)
+    worst = sorted(range(len(traces)), key=lambda i: -fitted.trace_scores[i].error_over_noise)
     inside = [i for i in worst if not traces[i].holdout][:_MOST]
     outside = [i for i in worst if traces[i].holdout][:_MOST]
     best: tuple[float, Suspect] | None = None
@@ -96,7 +96,7 @@ def _values_without(fitted: Fit, i: int) -> np.ndarray | None:
     traces = fitted.campaign.traces
     kept = tuple(r for j, r in enumerate(traces) if not r.holdout and j != i)
     initial = fitted.values
-    if fitted.model.form != "no-spring":
+    if fitted.model.form in ("oscillator", "overdamped"):
         frequency = coarse_frequency(kept, fitted.campaign.fitted)
         initial = fitted.values if abs(math.log(frequency / fitted.values[0])) < 1.5 * GRID_STEP else None
     try:

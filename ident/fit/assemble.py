@@ -11,6 +11,7 @@ from ..campaign.record import Trace
 from ..model import Model, ModelParameter
 from ..response import Equation, Tape
 from .coordinates import to_coordinates
+from .curves import Curves
 from .guess import DataScales
 from .problem import Data, Static, Unknowns
 
@@ -26,9 +27,10 @@ def assemble(
     values: np.ndarray,
     scales: DataScales | None = None,
     held: bool = False,
+    curves: Curves | None = None,
 ) -> tuple[Static, Data]:
-    """The arrays of a fit to the records on a tape, whose unknowns are the model's fitted parameters, at `values` (m,)
-    SI; if `held`, only the initial states."""
+    """The arrays of a fit to the records on a tape, and to curves, whose unknowns are the model's fitted parameters, at
+    `values` (m,) SI; if `held`, only the initial states."""
     parameters = model.parameters
     fitted = [i for i, p in enumerate(parameters) if p.fitted]
     free = () if held else tuple(fitted)
@@ -37,9 +39,9 @@ def assemble(
     values = np.asarray(values, float)
     data = Data(
         tape,
-        np.concatenate([record.response for record in records]),
-        np.concatenate([_weight(record, float(values[0])) for record in records]),
-        np.array([_start_scale(record, float(values[0])) for record in records]),
+        np.concatenate([np.zeros(0), *(record.response for record in records)]),
+        np.concatenate([np.zeros(0), *(_weight(record, float(values[0])) for record in records)]),
+        np.array([_start_scale(record, float(values[0])) for record in records]).reshape(-1, 2),
         values,
         bounds[:, 0],
         bounds[:, 1],
@@ -47,6 +49,7 @@ def assemble(
         np.zeros(len(free)),
         np.array([0.0 if p is None else p.mean for p in priors]),
         np.array([0.0 if p is None else 1.0 / p.deviation for p in priors]),
+        curves,
     )
     moving = bool(np.any(data.start_scale))
     static = Static(Equation(model), free, moving, len(fitted) + 2 * moving)
@@ -68,8 +71,9 @@ def _weight(record: Trace, frequency: float) -> np.ndarray:
 
 def _start_scale(record: Trace, frequency: float) -> np.ndarray:
     """Typical displacement and velocity of a record that does not start at rest, else zero."""
-    amplitude = float(np.max(np.abs(record.response))) or 1.0
-    return (record.start != "rest") * amplitude * np.array([1.0, 2 * np.pi * frequency])
+    omega = 2 * np.pi * frequency
+    amplitude = (float(np.max(np.abs(record.response))) or 1.0) / omega**record.order
+    return (record.start != "rest") * amplitude * np.array([1.0, omega])
 
 
 def bounds_of(parameter: ModelParameter, value: float, scales: DataScales | None) -> tuple[float, float]:
@@ -95,14 +99,21 @@ def at_values(data: Data, static: Static, values: np.ndarray) -> Data:
 
 def begin(data: Data, static: Static) -> Unknowns:
     """Unknowns to start from: x = 0, initial states read off the first samples."""
-    starts = [_measured_start(data.response[own], lane.step * span.substeps)
+    omega = 2 * np.pi * float(data.template[0])
+    starts = [_measured_start(data.response[own], lane.step * span.substeps, int(lane.order), omega)
               for own, lane, span in zip(data.tape.slices, data.tape.lanes, data.tape.spans, strict=True)]  # fmt: skip
     scale = np.where(data.start_scale > 0, data.start_scale, 1.0)
-    return Unknowns(np.zeros(len(static.free)), np.where(data.start_scale > 0, np.array(starts) / scale, 0.0))
+    return Unknowns(
+        np.zeros(len(static.free)), np.where(data.start_scale > 0, np.array(starts).reshape(-1, 2) / scale, 0.0)
+    )
 
 
-def _measured_start(response: np.ndarray, step: float) -> np.ndarray:
-    """Displacement and velocity read off the first samples."""
+def _measured_start(response: np.ndarray, step: float, order: int, omega: float) -> np.ndarray:
+    """Displacement and velocity read off the first samples; where a derivative of the displacement of some `order` was
+    measured, those of a free motion that begins so."""
     few = min(5, len(response))
     line = np.polynomial.polynomial.polyfit(np.arange(few), response[:few], min(2, few - 1))
-    return np.array([line[0], line[1] / step])
+    at, rate = float(line[0]), float(line[1]) / step
+    if order == 1:
+        return np.array([-rate / omega**2, at])
+    return np.array([at, rate]) / (-(omega**2) if order else 1.0)

@@ -8,8 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..campaign.campaign import Campaign
+from ..campaign.record import Trace
 from ..model import Model, ModelParameter
 from .coordinates import slopes
+from .curve_reading import CurveReading, read_curves, told
 from .guess import DataScales
 from .identifiability import identifiability
 from .judge import combine, score_record
@@ -54,8 +56,13 @@ def finish(model: Model, campaign: Campaign, minimum: Minimum, sigma: SigmaChoic
     judged = identifiability([parameters[i] for i in free], values[free], stretch, spectrum)
     inside = [found.readings[own] for own in data.tape.slices]
     heldout = read(model, values, campaign.heldout) if campaign.heldout else []
-    told = _in_order(campaign, inside, heldout)
-    scores = tuple(score_record(record, r) for record, r in zip(campaign.traces, told, strict=True))
+    shown = _in_order(campaign, inside, heldout)
+    curves = _curves(model, campaign, minimum)
+    by_trace, by_sweep = iter(zip(campaign.traces, shown, strict=True)), iter(curves)
+    scores = tuple(
+        score_record(*next(by_trace)) if isinstance(record, Trace) else next(by_sweep).score
+        for record in campaign.records
+    )
     error = combine([s for s in scores if not s.holdout])
     factor = error.error_over_noise**2 if sigma == "scaled" and error is not None else 1.0
     matrix = factor * spectrum.matrix * np.outer(stretch, stretch)
@@ -67,7 +74,7 @@ def finish(model: Model, campaign: Campaign, minimum: Minimum, sigma: SigmaChoic
         static.free,
         matrix,
         judged.combinations,
-        told,
+        shown,
         scores,
         starts,
         sigma,
@@ -76,7 +83,19 @@ def finish(model: Model, campaign: Campaign, minimum: Minimum, sigma: SigmaChoic
         spectrum,
         linear,
         Solved(static, data, best.unknowns, found),
+        curves,
     )
+
+
+def _curves(model: Model, campaign: Campaign, minimum: Minimum) -> tuple[CurveReading, ...]:
+    """Readings of all sweeps, in the campaign's order."""
+    data, found = minimum.data, minimum.best.found
+    fitted = ()
+    if data.curves is not None and found.steady is not None:
+        rows = found.residuals[data.tape.samples :]
+        fitted = told(data.curves, found.steady.model, rows, found.steady.converged)
+    both = iter(fitted), iter(read_curves(model, found.values, campaign.heldout_sweeps))
+    return tuple(next(both[sweep.holdout]) for sweep in campaign.sweeps)
 
 
 def _in_order(campaign: Campaign, fitted: list[np.ndarray], heldout: list[np.ndarray]) -> tuple[np.ndarray, ...]:

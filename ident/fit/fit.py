@@ -8,23 +8,26 @@ from dataclasses import replace
 import numpy as np
 
 from ..campaign.campaign import Campaign
-from ..campaign.record import Trace
+from ..campaign.record import Sweep, Trace
 from ..errors import UserError
 from ..model import Model
 from ..pulse import Pulse
 from ..response import lay_out
 from . import solve
 from .assemble import assemble, at_values, begin
+from .curves import lay_curves
 from .finish import Minimum, finish
-from .guess import LinearGuess, data_scales
+from .guess import LinearGuess
 from .one_tone import gain_of, hold_dragged, hold_gain, hold_quality
 from .problem import Data, Evaluation, Static, evaluate
 from .result import Fit, SigmaChoice, Start
-from .starts import base_values, first_guess, random_points, starting_points
+from .starts import base_values, first_guess, random_points, scales_of, starting_points
 
 Report = Callable[[str], None]
 _KEPT_STARTS = 4  # of the grid, the ones whose first error is smallest
 _AT_THE_FLOOR = 1.02  # error over noise with which no further start of the grid can be better
+_REWEIGHED = 4  # times that the noise of curves is carried through the model anew, at most
+_SETTLED = 0.01  # relative change of the cost by new weights that is not worth another search
 
 
 def fit(
@@ -39,7 +42,7 @@ def fit(
     initial: np.ndarray | Sequence[np.ndarray] | None = None,
     report: Report = lambda _: None,
 ) -> Fit:
-    """Fit a model to the traces of a campaign that are not held out.
+    """Fit a model to the records of a campaign that are not held out.
 
     Minimises Σ ((measured − model)/σ)² over the fitted parameters and the initial states of the records that do not
     start at rest, from the records' own linear guess, from the effects' grids, and from `starts` random points within
@@ -53,7 +56,8 @@ def fit(
 
     **Raises:** UserError if there is nothing to fit.
     """
-    model = hold_quality(hold_gain(model, campaign.fitted), campaign.fitted)
+    if not campaign.fitted_sweeps:  # a curve tells gain and quality, whatever the traces do
+        model = hold_quality(hold_gain(model, campaign.fitted), campaign.fitted)
     all_else = replace(model, undetermined=model.undetermined & {gain_of(model)})
     found = minimise(
         model, campaign, robust=robust, starts=starts, spread=spread, seed=seed, initial=initial, report=report
@@ -63,7 +67,7 @@ def fit(
         other = minimise(all_else, campaign, robust=robust, initial=found.values)
         if other.error < _AT_THE_FLOOR:
             found = minimise(model, campaign, robust=robust, initial=other.values)
-    elif found.error > _AT_THE_FLOOR:
+    elif found.error > _AT_THE_FLOOR and not campaign.fitted_sweeps:
         held = hold_dragged(model, found.values, campaign.fitted)
         if held is not model:
             model, found = held, minimise(held, campaign, robust=robust, initial=initial, report=report)
@@ -88,27 +92,27 @@ def minimise(
     most: int = solve.MAX_STEPS,
 ) -> Minimum:
     """The least-squares minimum alone, without uncertainties; arguments as in `fit`, and `most` steps per start."""
-    records = campaign.fitted
-    if not records:
-        what = "the campaign has sweeps only, and fitting needs" if campaign.sweeps else "the campaign has no"
-        raise UserError(f"{what} at least one trace that is not held out", do="add a record with holdout = false")
+    records, sweeps = campaign.fitted, campaign.fitted_sweeps
+    if not records and not sweeps:
+        what = "the campaign has no record that is not held out"
+        raise UserError(what, do="add a record with holdout = false")
     told = [] if initial is None else list(np.atleast_2d(np.asarray(initial, float)))
     if told:
         guess = LinearGuess(float(told[0][0]), float(told[0][1]), float("nan"), float("nan"))
     else:
         report("reading the resonance off the records")
-        guess = first_guess(model, records)
-    scales = data_scales(records, guess.frequency)
+        guess = first_guess(model, campaign)
+    scales = scales_of(campaign, guess.frequency)
     base = told[0] if told else base_values(model, guess, scales)
     tape = lay_out(records, max(guess.frequency, float(base[0])), guess.quality, model.steps_per_period)
-    static, data = assemble(model, campaign, records, tape, base, scales)
-    report(f"compiling the model ({len(static.free)} parameters, {len(records)} records)")
+    curves = lay_curves(sweeps, model.steps_per_period) if sweeps else None
+    static, data = assemble(model, campaign, records, tape, base, scales, curves=curves)
+    report(f"compiling the model ({len(static.free)} parameters, {len(records) + len(sweeps)} records)")
     points = told or starting_points(model, base, scales)
     if not told and starts:
         points = [base, *random_points(model, base, starts, spread, seed)]
     candidates = _first_errors(static, data, points)[: None if starts or told else _KEPT_STARTS]
-    samples = int(np.count_nonzero(data.weight))
-    per_sample = lambda cost: float(np.sqrt(cost / samples))
+    per_sample = lambda cost: float(np.sqrt(cost / data.count))
     solutions = []
     for number, (first, there, begun) in enumerate(candidates, 1):
         stage = f"least squares, start {number} of {len(candidates)}"
@@ -116,12 +120,32 @@ def minimise(
         pulse = Pulse(report, stage)
         watch = lambda cost, pulse=pulse: pulse.beat(f"error over noise {per_sample(cost):.3g}")
         found = solve.least_squares(static, there, begin(data, static), robust, most, begun, watch)
+        found = _reweighed(static, *found, robust, most, watch)
         solutions.append((per_sample(first), *found))
         if not starts and not told and per_sample(solutions[-1][2].cost) < _AT_THE_FLOOR:
             break
     _, data, best = min(solutions, key=lambda s: s[2].cost if np.isfinite(s[2].cost) else np.inf)
     table = tuple(Start(first, per_sample(s.cost), s.steps, s.converged) for first, _, s in solutions)
     return Minimum(static, data, best, table, scales)
+
+
+def _reweighed(
+    static: Static, data: Data, found: solve.Solution, robust: bool, most: int, watch: Callable[[float], None]
+) -> tuple[Data, solve.Solution]:
+    """A solution with the noise of the curves carried through the model as it is there."""
+    for _ in range(_REWEIGHED if data.curves is not None and np.isfinite(found.cost) else 0):
+        assert data.curves is not None  # else there is no round
+        before = data.curves.white
+        data = data._replace(curves=data.curves.weighed(static.equation, found.found.values))
+        again = evaluate(static, data, found.unknowns)
+        cost = float(again.residuals @ again.residuals)
+        settled = np.array_equal(before, data.curves.white) or abs(cost - found.cost) < _SETTLED * found.cost
+        found = found._replace(cost=cost, found=again)
+        if settled:
+            break
+        data, better = solve.least_squares(static, data, found.unknowns, robust, most, again, watch)
+        found = better._replace(steps=found.steps + better.steps)
+    return data, found
 
 
 def _first_errors(static: Static, data: Data, points: list[np.ndarray]) -> list[tuple[float, Data, Evaluation]]:
@@ -136,10 +160,17 @@ def _first_errors(static: Static, data: Data, points: list[np.ndarray]) -> list[
 
 def _with_residual_noise(campaign: Campaign, found: Minimum) -> Campaign:
     records, places = list(campaign.records), iter(found.data.tape.slices)
+    curves, rows = found.data.curves, found.best.found.residuals[found.data.tape.samples :]
+    parts = iter(()) if curves is None else iter(curves.slices)
     for i, record in enumerate(records):
         if isinstance(record, Trace) and not record.holdout:
             own = next(places)
             residual = found.best.found.residuals[own][record.skip :] * record.noise.sigma
             noise = replace(record.noise, sigma=float(np.std(residual)), method="residual of the fit")
             records[i] = replace(record, noise=noise)
+        elif isinstance(record, Sweep) and not record.holdout and curves is not None:
+            size = float(np.sqrt(np.mean(rows[curves.places(next(parts))] ** 2)))
+            noise = replace(record.noise, sigma=size * record.noise.sigma, method="residual of the fit")
+            phases = size * record.phase_noise
+            records[i] = replace(record, noise=noise, relative_noise=size * record.relative_noise, phase_noise=phases)
     return replace(campaign, records=tuple(records))

@@ -2,8 +2,9 @@
 
 The unknowns are x, the fitted parameters in unbounded coordinates (ln p for positive ones) divided by `scale`, and the
 initial states of the records that do not start at rest. A record's initial state moves that record only, so the
-Jacobian costs p + 2 tangent simulations whatever the number of records (p if all start at rest). Samples of all records
-stand one after another, (samples,); `data.tape.slices` says where each record is.
+Jacobian costs p + 2 tangent simulations whatever the number of records (p if all start at rest). Samples of all traces
+stand one after another, (samples,); `data.tape.slices` says where each is. What the points of sweeps say follows them,
+(numbers,) in all.
 """
 
 from __future__ import annotations
@@ -13,8 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..response import Equation, Response, Tape, respond
+from ..response.controlled import Controlled
 from ..response.transient import fitting_width
 from .coordinates import slopes, to_values
+from .curves import Curves
 
 
 class Static(NamedTuple):
@@ -42,6 +45,7 @@ class Data(NamedTuple):
     - `template`: (m,) SI values of all parameters, fitted or not.
     - `lower`, `upper`: (p,) bounds of the fitted ones (see coordinates); `scale`, `anchor`: (p,) unit and origin of x.
     - `prior_mean`, `prior_weight`: (p,) SI; weight 1/deviation, 0 without a prior.
+    - `curves`: the points of the sweeps, if there are any.
     """
 
     tape: Tape
@@ -55,6 +59,12 @@ class Data(NamedTuple):
     anchor: np.ndarray
     prior_mean: np.ndarray
     prior_weight: np.ndarray
+    curves: Curves | None = None
+
+    @property
+    def count(self) -> int:
+        """How many numbers are fitted."""
+        return int(np.count_nonzero(self.weight)) + (0 if self.curves is None else self.curves.count)
 
 
 class Unknowns(NamedTuple):
@@ -77,9 +87,9 @@ def physical(static: Static, data: Data, x: np.ndarray) -> np.ndarray:
 class Evaluation(NamedTuple):
     """A model at one point.
 
-    **Arguments:** `values`, (m,) SI; its `response`; `residuals` (model − measured)/σ, (samples,), and their
-    derivatives `by_x` (p, samples) and `by_start` (2, samples), by the initial state of each sample's own record, empty
-    if all start at rest.
+    **Arguments:** `values`, (m,) SI; its `response`; `residuals` (model − measured)/σ, (numbers,), and their
+    derivatives `by_x` (p, numbers) and `by_start` (2, samples), by the initial state of each sample's own record, empty
+    if all start at rest; `steady`, its responses with the amplitudes of the sweeps.
     """
 
     values: np.ndarray
@@ -87,6 +97,7 @@ class Evaluation(NamedTuple):
     residuals: np.ndarray
     by_x: np.ndarray
     by_start: np.ndarray
+    steady: Controlled | None = None
 
     @property
     def readings(self) -> np.ndarray:
@@ -110,7 +121,14 @@ def evaluate(static: Static, data: Data, unknowns: Unknowns) -> Evaluation:
     residuals = np.where(np.abs(residuals) < _WORST, residuals, _WORST)
     change = found.slopes * data.weight
     change[~np.isfinite(change)] = 0.0
-    return Evaluation(values, found, residuals, change[:p], change[p : p + 2 * static.starts_free])
+    by_start = change[p : p + 2 * static.starts_free]
+    if data.curves is None:
+        return Evaluation(values, found, residuals, change[:p], by_start)
+    steady = data.curves.solve(static.equation, values)
+    own = data.curves.residuals(steady)
+    residuals = np.concatenate([residuals, np.where(np.abs(own) < _WORST, own, _WORST)])
+    by_x = np.concatenate([change[:p], data.curves.slopes(steady, directions[:p])], axis=1)
+    return Evaluation(values, found, residuals, by_x, by_start, steady)
 
 
 def readings(static: Static, data: Data, unknowns: Unknowns) -> np.ndarray:

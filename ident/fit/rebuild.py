@@ -11,11 +11,11 @@ from ..model import Model
 from ..response import lay_out
 from . import solve
 from .assemble import assemble, begin
+from .curves import lay_curves
 from .finish import Minimum, finish
-from .guess import data_scales
 from .reading import fit_starts
 from .result import Fit, SigmaChoice, Start
-from .starts import base_values, first_guess
+from .starts import base_values, first_guess, scales_of
 
 
 def fit_at(
@@ -26,20 +26,24 @@ def fit_at(
     sigma: SigmaChoice = "known",
     starts: Sequence[Start] = (),
     converged: bool = True,
+    substeps: Sequence[int] | None = None,
 ) -> Fit:
     """The Fit of a model at given values: readings and uncertainties are computed anew, but nothing is searched.
 
     Only the initial states of records that do not start at rest are fitted, at those values.
 
     **Arguments:** `values`: (m,) SI, in the order of `model.parameters`; `sigma`, `starts`, `converged`: as the search
-    reported them.
+    reported them; `substeps`: of the solver per sample of each fitted record, if they are known.
     """
     records = campaign.fitted
-    guess = first_guess(model, records)
-    scales = data_scales(records, guess.frequency)
+    guess = first_guess(model, campaign)
+    scales = scales_of(campaign, guess.frequency)
     first = float(base_values(model, guess, scales)[0])  # the search chose its solver step from the same numbers
-    tape = lay_out(records, max(guess.frequency, first), guess.quality, model.steps_per_period)
-    static, data = assemble(model, campaign, records, tape, np.asarray(values, float), scales)
+    tape = lay_out(records, max(guess.frequency, first), guess.quality, model.steps_per_period, substeps)
+    curves = lay_curves(campaign.fitted_sweeps, model.steps_per_period) if campaign.fitted_sweeps else None
+    static, data = assemble(model, campaign, records, tape, np.asarray(values, float), scales, curves=curves)
+    if curves is not None:
+        data = data._replace(curves=curves.weighed(static.equation, np.asarray(values, float)))
     data, unknowns, found = solve.rescale(static, data, begin(data, static))
     if static.starts_free:
         unknowns, found = fit_starts(static, data, unknowns)

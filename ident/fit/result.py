@@ -10,9 +10,12 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 import numpy as np
 
 from ..campaign.campaign import Campaign
+from ..campaign.record import Trace
 from ..model import Model
 from ..response import lay_out
 from . import access
+from .curve_reading import CurveReading
+from .curves import in_smaller_steps
 from .guess import DataScales
 from .identifiability import Combination
 from .judge import RecordScore, Score, combine
@@ -71,6 +74,7 @@ class Fit:
     - `free`: positions of the fitted parameters; `covariance`: (p, p) of their physical values.
     - `combinations`: what is determined of the parameters that are not determined one by one.
     - `readings`: model reading of each trace of the campaign, in the campaign's order, m.
+    - `curves`: model reading of each sweep, in the campaign's order.
     - `starts`: every start and where it ended; `sigma`: which standard deviation the error bars stand on.
     - `linear`: the fit as a linear regression, and `solved`: its arrays, for diagnosis.
     """
@@ -91,6 +95,7 @@ class Fit:
     spectrum: Covariance
     linear: Linearisation
     solved: Solved
+    curves: tuple[CurveReading, ...] = ()
 
     @cached_property
     def step_error(self) -> float:
@@ -101,7 +106,18 @@ class Fit:
         finer = readings(static, data._replace(tape=tape), unknowns)
         change = np.abs(found.readings - finer)
         largest = [np.max(change[own]) / r.noise.sigma for own, r in zip(data.tape.slices, records, strict=True)]
+        if data.curves is not None:
+            once, twice = (
+                c.residuals(c.solve(static.equation, self.values)) for c in (data.curves, in_smaller_steps(data.curves))
+            )
+            largest.append(np.max(np.abs(once - twice)))
         return float(max(largest))
+
+    @property
+    def trace_scores(self) -> tuple[RecordScore, ...]:
+        """Errors on the traces alone, in the campaign's order."""
+        pairs = zip(self.campaign.records, self.scores, strict=True)
+        return tuple(score for record, score in pairs if isinstance(record, Trace))
 
     @property
     def fitted(self) -> Score:

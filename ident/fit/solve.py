@@ -21,9 +21,7 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-import lineax as lx
 import numpy as np
-import optimistix as optx
 
 from ..programs import program
 from .coordinates import slopes
@@ -36,8 +34,6 @@ _SMALL_SHARE = 1e-9  # of the cost: more than that of a misfit is not worth a st
 _FLAT = 1e-11  # curvature, as a share of the steepest, below which the data leave a direction free
 _LEAST_STEP = 1e-12  # where damping has grown that much, rounding decides
 
-_DESCENT = optx.DampedNewtonDescent(linear_solver=lx.Cholesky())
-_SEARCH = optx.ClassicalTrustRegion(high_cutoff=0.75, low_cutoff=0.1)
 _FIRST_STEP = 100.0  # the inverse of the first damping
 _FARTHEST = 0.5  # in ln p, for positive parameters in one step
 
@@ -66,24 +62,30 @@ class _Turn(NamedTuple):
     reach: Any
 
 
-def _info(normal: Normal, units: Any) -> Any:
-    matrix = lx.MatrixLinearOperator(normal.matrix / jnp.outer(units, units), lx.positive_semidefinite_tag)
-    return optx.FunctionInfo.EvalGradHessian(normal.cost, normal.gradient / units, matrix)
-
-
 @program
 def _advance(nothing: None, point: Normal, trial: Normal, moved: Any, units: Any, reach: Any, first: Any) -> tuple:
     """Accept or reject a trial that lies `moved` away from the point, then propose the next move; as of `_Turn`."""
+    # Here, because whoever has the compiled program needs neither, and importing both takes a third of a second.
+    import lineax as lx
+    import optimistix as optx
+
+    descent = optx.DampedNewtonDescent(linear_solver=lx.Cholesky())
+    search = optx.ClassicalTrustRegion(high_cutoff=0.75, low_cutoff=0.1)
+
+    def info_of(normal: Normal, units: Any) -> Any:
+        matrix = lx.MatrixLinearOperator(normal.matrix / jnp.outer(units, units), lx.positive_semidefinite_tag)
+        return optx.FunctionInfo.EvalGradHessian(normal.cost, normal.gradient / units, matrix)
+
     still = jnp.zeros_like(moved)
-    old, new = _info(point, units), _info(trial, units)
-    state, tree = jax.tree.flatten(_SEARCH.init(still, jax.eval_shape(_info, point, units)))
+    old, new = info_of(point, units), info_of(trial, units)
+    state, tree = jax.tree.flatten(search.init(still, jax.eval_shape(info_of, point, units)))
     assert len(state) == 1  # a trust region is one number
-    step, accept, _, state = _SEARCH.step(first, still, moved * units, old, new, jax.tree.unflatten(tree, [reach]))
+    step, accept, _, state = search.step(first, still, moved * units, old, new, jax.tree.unflatten(tree, [reach]))
     accept = accept & jnp.isfinite(trial.cost)
     here = Normal(*(jnp.where(accept, b, a) for a, b in zip(point, trial, strict=True)))
     units = jnp.maximum(units, jnp.sqrt(jnp.diagonal(here.matrix)))
-    info = _info(here, units)
-    move, _ = _DESCENT.step(step, _DESCENT.query(still, info, _DESCENT.init(still, info)))
+    info = info_of(here, units)
+    move, _ = descent.step(step, descent.query(still, info, descent.init(still, info)))
     return accept, units, move / units, jax.tree.leaves(state)[0]
 
 

@@ -8,19 +8,32 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..campaign.record import Trace
+from ..campaign.campaign import Campaign
 from ..model import Model, ModelParameter
-from .guess import DataScales, LinearGuess, guess_linear, told_guess
+from .curve_guess import curve_scales, guess_curves, joined_scales
+from .guess import DataScales, LinearGuess, data_scales, guess_linear, told_guess
 
 
-def first_guess(model: Model, records: Sequence[Trace]) -> LinearGuess:
-    """The linear model to start from: as the model was told, or as the records say."""
+def first_guess(model: Model, campaign: Campaign) -> LinearGuess:
+    """The linear model to start from: as the model was told, or as the fitted records say, the traces before the
+    sweeps."""
     first, quality, gain = model.parameters[:3]
     start = dict(model.start)
     told = told_guess(start, [first.name, quality.name, gain.name])
-    if told is not None or model.form == "no-spring":
+    if told is not None or model.form in ("no-spring", "quasi-static"):
         return told or LinearGuess(start[first.name], start[quality.name], 0.0, float("nan"))
-    return guess_linear(records, model.linear.nominal_frequency, None if quality.fitted else quality.value)
+    held = None if quality.fitted else quality.value
+    if not campaign.fitted:
+        return guess_curves(campaign.fitted_sweeps, held)
+    return guess_linear(campaign.fitted, model.linear.nominal_frequency, held)
+
+
+def scales_of(campaign: Campaign, frequency: float) -> DataScales:
+    """The largest values in the fitted records."""
+    if not campaign.fitted_sweeps:
+        return data_scales(campaign.fitted, frequency)
+    of_curves = curve_scales(campaign.fitted_sweeps, frequency)
+    return joined_scales(data_scales(campaign.fitted, frequency), of_curves) if campaign.fitted else of_curves
 
 
 def base_values(model: Model, guess: LinearGuess, scales: DataScales) -> np.ndarray:

@@ -47,6 +47,10 @@ def linearise(found: Evaluation, data: Data, records: Sequence[Trace]) -> Linear
         rows.append(jacobian)
         residuals.append(residual)
         spread += _spread(jacobian, record.noise)
+    jacobian = found.by_x[:, data.tape.samples :].T  # of the sweeps, in units of their own white noise
+    rows.append(jacobian)
+    residuals.append(found.residuals[data.tape.samples :])
+    spread += jacobian.T @ jacobian
     return Linearisation(np.concatenate(rows), np.concatenate(residuals), spread)
 
 

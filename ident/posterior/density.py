@@ -257,6 +257,9 @@ def make_density(fit: Fit, records: Sequence[Trace] | None = None) -> Density:
 
     **Raises:** UserError where the fit moved nothing.
     """
+    if fit.campaign.fitted_sweeps:
+        what = "this fit rests on sweeps, whose posterior is not sampled yet"
+        raise UserError(what, do="take the error bars of the fit (or a --profile), or fit the traces alone")
     chosen = tuple(fit.campaign.fitted if records is None else records)
     tape = lay_out(chosen, 1.0 / fit.scales.period, float(fit.values[1]), fit.model.steps_per_period)
     campaign = Campaign("", chosen, fit.model.device)

@@ -9,7 +9,7 @@ import numpy as np
 from ..campaign.device import Device
 from ..campaign.drive import drive_frequency
 from ..campaign.drive_sine import drive_sine
-from ..campaign.record import Trace
+from ..campaign.record import Record, Sweep, Trace
 from .quantity import neat, scale
 
 _SINE = 0.98  # share of the drive's variance in its fundamental above which it is called a sine
@@ -32,13 +32,17 @@ def only_frequency(record: Trace) -> float | None:
     return top / (len(slope) * record.step) if share > _ALONE else None
 
 
-def drive_words(record: Trace, device: Device) -> str:
+def drive_words(record: Record, device: Device) -> str:
     """Waveform, level and frequency of a record's drive, and the load."""
     level = partial(_rounded, unit="V", device=device)
+    if isinstance(record, Sweep):
+        return _sweep_words(record, level) + (f", {_rounded(record.load, 'kg', device)} load" if record.load else "")
     sine = drive_sine(record)
     if sine is not None:
         kind = "sine" if sine.share > _SINE else "periodic drive"
         words = f"{level(sine.amplitude)} {kind} at {neat(1 / (sine.period * record.step))} Hz"
+    elif not np.any(record.drive):
+        words = "no drive, a free decay"
     elif np.ptp(record.drive) == 0.0:
         words = f"constant {level(float(record.drive[0]))}"
     else:
@@ -46,6 +50,14 @@ def drive_words(record: Trace, device: Device) -> str:
         peak = float(np.max(np.abs(record.drive)))
         words = f"changing drive, up to {level(peak)}, around {neat(centre, 2)} Hz"
     return words + (f", {_rounded(record.load, 'kg', device)} load" if record.load else "")
+
+
+def _sweep_words(record: Sweep, level: partial[str]) -> str:
+    levels = sorted({run.level for run in record.runs})
+    ends = f"{neat(float(np.min(record.frequency)))} to {neat(float(np.max(record.frequency)))} Hz"
+    both = "" if np.all(record.up) else " down" if not np.any(record.up) else " up and down"
+    many = level(levels[0]) if len(levels) == 1 else f"{len(levels)} levels, {level(levels[0])} to {level(levels[-1])}"
+    return f"sweep{both}, {ends}, {many}"
 
 
 def _rounded(value: float, unit: str, device: Device) -> str:

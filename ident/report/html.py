@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..campaign.device import Platform
 from ..fit.result import Fit
+from .curve_figure import curve_figure
+from .dynamic_stiffness_figure import dynamic_stiffness_figure
 from .figures import record_figure
 from .linear_words import linear_sheet
 from .offset_table import offset_sheets
@@ -77,6 +79,10 @@ def write_report(fit: Fit, folder: Path, extra: Mapping[str, Any] | None = None)
         (pictures / f"{i:02d}_{_file_stem(record.name)}.png").write_bytes(record.picture.image)
     given = dict(extra or {})
     sections = tuple(given.pop("sections", ()))
+    if (seen := dynamic_stiffness_figure(fit.campaign)) is not None:
+        picture = Picture("Natural frequency and damping of every measured point, by amplitude and velocity", png(seen))
+        (pictures / "before_any_fit.png").write_bytes(picture.image)
+        sections = (Section("The curves before any fit", pictures=(picture,)), *sections)
     page = _template().render(
         title=fit.campaign.title or "Fit",
         model=_model_words(fit),
@@ -106,7 +112,7 @@ def write_report(fit: Fit, folder: Path, extra: Mapping[str, Any] | None = None)
 def _pictures(fit: Fit) -> tuple[Picture, list[_Record], list[str]]:
     """The overview, the figure of each record (of the worst ones, if there are many), and the records left out."""
     device = fit.model.device
-    rows = list(zip(fit.campaign.traces, fit.readings, fit.scores, strict=True))
+    rows = list(zip(fit.campaign.traces, fit.readings, fit.trace_scores, strict=True))
     worst = sorted(rows, key=lambda row: -row[2].error_over_noise)[:_MOST_FIGURES]
     shown = {id(row[0]) for row in worst}
     tables = offset_sheets(fit)
@@ -118,6 +124,11 @@ def _pictures(fit: Fit) -> tuple[Picture, list[_Record], list[str]]:
         image = png(record_figure(trace, reading, score, device, figures))
         records.append(_Record(trace.name, Picture(caption, image), tables.get(trace.name)))
     omitted = [trace.name for trace, _, _ in rows if id(trace) not in shown]
+    for curve in fit.curves:
+        caption = (
+            f"{curve.sweep.name}: model over data, stable (solid) and unstable (dashed) responses, jumps, backbone"
+        )
+        records.append(_Record(curve.sweep.name, Picture(caption, png(curve_figure(curve, fit))), None))
     return Picture("Error over noise of each record", png(overview_figure(fit))), records, omitted
 
 

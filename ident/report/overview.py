@@ -18,7 +18,7 @@ _ROOM = 58  # characters beside the bars
 
 def overview_figure(fit: Fit) -> Figure:
     """Error over noise of each record as a bar, fitted ones above held-out ones, with a line at 1."""
-    pairs = sorted(zip(fit.scores, fit.campaign.traces, strict=True), key=lambda pair: pair[0].holdout)
+    pairs = sorted(zip(fit.scores, fit.campaign.records, strict=True), key=lambda pair: pair[0].holdout)
     ratios = [score.error_over_noise for score, _ in pairs]
     height = 0.36 * len(pairs) + 1.1
     figure = new_figure(10.6, height)

@@ -5,7 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..campaign.record import Trace
+import numpy as np
+
+from ..campaign.record import Record, Trace
+from ..fit.curve_reading import CurveReading, Jump, RunReading
 from ..fit.judge import RecordScore, Score
 from ..fit.result import Estimate, Fit
 from .linear_words import linear_dict
@@ -19,8 +22,7 @@ def run_dict(fit: Fit) -> dict[str, Any]:
     Values of parameters are SI (of an oscillator: in the units of its columns); errors of records are in the
     record's own unit, totals in that of the first record.
     """
-    traces = fit.campaign.traces
-    first = traces[0]
+    first, curves = fit.campaign.records[0], iter(fit.curves)
     return {
         "format": 1,
         "effects": list(fit.model.names),
@@ -31,7 +33,10 @@ def run_dict(fit: Fit) -> dict[str, Any]:
         "undetermined": list(combination_sentences(fit)),
         "fitted": _score(fit.fitted, first),
         "holdout": None if fit.holdout is None else _score(fit.holdout, first),
-        "records": [_record(score, trace) for score, trace in zip(fit.scores, traces, strict=True)],
+        "records": [
+            _record(score, record) if isinstance(record, Trace) else _sweep(score, next(curves), fit)
+            for score, record in zip(fit.scores, fit.campaign.records, strict=True)
+        ],
     }
 
 
@@ -48,7 +53,7 @@ def _parameter(estimate: Estimate, fit: Fit) -> dict[str, Any]:
     return entry
 
 
-def _score(score: Score | RecordScore, record: Trace) -> dict[str, Any]:
+def _score(score: Score | RecordScore, record: Record) -> dict[str, Any]:
     channel = record.response_channel
     return {
         "n": int(score.n),
@@ -60,8 +65,45 @@ def _score(score: Score | RecordScore, record: Trace) -> dict[str, Any]:
     }
 
 
-def _record(score: RecordScore, record: Trace) -> dict[str, Any]:
+def _record(score: RecordScore, record: Record) -> dict[str, Any]:
     return {"file": score.name, "holdout": bool(score.holdout), **_score(score, record)}
+
+
+def _sweep(score: RecordScore, curve: CurveReading, fit: Fit) -> dict[str, Any]:
+    factor = curve.sweep.response_channel.factor
+    return {
+        **_record(score, curve.sweep),
+        "kind": "sweep",
+        "peak": _number(float(np.max(curve.sweep.amplitude)) / factor),
+        "apart": int(np.count_nonzero(curve.apart)),
+        "levels": [_level(run, curve, fit) for run in curve.runs],
+    }
+
+
+def _level(run: RunReading, curve: CurveReading, fit: Fit) -> dict[str, Any]:
+    sweep, factor = curve.sweep, curve.sweep.response_channel.factor
+    counted = ~run.apart & np.isfinite(run.reading)
+    difference = (sweep.amplitude[run.run.rows] - run.reading)[counted]
+    return {
+        "drive": _number(run.run.level / sweep.drive_channel.factor),
+        "direction": "up" if run.run.up else "down",
+        "n": int(np.count_nonzero(counted)),
+        "rmse": _number(float(np.sqrt(np.mean(difference**2))) / factor) if np.any(counted) else None,
+        "jump": None if run.jump is None else jump_dict(run.jump, fit),
+    }
+
+
+def jump_dict(jump: Jump, fit: Fit) -> dict[str, Any]:
+    """A jump as measured and as the model has it, Hz."""
+    return {"measured": jump.measured, "model": jump.model, "standard_error": jump_error(jump, fit), "unit": "Hz"}
+
+
+def jump_error(jump: Jump, fit: Fit) -> float | None:
+    """Standard error of the model's jump, Hz; None where it has none."""
+    if jump.slope is None:
+        return None
+    slope = jump.slope[list(fit.free)]
+    return _number(float(np.sqrt(max(slope @ fit.covariance @ slope, 0.0))))
 
 
 def _number(value: float) -> float | None:

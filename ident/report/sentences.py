@@ -22,6 +22,9 @@ _VAGUE = 0.3  # relative error of a noise floor from which it cannot judge a mod
 GOOD = 1.1  # error over noise up to which the noise floor is reached (it is itself known to some ten per cent)
 
 
+_OTHER_KINDS = {"no-spring": "mass and damper without a spring", "quasi-static": "gain without inertia"}
+
+
 class Sentence(NamedTuple):
     """A sentence; a `warning` is one that changes what may be done with the numbers."""
 
@@ -33,7 +36,7 @@ def verdict(fit: Fit) -> str:
     """One paragraph: how well the model describes the records, and what of it is known."""
     effects = listed(fit.model.names) if fit.model.names else ""
     kind = "linear platform" if isinstance(fit.model.device, Platform) else "linear oscillator"
-    kind = "mass and damper without a spring" if fit.model.form == "no-spring" else kind
+    kind = _OTHER_KINDS.get(fit.model.form, kind)
     model = f"The {kind} with {effects}" if effects else f"The {kind} alone"
     n = sum(not s.holdout for s in fit.scores)
     ratio = fit.fitted.error_over_noise
@@ -122,7 +125,7 @@ def _error_bars(fit: Fit) -> list[Sentence]:
 def _noise(fit: Fit) -> list[Sentence]:
     """Where the noise floor itself is in doubt."""
     found = []
-    vague = [r for r in fit.campaign.traces if r.noise.relative_error >= _VAGUE]
+    vague = [r for r in fit.campaign.records if r.noise.relative_error >= _VAGUE]
     if vague:
         names = listed([f"{r.name} (±{100 * r.noise.relative_error:.0f} %)" for r in vague])
         advice = 'give it (noise = "12 nm"), or record some periods at rest'
@@ -150,11 +153,26 @@ def _numerics(fit: Fit) -> list[Sentence]:
             "part of the error may be the solver's."
         )
         found.append(Sentence(text, True))
-    if fit.campaign.sweeps:
-        count = len(fit.campaign.sweeps)
-        many = "s are" if count > 1 else " is"
-        text = f"{count} sweep{many} in the campaign; only traces are fitted and judged here."
+    return [*found, *_curves(fit)]
+
+
+def _curves(fit: Fit) -> list[Sentence]:
+    """What the numbers of sweeps leave out."""
+    found = []
+    apart = sum(int(np.count_nonzero(curve.apart)) for curve in fit.curves)
+    if apart:
+        many = f"{apart} points of the sweeps lie" if apart > 1 else "One point of the sweeps lies"
+        text = (
+            f"{many} where device and model were on different branches, between their jumps: rms errors leave them out."
+        )
         found.append(Sentence(text))
+    lost = sum(curve.unsolved for curve in fit.curves)
+    if lost:
+        many = f"{lost} points" if lost > 1 else "one point"
+        text = (
+            f"At {many} of the sweeps the model has no steady response of the measured amplitude that could be found."
+        )
+        found.append(Sentence(text, True))
     return found
 
 

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
 
-import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -58,9 +57,13 @@ class Response:
     @cached_property
     def slopes(self) -> np.ndarray:
         """Derivatives of the readings, (d, samples)."""
+        if not self.marches:
+            return np.zeros((self.directions, 0))
         return np.concatenate([self._part(3, march) for march in range(len(self.marches))])[: self.directions]
 
     def _part(self, k: int, march: int = 0) -> np.ndarray:
+        if not self.marches:
+            return np.zeros((1, 0))
         return self.tape.at_samples([chunk[k] for chunk in self.marches[march]])
 
 
@@ -79,6 +82,8 @@ def respond(
     are no derivatives.
     """
     starts, values = np.asarray(starts, float), np.asarray(values, float)
+    if not tape.spans:
+        return Response(tape, 0 if directions is None else len(directions), ())
     if directions is None or kicks is None:
         return Response(tape, 0, (_pass(equation, tape, values, starts, None, None),))
     width = fitting_width(len(directions))
@@ -148,6 +153,8 @@ def march(
     **Returns:** the carry; at the beginning of each step readings, z and v, (BLOCKS, BLOCK), and slopes, (BLOCKS,
     BLOCK, d) or None.
     """
+    import equinox as eqx  # here, because whoever has the compiled program needs none of it
+
     parts = slices(equation)
     whole = assemble(equation, constants, values)
     fixed = eqx.filter(whole.numbers, eqx.is_inexact_array, inverse=True)
@@ -157,7 +164,7 @@ def march(
 
     def one_block(k: Any, state: tuple) -> tuple:
         y, dy, memories, *out = state
-        block = Block(*(field[k] for field in chunk[2:7]))
+        block = Block(*(field[k] for field in chunk[2:8]))
         voltage, rate, first = chunk.voltage[k], chunk.rate[k], chunk.first[k]
         time = block.times(2 * BLOCK + 1, 0.5)
         seen = Seen(None, None, voltage, rate, time, block.step, block.omega, numbers[3], block.moving)
@@ -171,7 +178,8 @@ def march(
             system = system_of(numbers).at(block)
             slope = jax.jit(partial(derivative, system, parts))  # traced once instead of four times
             inputs = [(*now, *force) for now, force in zip(stages(at), stages(remembered), strict=True)]
-            return runge_kutta(slope, y, inputs, block.step), reading(system, parts, y, stages(at)[0])
+            shown = reading(system, parts, y, stages(at)[0], slope(y, inputs[0])[1])
+            return runge_kutta(slope, y, inputs, block.step), shown
 
         def advance(state: tuple, x: tuple) -> tuple:
             (y, dy), (at, remembered, changes) = state, x

@@ -1,0 +1,167 @@
+"""What a small change of a model would do to the points of sweeps, on the motion that was measured there.
+
+At a measured point the stage moves, to first order, as Re(a e^{iωt}) with the a that was measured. A force of which the
+model knows nothing is one that the drive need not bring along, and what a sensor adds is no motion:
+
+    δ ln Û = −δF₁/(G U)          δ ln Û = ε Re ρ + i Im ρ,  ρ = −δs₁/Y₁,  ε = d ln Û/d ln A
+
+with the fundamentals F₁, s₁ relative to the drive. In an effect's amplitude that is linear however large the effect is.
+
+Source: as of `columns`; W. Krack, J. Gross, Harmonic Balance for Nonlinear Vibration Problems, 2019, §2.4.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from ..effects.effect import State
+from ..fit.curves import Curves
+from ..fit.result import Solved
+from ..programs import program
+from ..response import Equation
+from ..response.controlled import Controlled
+from ..response.lane import Numbers
+from ..response.memory import Seen, memory_along
+from ..response.periodic import bound
+
+_POINTS = (32, 128)  # looked at side by side
+_STUCK = 1e-12  # as in `response.controlled`
+_STEPS = 128  # of a period
+_ROUNDING = 1e-9  # of a force: a smaller fundamental is none
+
+
+def curve_order(solved: Solved) -> np.ndarray:
+    """The numbers of the sweeps one sweep after another, where a fit has all amplitudes before all phases."""
+    curves = solved.data.curves
+    assert curves is not None
+    return np.concatenate([curves.places(own) for own in curves.slices])
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """The numbers of the sweeps while parameters move: the drives that the model needs move along straight lines.
+
+        numbers = rows(ln(Û + Σ x_j Û_j)/U)
+
+    **Arguments:** `needed` Û, (points,), and `own` Û_j, (k, points), by the model's own parameters, complex, relative
+    to the response, V.
+    """
+
+    curves: Curves
+    order: np.ndarray
+    needed: np.ndarray
+    own: np.ndarray
+
+    def left(self, drives: np.ndarray) -> np.ndarray:
+        """(count,) measured − model in noise floors, if the model needs `drives` (points,)."""
+        curves = self.curves
+        ratio = drives * (curves.measured / curves.points.amplitude) / curves.points.level
+        turned = ratio * np.exp(1j * np.where(curves.phased, curves.phase, -np.angle(ratio)))
+        return curves.rows(np.log(turned))[self.order]
+
+    def slopes(self, drives: np.ndarray, changes: np.ndarray) -> np.ndarray:
+        """How `left` changes with changes (d, points) of the drives, (d, count)."""
+        return self.curves.rows(changes / drives)[:, self.order]
+
+
+def plane_of(solved: Solved, directions: np.ndarray) -> Plane:
+    """The plane of a fit whose own parameters move along directions (k, m)."""
+    curves, steady = _known(solved)
+    return Plane(curves, curve_order(solved), steady.needed, steady.slopes(directions))
+
+
+def curve_columns(solved: Solved, equation: Equation, values: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """What the terms of a model do to the drives that are needed, (d, points) complex, relative to the response, V;
+    `values` and `directions` (d, m) of each row."""
+    curves, steady = _known(solved)
+    points = curves.points
+    gain = float(steady.model.values[2] * steady.model.equation.constants[1])
+    stretch = steady.by_amplitude * points.amplitude / steady.needed
+    angle = np.pi / _STEPS * np.arange(2 * _STEPS + 1)
+    at = (points.level, points.frequency, points.load, steady.tone.real, steady.tone.imag)
+    rows = []
+    for value, direction in zip(values, directions, strict=True):
+        found = []
+        for first in range(0, len(points.level), _POINTS[-1]):
+            left = min(len(points.level) - first, _POINTS[-1])
+            most = next(p for p in _POINTS if p >= left)
+            own = np.minimum(np.arange(first, first + most), first + left - 1)
+            said = terms_along(equation, equation.constants, value, direction, *(x[own] for x in at), angle)
+            found.append(np.asarray(said)[:, :left])
+        push, turn, shown, turned = np.concatenate(found, axis=1)
+        offset = -(shown + 1j * turned) / steady.tone
+        change = -(push + 1j * turn) / (gain * steady.level) + stretch * offset.real + 1j * offset.imag
+        rows.append(steady.needed * change)
+    return np.array(rows)
+
+
+def _known(solved: Solved) -> tuple[Curves, Controlled]:
+    curves, steady = solved.data.curves, solved.found.steady
+    assert curves is not None and steady is not None
+    return curves, steady
+
+
+@program
+def terms_along(
+    equation: Equation, constants: Numbers, values: Numbers, direction: Numbers, level: Numbers,
+    frequency: Numbers, load: Numbers, real: Numbers, imaginary: Numbers, angle: Numbers,
+) -> Any:  # fmt: skip
+    """Fundamentals of the forces, N, and of what the sensor adds, m, per unit of the direction: (4, points), real and
+    imaginary part of either, relative to cos ωt."""
+
+    def point(level: Any, frequency: Any, load: Any, real: Any, imaginary: Any) -> Any:
+        def acting(values: Any) -> Any:
+            system = bound(equation, constants, values, load, frequency)
+            omega, step = system.omega, 2.0 / (frequency * (angle.shape[0] - 1))
+            z = real * jnp.cos(angle) - imaginary * jnp.sin(angle)
+            v = -omega * (real * jnp.sin(angle) + imaginary * jnp.cos(angle))
+            voltage, rate, still = level * jnp.cos(angle), -level * omega * jnp.sin(angle), 0.0 * angle
+            seen = Seen(z, v, voltage, rate, still, step, omega, system.gain, 0.0)
+            force, shown = 0.0 * z + 0.0 * system.gain, 0.0 * z
+            for effect in system.effects:
+                path = _steady_memory(effect, seen)
+                one = lambda z, v, h, u, r, effect=effect: _of(effect, system.drive(u, r), z, v, h)
+                both = jax.vmap(one, in_axes=(0, 0, 1 if effect.state0() else None, 0, 0))(z, v, path, voltage, rate)
+                force, shown = force + both[0], shown + both[1]
+            return force, shown
+
+        force, shown = jax.jvp(acting, (values,), (direction,))[1]
+        return jnp.stack([*_fundamental(force, angle), *_fundamental(shown, angle)])
+
+    return jax.vmap(point, out_axes=-1)(level, frequency, load, real, imaginary)
+
+
+def _of(effect: Any, drive: Any, z: Any, v: Any, hidden: Any) -> tuple[Any, Any]:
+    """Force of an effect, N, and what it adds to the reading, m."""
+    state = State(z, v, tuple(hidden))
+    force = effect.force(state, drive, 0.0) if effect.overrides("force") else 0.0
+    force = force + (effect.drive(tuple(hidden), drive, 0.0) if effect.overrides("drive") else 0.0)
+    shown = effect.sensor(state, drive, 0.0) if effect.overrides("sensor") else 0.0
+    return force + 0.0 * z, shown + 0.0 * z
+
+
+def _steady_memory(effect: Any, seen: Seen) -> Any:
+    """Hidden states (h, points) of an effect that a motion has carried along for ever: after two periods, one step of
+    Newton's method, which is exact for a linear memory and leaves alone a play that is stuck."""
+    if not effect.state0():
+        return jnp.zeros((0, 1))
+    hidden = tuple(jnp.asarray(h, float) for h in effect.begun(seen.first))
+    for _ in range(2):
+        hidden, _ = memory_along(effect, hidden, seen)
+    end = lambda h: jnp.stack(memory_along(effect, tuple(h), seen)[0])
+    begin = jnp.stack(hidden)
+    miss, left = end(begin) - begin, jnp.eye(len(hidden)) - jax.jacfwd(end)(begin)
+    step = jnp.linalg.solve(left.T @ left + _STUCK * jnp.eye(len(hidden)), left.T @ miss)
+    return jnp.stack(memory_along(effect, tuple(begin + step), seen)[1])
+
+
+def _fundamental(x: Any, angle: Any) -> tuple[Any, Any]:
+    n, at, x = angle.shape[0] - 1, angle[:-1], x[:-1]
+    parts = 2 / n * jnp.sum(x * jnp.cos(at)), -2 / n * jnp.sum(x * jnp.sin(at))
+    seen = jnp.hypot(*parts) > _ROUNDING * jnp.max(jnp.abs(x))  # a constant has none, but for rounding
+    return jnp.where(seen, parts[0], 0.0), jnp.where(seen, parts[1], 0.0)

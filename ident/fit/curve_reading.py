@@ -1,0 +1,152 @@
+"""What a model says of a sweep: its curves at the sweep's levels, the runs over them as the instrument made them, and
+the jumps with their errors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ..campaign.record import Run, Sweep
+from ..model import Model
+from ..response import Equation
+from ..response.branches import Branch, Fold, follow
+from ..response.controlled import Points, at_amplitude
+from ..response.periodic import Periodic
+from ..response.sweep import measured_jump, run_along
+from .curves import Curves, lay_curves
+from .judge import RecordScore
+
+_AROUND = 0.1  # of the band of a sweep, by which its curves are followed beyond it
+
+
+class Jump(NamedTuple):
+    """Where a run jumps, Hz: between which points it did as `measured`, None if not, and where the `model` turns back,
+    None if nowhere within the run; `slope`: derivative of the model's by its values, (m,) Hz."""
+
+    measured: float | None
+    model: float | None
+    slope: np.ndarray | None
+
+
+class RunReading(NamedTuple):
+    """A run: `reading`, (k,) m, in the order of the run; `apart`, (k,) where model and device were on different
+    branches, so that the difference says nothing; `jump`, None where neither jumps."""
+
+    run: Run
+    branch: Branch
+    reading: np.ndarray
+    apart: np.ndarray
+    jump: Jump | None
+
+
+@dataclass(frozen=True, eq=False)
+class CurveReading:
+    """A model's reading of a sweep: `rows` are its residuals in noise floors as the fit counts them; `unsolved`, how
+    many of its points have no response of the measured amplitude."""
+
+    sweep: Sweep
+    model: Periodic
+    rows: np.ndarray
+    unsolved: int
+
+    @cached_property
+    def runs(self) -> tuple[RunReading, ...]:
+        """Every run of the sweep over the model's curves."""
+        sweep, runs = self.sweep, self.sweep.runs
+        levels = sorted({run.level for run in runs})
+        low, high = float(np.min(sweep.frequency)), float(np.max(sweep.frequency))
+        more = _AROUND * (high - low)
+        sizes = np.array([max(float(np.max(sweep.amplitude[r.rows])) for r in runs if r.level == v) for v in levels])
+        loads = np.full(len(levels), sweep.load)
+        branches = follow(self.model, np.array(levels), loads, (max(low - more, 0.5 * low), high + more), sizes)
+        by_level = dict(zip(levels, branches, strict=True))
+        return tuple(self._run(run, by_level[run.level]) for run in runs)
+
+    @property
+    def reading(self) -> np.ndarray:
+        """(n,) m, in the order of the file; NaN where the model's curve could not be followed."""
+        found = np.full(len(self.sweep.frequency), np.nan)
+        for run in self.runs:
+            found[run.run.rows] = run.reading
+        return found
+
+    @property
+    def apart(self) -> np.ndarray:
+        """(n,) where model and device were on different branches."""
+        found = np.zeros(len(self.sweep.frequency), bool)
+        for run in self.runs:
+            found[run.run.rows] = run.apart
+        return found
+
+    @property
+    def score(self) -> RecordScore:
+        """The error over the points on the right branch."""
+        sweep, counted = self.sweep, ~self.apart & np.isfinite(self.reading)
+        difference = (sweep.amplitude - self.reading)[counted]
+        rms = lambda x: float(np.sqrt(np.mean(x**2))) if len(x) else float("nan")
+        signal = max(float(np.std(sweep.amplitude)), 1e-300)
+        n, floor = int(np.count_nonzero(counted)), rms(sweep.deviation)
+        return RecordScore(sweep.name, sweep.holdout, n, rms(difference), floor, rms(self.rows), signal)
+
+    def _run(self, run: Run, branch: Branch) -> RunReading:
+        sweep, rows = self.sweep, run.rows
+        amplitude, frequency = sweep.amplitude[rows], sweep.frequency[rows]
+        before = measured_jump(amplitude)
+        measured = None if before is None else float(np.mean(frequency[before : before + 2]))
+        if len(branch.length) < 2 or not np.ptp(branch.frequency):
+            nothing = np.full(len(rows), np.nan)
+            return RunReading(run, branch, nothing, np.zeros(len(rows), bool), None)
+        swing = sweep.quantity == "half-peak-to-peak"
+        passed = run_along(self.model, branch, frequency, float(amplitude[0]), swing, _scale(branch))
+        fold = passed.fold
+        apart = np.array([
+            any(abs(other - a) < abs(r - a) for other in others)
+            for a, r, others in zip(amplitude, passed.reading, passed.others, strict=True)
+        ])  # fmt: skip
+        if before is not None and fold is not None:  # between the two jumps only one of them is still up
+            i = np.arange(len(rows))
+            apart |= (i >= min(before + 1, passed.after)) & (i < max(before + 1, passed.after))
+        if fold is None and measured is None:
+            return RunReading(run, branch, passed.reading, apart, None)
+        jump = Jump(
+            measured, None if fold is None else fold.frequency, None if fold is None else self._slope(fold, branch)
+        )
+        return RunReading(run, branch, passed.reading, apart, jump)
+
+    def _slope(self, fold: Fold, branch: Branch) -> np.ndarray:
+        """Derivative of a fold's frequency by the values, (m,): at its amplitude the level that is needed has no slope
+        in the amplitude, so that frequency and values alone keep it."""
+        one = lambda x: np.array([float(x)])
+        points = Points(one(fold.frequency), one(branch.level), one(fold.amplitude), one(branch.load),
+                        np.array([False]))  # fmt: skip
+        here = at_amplitude(self.model, points)
+        size = np.where(self.model.values == 0, 1.0, np.abs(self.model.values))
+        by_values = np.real(here.slopes(np.diag(size)) / here.needed)[:, 0] / size
+        return -by_values / np.real(here.by_frequency / here.needed)[0]
+
+
+def _scale(branch: Branch) -> np.ndarray:
+    hidden = np.max(np.abs(branch.unknowns), axis=0)
+    return np.where(hidden > 0, hidden, 1.0)
+
+
+def read_curves(model: Model, values: np.ndarray, sweeps: Sequence[Sweep]) -> tuple[CurveReading, ...]:
+    """Readings of a model with given parameters (m,) SI."""
+    if not sweeps:
+        return ()
+    equation = Equation(model)
+    curves = lay_curves(sweeps, model.steps_per_period).weighed(equation, values)
+    found = curves.solve(equation, values)
+    return told(curves, found.model, curves.residuals(found), found.converged)
+
+
+def told(curves: Curves, model: Periodic, rows: np.ndarray, solved: np.ndarray) -> tuple[CurveReading, ...]:
+    """Readings of sweeps whose residuals, (count,), are known."""
+    return tuple(
+        CurveReading(sweep, model, rows[curves.places(own)], int(np.count_nonzero(~solved[own])))
+        for sweep, own in zip(curves.sweeps, curves.slices, strict=True)
+    )

@@ -1,0 +1,145 @@
+"""Amplitude-frequency curves in a fit: what every measured point says about the parameters, in noise floors.
+
+At the frequency and the amplitude (and phase) of a measured point the model needs a certain drive; the point was
+measured under another. The logarithm of their ratio, in units of what the noise of the amplitude does to it, is the
+residual of the point. Away from folds that is (model − measured)/σ to first order. At a fold, where the amplitude has
+no finite slope, it is finite and smooth: no point has to be assigned a branch, none is left out, and a fit that begins
+where the model jumps elsewhere finds its way.
+
+    r = −L⁻¹ ln(Û(f, A) e^{iφ}/U),   L Lᵀ = ½ Σ_± d dᵀ + diag(0, σ_φ²),   d = ln(Û(f, A ± σ)/Û(f, A))
+
+Û is the model's complex drive relative to the response, real and imaginary part of a logarithm are two numbers; without
+a phase φ the real part alone counts. L is renewed between searches and held within each, so that a search minimises
+something.
+
+Source: as of `response.controlled`; S. J. Julier, J. K. Uhlmann, Unscented filtering and nonlinear estimation, Proc.
+IEEE 92 (2004) 401 (the noise carried through the model).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..campaign.record import Sweep
+from ..response import Equation
+from ..response.controlled import Controlled, Points, at_amplitude
+from ..response.periodic import Periodic, steps_per_period
+from .curve_guess import guess_curves
+
+_SHARE = 0.1  # of the noise floor of all points together: so far the solver's step may move the response
+_FINEST, _COARSEST = 1e-6, 1e-3  # of the response, whatever the noise
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """The points of some sweeps, one after another.
+
+    **Arguments:** `points`: as the solver takes them; `measured`: (points,) amplitude, m; `phase`: (points,) rad, NaN
+    where none was measured; `deviation`, `phase_deviation`: (points,); `steps` of the solver per period; `white`:
+    (points, 2, 2) L⁻¹; `slices`: the points of each sweep; `known`: steady responses found last, by equation.
+    """
+
+    sweeps: tuple[Sweep, ...]
+    points: Points
+    measured: np.ndarray
+    phase: np.ndarray
+    deviation: np.ndarray
+    phase_deviation: np.ndarray
+    steps: int
+    white: np.ndarray
+    slices: tuple[slice, ...]
+    known: dict[Equation, np.ndarray] = field(default_factory=dict)
+
+    @property
+    def phased(self) -> np.ndarray:
+        """(points,) whether the phase was measured."""
+        return np.isfinite(self.phase)
+
+    @property
+    def count(self) -> int:
+        """How many numbers were measured."""
+        return len(self.phase) + int(np.count_nonzero(self.phased))
+
+    def places(self, own: slice) -> np.ndarray:
+        """Which of the numbers are those of a sweep, (k,): its amplitudes, then its phases."""
+        points = np.arange(own.start, own.stop)
+        after = len(self.phase) + np.cumsum(self.phased) - 1
+        return np.concatenate([points, after[points][self.phased[points]]])
+
+    def solve(self, equation: Equation, values: np.ndarray) -> Controlled:
+        """The model's steady responses with the measured amplitudes."""
+        model = Periodic(equation, np.asarray(values, float), self.steps)
+        found = at_amplitude(model, self.points, self.known.get(equation))
+        if np.all(found.converged):
+            self.known[equation] = found.unknowns
+        return found
+
+    def residuals(self, found: Controlled) -> np.ndarray:
+        """(count,) (model − measured) in noise floors: of all amplitudes, then of the phases."""
+        ratio = found.needed * (self.measured / self.points.amplitude) / self.points.level
+        return self.rows(-np.log(ratio * np.exp(1j * np.where(self.phased, self.phase, -np.angle(ratio)))))
+
+    def rows(self, logarithms: np.ndarray) -> np.ndarray:
+        """Differences of the logarithm of the drive, (…, points), in noise floors, (…, count)."""
+        both = np.stack([logarithms.real, logarithms.imag], axis=-1)
+        white = np.einsum("pij,...pj->...pi", self.white, both)
+        return np.concatenate([white[..., 0], white[..., self.phased, 1]], axis=-1)
+
+    def slopes(self, found: Controlled, directions: np.ndarray) -> np.ndarray:
+        """Derivatives of the residuals along directions (d, m) of the values, (d, count)."""
+        if not len(directions):
+            return np.zeros((0, self.count))
+        return self.rows(-found.slopes(directions) / found.needed)
+
+    def weighed(self, equation: Equation, values: np.ndarray) -> Curves:
+        """The same with the noise carried through the model at these values."""
+        here = self.solve(equation, values)
+        off = []
+        for side in (1.0, -1.0):
+            amplitude = np.maximum(self.points.amplitude + side * self.deviation, 0.1 * self.points.amplitude)
+            there = at_amplitude(here.model, self.points._replace(amplitude=amplitude), here.unknowns)
+            good = there.converged & here.converged
+            ratio = np.where(good, there.needed / here.needed, amplitude / self.points.amplitude)
+            off.append(np.log(ratio))
+        return replace(self, white=self._whitening(np.array(off)))
+
+    def _whitening(self, off: np.ndarray) -> np.ndarray:
+        """L⁻¹ of deviations of the logarithm, (2, points), one for each side of the amplitude's noise."""
+        both = np.stack([off.real, off.imag], axis=-1)  # (2, points, 2)
+        spread = 0.5 * np.einsum("spi,spj->pij", both, both)
+        spread[:, 1, 1] += np.where(self.phased, self.phase_deviation, 1.0) ** 2
+        spread[~self.phased, 0, 1] = spread[~self.phased, 1, 0] = 0.0
+        return np.linalg.inv(np.linalg.cholesky(spread))
+
+
+def lay_curves(sweeps: Sequence[Sweep], finest: int) -> Curves:
+    """The points of sweeps, their noise carried through a linear model; `finest`: solver steps per period that the
+    model needs."""
+    join = lambda parts: np.concatenate([np.asarray(part, float) for part in parts])
+    unknown = lambda s: np.full(len(s.frequency), np.nan)
+    measured, deviation = join([s.amplitude for s in sweeps]), join([s.deviation for s in sweeps])
+    points = Points(
+        join([s.frequency for s in sweeps]),
+        join([s.level for s in sweeps]),
+        np.maximum(measured, deviation),  # below its noise an amplitude says no more than that it is small
+        join([np.full(len(s.frequency), s.load) for s in sweeps]),
+        np.concatenate([np.full(len(s.frequency), s.quantity == "half-peak-to-peak") for s in sweeps]),
+    )
+    phase = join([unknown(s) if s.phase is None else s.phase for s in sweeps])
+    noise = float(np.min(deviation)) / float(np.max(measured))
+    allowed = np.clip(_SHARE * noise / np.sqrt(len(measured)), _FINEST, _COARSEST)
+    quality = guess_curves(sweeps).quality
+    ends = np.cumsum([0, *(len(s.frequency) for s in sweeps)])
+    places = tuple(slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True))
+    laid = Curves(tuple(sweeps), points, measured, phase, deviation, join([s.phase_deviation for s in sweeps]),
+                  steps_per_period(quality, finest, float(allowed)), np.zeros((0, 2, 2)), places)  # fmt: skip
+    linear = (deviation / points.amplitude).astype(complex)
+    return replace(laid, white=laid._whitening(np.array([linear, -linear])))
+
+
+def in_smaller_steps(curves: Curves) -> Curves:
+    """The same with twice as many steps per period."""
+    return replace(curves, steps=2 * curves.steps)

@@ -1,0 +1,259 @@
+"""All steady responses of a model at a drive level: the amplitude-frequency curve with its folds and its stability.
+
+The curve is followed by its length (pseudo-arclength continuation), so that it may turn back; the multipliers of the
+period tell where the response is stable. All levels are followed side by side.
+
+Source: H. B. Keller, Lectures on Numerical Methods in Bifurcation Problems, 1987, §4; A. H. Nayfeh, B. Balachandran,
+Applied Nonlinear Dynamics, 1995, §6.1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from .periodic import FREQUENCY, Look, Periodic, Seat
+
+_CLOSED = 1e-9  # of the scale: so well a period closes
+_MOST = 1500  # points of a curve
+_ROUNDS = 8  # of Newton's method at a point
+_TURN = 0.97  # cosine of the angle by which the curve may turn from point to point
+_LONGEST, _SHORTEST = 0.25, 1e-5  # steps, in scales of the unknowns
+_PAST = 0.7  # of the peak: beyond the band and below, the curve is past it
+_BEYOND = 2.0  # widths of the band by which a curve may leave it and turn back
+_STABLE = 1e-6  # beyond the unit circle by which a multiplier may be off
+
+
+class Fold(NamedTuple):
+    """Where a curve turns back: after point `index`; `frequency`, Hz; `amplitude`, m."""
+
+    index: int
+    frequency: float
+    amplitude: float
+
+
+@dataclass(frozen=True, eq=False)
+class Branch:
+    """An amplitude-frequency curve of a model at one drive level, in the order of its length.
+
+    **Arguments:** `unknowns`, (k, n + 2) y, U, f; `along`, their derivatives by the length; `length`, (k,); `tone`,
+    (k,) complex fundamental relative to the drive; `swing`, (k,) half the peak-to-peak value; `stable`, (k,).
+    """
+
+    level: float
+    load: float
+    unknowns: np.ndarray
+    along: np.ndarray
+    length: np.ndarray
+    tone: np.ndarray
+    swing: np.ndarray
+    stable: np.ndarray
+
+    @property
+    def frequency(self) -> np.ndarray:
+        """(k,) Hz."""
+        return self.unknowns[:, FREQUENCY]
+
+    @property
+    def folds(self) -> tuple[Fold, ...]:
+        """Where the curve turns back, in the order of its length."""
+        slope, found = self.along[:, FREQUENCY], []
+        for k in np.flatnonzero(slope[:-1] * slope[1:] < 0):
+            part = _turning(self.length[k + 1] - self.length[k], *self.frequency[k : k + 2], *slope[k : k + 2])
+            amplitude = np.abs(self.tone[k]) + part * (np.abs(self.tone[k + 1]) - np.abs(self.tone[k]))
+            found.append(Fold(int(k), float(self.at(k, part)[FREQUENCY]), float(amplitude)))
+        return tuple(found)
+
+    def at(self, k: int, part: float) -> np.ndarray:
+        """Unknowns between points k and k + 1, by the cubic through both and their slopes."""
+        h = self.length[k + 1] - self.length[k]
+        a, b = self.unknowns[k], self.unknowns[k + 1]
+        u, v = h * self.along[k], h * self.along[k + 1]
+        t = part
+        return (1 + 2 * t) * (1 - t) ** 2 * a + t * (1 - t) ** 2 * u + t**2 * (3 - 2 * t) * b - t**2 * (1 - t) * v
+
+    def crossings(self, frequency: float) -> list[tuple[int, float]]:
+        """Where the curve passes a frequency: after which point, and which part of the way to the next."""
+        f = self.frequency
+        passed = np.flatnonzero((f[:-1] - frequency) * (f[1:] - frequency) <= 0)
+        found = []
+        for k in passed:
+            if f[k + 1] == f[k] or (found and found[-1] == (k - 1, 1.0)):
+                continue
+            low, high = 0.0, 1.0
+            rising = f[k + 1] > f[k]
+            for _ in range(40):
+                middle = 0.5 * (low + high)
+                if (self.at(k, middle)[FREQUENCY] < frequency) == rising:
+                    low = middle
+                else:
+                    high = middle
+            found.append((int(k), 1.0 if f[k + 1] == frequency else 0.5 * (low + high)))
+        return found
+
+
+def _turning(h: float, a: float, b: float, u: float, v: float) -> float:
+    """Where between 0 and 1 the cubic with ends a, b and slopes u, v (per unit of length h) has no slope."""
+    u, v = h * u, h * v
+    roots = np.roots([3 * (2 * a - 2 * b + u + v), 2 * (-3 * a + 3 * b - 2 * u - v), u])
+    inside = [float(x.real) for x in roots if abs(x.imag) < 1e-9 and -1e-9 <= x.real <= 1 + 1e-9]
+    return inside[0] if inside else 0.5
+
+
+def follow(model: Periodic, levels: np.ndarray, loads: np.ndarray, band: tuple[float, float],
+           sizes: np.ndarray) -> list[Branch]:  # fmt: skip
+    """The curves of a model at some levels (k,), V, under loads (k,), kg, through a band of frequencies, Hz.
+
+    **Arguments:** `sizes`: (k,) the largest amplitudes to expect, m, which scale the length.
+    """
+    n, own = model.size, float(model.values[0])
+    low, high = band
+    # In these units a linear resonance is about as wide as it is high.
+    width = max(own / max(float(model.values[1]), 1.0), (high - low) / 200)
+    first = _linear(model, levels, loads, np.full(len(levels), low))
+    hidden = np.ones(n - 2)
+    scale = np.column_stack([sizes, 2 * np.pi * own * sizes, np.broadcast_to(hidden, (len(levels), n - 2)),
+                             levels, np.full(len(levels), width)])  # fmt: skip
+    seat = Seat(np.asarray(loads, float), scale)
+    w, begun = settle(model, first, seat)
+    paths = [_Path() for _ in levels]
+    tangent = np.zeros((len(levels), n + 1))
+    tangent[:, n] = 1.0
+    seen = model.look(w, seat, _along(n))
+    tangent = _tangents(seen, seat, tangent)
+    step = np.full(len(levels), 0.05)
+    active = np.flatnonzero(begun)
+    for i in active:
+        paths[i].append(w[i], tangent[i], seen, i, seat)
+    while len(active):
+        there = Seat(seat.load[active], seat.scale[active])
+        guess = w[active].copy()
+        move = step[active, None] * tangent[active]
+        guess[:, _UNKNOWN(n)] += move * there.scale[:, _UNKNOWN(n)]
+        found, good, seen, rounds = _corrected(model, guess, there, tangent[active])
+        turned = _tangents(seen, there, tangent[active])
+        good &= np.einsum("ij,ij->i", turned, tangent[active]) > _TURN
+        for j, i in enumerate(active):
+            if good[j]:
+                paths[i].length += float(step[i])
+                w[i], tangent[i] = found[j], turned[j]
+                paths[i].append(w[i], tangent[i], seen, j, there)
+                step[i] = min(step[i] * (1.5 if rounds[j] <= 3 else 1.0), _LONGEST)
+            else:
+                step[i] *= 0.4
+        f, peak = w[active, FREQUENCY], np.array([max(map(abs, paths[i].tones)) for i in active])
+        over = (f > high) & (np.array([abs(paths[i].tones[-1]) for i in active]) < _PAST * peak)
+        on = (step[active] > _SHORTEST) & ~over & (f < high + _BEYOND * (high - low))
+        on &= f > max(low - _BEYOND * (high - low), 0.1 * low)
+        active = active[on & np.array([len(paths[i].points) < _MOST for i in active])]
+    return [path.branch(float(v), float(m)) for path, v, m in zip(paths, levels, loads, strict=True)]
+
+
+def settle(model: Periodic, unknowns: np.ndarray, seat: Seat) -> tuple[np.ndarray, np.ndarray]:
+    """Steady responses at given levels and frequencies from nearby ones, and whether they were found."""
+    n, w = model.size, unknowns.copy()
+    miss = np.full(len(w), np.inf)
+    for _ in range(30):
+        seen = model.look(w, seat, np.eye(n, n + 2))
+        equations = seen.miss / seat.scale[:, :n]
+        miss = np.max(np.abs(equations), axis=1)
+        if np.all(miss < _CLOSED):
+            break
+        matrix = np.moveaxis(seen.miss_slope / seat.scale[None, :, :n], 0, 2)
+        moved = -_least(matrix, equations[..., None])[..., 0]
+        moved *= np.minimum(1.0, 0.5 / np.maximum(np.max(np.abs(moved[:, :2]), axis=1), 1e-300))[:, None]
+        w[:, :n] += np.where((miss > _CLOSED)[:, None], moved, 0.0) * seat.scale[:, :n]
+    return w, miss < np.sqrt(_CLOSED)
+
+
+class _Path:
+    """A curve while it is followed."""
+
+    def __init__(self) -> None:
+        self.points: list[np.ndarray] = []
+        self.tangents: list[np.ndarray] = []
+        self.lengths: list[float] = []
+        self.tones: list[complex] = []
+        self.swings: list[float] = []
+        self.stable: list[bool] = []
+        self.length = 0.0
+
+    def append(self, w: np.ndarray, tangent: np.ndarray, seen: Look, j: int, seat: Seat) -> None:
+        n = len(w) - 2
+        jacobian = seen.miss_slope[:n, j].T / seat.scale[j, :n, None] + np.eye(n)
+        full = np.zeros(n + 2)
+        full[_UNKNOWN(n)] = tangent * seat.scale[j, _UNKNOWN(n)]
+        self.points.append(w.copy())
+        self.tangents.append(full)
+        self.lengths.append(self.length)
+        self.tones.append(complex(seen.tone[j]))
+        self.swings.append(float(seen.swing[j]))
+        self.stable.append(bool(np.max(np.abs(np.linalg.eigvals(jacobian))) < 1 + _STABLE))
+
+    def branch(self, level: float, load: float) -> Branch:
+        return Branch(level, load, np.array(self.points), np.array(self.tangents), np.array(self.lengths),
+                      np.array(self.tones), np.array(self.swings), np.array(self.stable))  # fmt: skip
+
+
+def _UNKNOWN(n: int) -> list[int]:
+    """Places of y and f among the unknowns."""
+    return [*range(n), n + 1]
+
+
+def _along(n: int) -> np.ndarray:
+    return np.eye(n + 2)[_UNKNOWN(n)]
+
+
+def _tangents(seen: Look, seat: Seat, before: np.ndarray) -> np.ndarray:
+    """Unit tangents (points, n + 1) of the curve, in scaled unknowns, on the side of those before."""
+    n = seen.miss.shape[1]
+    matrix = np.moveaxis(seen.miss_slope / seat.scale[None, :, :n], 0, 2)
+    bordered = np.concatenate([matrix, before[:, None, :]], axis=1)
+    right = np.zeros((len(before), n + 1, 1))
+    right[:, n] = 1.0
+    with np.errstate(invalid="ignore"):
+        found = np.nan_to_num(_least(np.nan_to_num(bordered), right)[..., 0])
+    return found / np.maximum(np.linalg.norm(found, axis=1, keepdims=True), 1e-300)
+
+
+def _corrected(
+    model: Periodic, guess: np.ndarray, seat: Seat, tangent: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, Look, np.ndarray]:
+    """Points of the curve in the plane across the tangent at the guess; whether they were found; the look there; after
+    how many rounds."""
+    n, w = model.size, guess.copy()
+    rounds = np.zeros(len(w), int)
+    for _ in range(_ROUNDS):
+        seen = model.look(w, seat, _along(n))
+        equations = seen.miss / seat.scale[:, :n]
+        miss = np.max(np.abs(equations), axis=1)
+        left = ~(miss < _CLOSED)
+        if not np.any(left):
+            break
+        rounds += left
+        matrix = np.concatenate(
+            [np.moveaxis(seen.miss_slope / seat.scale[None, :, :n], 0, 2), tangent[:, None]], axis=1
+        )
+        right = np.concatenate([equations, np.zeros((len(w), 1))], axis=1)
+        with np.errstate(invalid="ignore", over="ignore"):
+            moved = -_least(np.nan_to_num(matrix), np.nan_to_num(right)[..., None])[..., 0]
+        moved = np.clip(moved, -0.5, 0.5) * left[:, None]
+        w[:, _UNKNOWN(n)] += moved * seat.scale[:, _UNKNOWN(n)]
+    return w, miss < _CLOSED, seen, rounds
+
+
+def _linear(model: Periodic, levels: np.ndarray, loads: np.ndarray, frequency: np.ndarray) -> np.ndarray:
+    """What the linear part alone would do, as unknowns (points, n + 2)."""
+    linear, omega = model.equation.model, 2 * np.pi * frequency
+    mass, force = model.equation.constants
+    stiffness, damping = linear.spring_and_damper(model.values[0], model.values[1], mass)
+    answer = model.values[2] * force * levels / (stiffness - (mass + loads) * omega**2 + 1j * omega * damping)
+    hidden = np.zeros((len(levels), model.size - 2))
+    return np.column_stack([answer.real, np.real(1j * omega * answer), hidden, levels, frequency])
+
+
+def _least(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    turned = np.swapaxes(matrix, 1, 2)
+    return np.linalg.solve(turned @ matrix + 1e-14 * np.eye(matrix.shape[1]), turned @ right)

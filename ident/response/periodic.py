@@ -1,0 +1,279 @@
+"""One period of a model under a sine: where the state ends, what the sensor shows, and how both change.
+
+    V = U cos ωt,   y = (z, ż, hidden …),   y(T) = Φ(y(0); U, f, parameters),   T = 1/f
+
+A steady response is a fixed point of Φ. Everything that is asked about steady responses, their branches, their
+stability and their derivatives, is asked through this one program; `look` runs it for many points side by side. Clocks
+stand still at the switching-on: a drift has no steady response, and none is simulated.
+
+Source: A. H. Nayfeh, B. Balachandran, Applied Nonlinear Dynamics, 1995, §3.2 (Floquet theory), §6.5 (shooting).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array, lax
+
+from ..effects.effect import State
+from ..programs import program
+from .lane import Numbers
+from .memory import Seen, memory_along
+from .runge_kutta import runge_kutta, stages, steps_of
+from .system import Equation, System, assemble, derivative, reading, slices
+
+LEVEL, FREQUENCY = -2, -1  # places of U and f in the unknowns w = (y, U, f) of a point
+_POINTS = (8, 32, 128)  # looked at side by side: so many programs, and no more
+_WIDTHS = (4, 8, 16)  # directions of one look
+_STEPS = (64, 96, 128, 192, 256)  # of the solver per period
+
+
+def steps_per_period(quality: float, finest: int, allowed: float) -> int:
+    """Solver steps per period with which the method's error moves the response by less than `allowed` of itself.
+
+    The phase error of Runge–Kutta steps is (ωh)⁴/120 per radian, near resonance 2Q times that in the response;
+    `finest`: what the sharpest effect of the model needs.
+    """
+    largest = (120 * allowed / max(2 * quality, 2.0)) ** 0.25
+    needed = max(2 * math.pi / largest, finest)
+    return next((n for n in _STEPS if n >= needed), _STEPS[-1])
+
+
+class Seat(NamedTuple):
+    """What a look needs to know of its points besides the unknowns: `load` (points,), kg, and the `scale`, (points, n +
+    2), in which unknowns are counted."""
+
+    load: np.ndarray
+    scale: np.ndarray
+
+
+class Look(NamedTuple):
+    """What one period says, per point.
+
+    **Arguments:** `miss`: (points, n) Φ(y) − y; `tone`: (points,) complex fundamental of the reading, relative to the
+    drive; `swing`: (points,) half its peak-to-peak value, m; and the same with a leading axis of directions, the
+    derivatives along them.
+    """
+
+    miss: np.ndarray
+    tone: np.ndarray
+    swing: np.ndarray
+    miss_slope: np.ndarray
+    tone_slope: np.ndarray
+    swing_slope: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Periodic:
+    """A model with its values (m,) SI, ready to be looked at; `steps` of the solver per period."""
+
+    equation: Equation
+    values: np.ndarray
+    steps: int
+
+    @property
+    def size(self) -> int:
+        """Numbers in the state y."""
+        return 2 + sum(len(effect.state0()) for effect in self.equation.model.effects)
+
+    @property
+    def angle(self) -> np.ndarray:
+        """(2 steps + 1,) rad of the half-step grid."""
+        return np.pi / self.steps * np.arange(2 * self.steps + 1)
+
+    def look(self, unknowns: np.ndarray, seat: Seat, along: np.ndarray, by_values: np.ndarray | None = None) -> Look:
+        """One period from `unknowns` (points, n + 2).
+
+        **Arguments:** `along`: (d, n + 2) directions of the unknowns, in units of the seat's scale; `by_values`: (d, m)
+        directions of the values, zero if not given.
+        """
+        d, m = len(along), len(self.values)
+        by_values = np.zeros((d, m)) if by_values is None else by_values
+        width = next((w for w in _WIDTHS if w >= d), None)
+        if width is None:  # more directions than one program takes
+            half = _WIDTHS[-1]
+            parts = [self.look(unknowns, seat, along[:half], by_values[:half]),
+                     self.look(unknowns, seat, along[half:], by_values[half:])]  # fmt: skip
+            joined = (np.concatenate([part[k] for part in parts]) for k in range(3, 6))
+            return Look(*parts[0][:3], *joined)
+        fill = lambda rows: np.concatenate([rows, np.zeros((width - d, rows.shape[1]))])
+        along, by_values = fill(along), fill(by_values)
+        count, found, first = len(unknowns), [], 0
+        while first < count:
+            left = count - first
+            most = next((p for p in _POINTS if p >= left), _POINTS[-1])
+            rows = np.minimum(np.arange(first, first + most), count - 1)
+            arrays = (self.values, by_values, unknowns[rows], along, seat.load[rows], seat.scale[rows], self.angle)
+            said = look(self.equation, self.equation.constants, *arrays)
+            own = min(left, most)
+            found.append([np.asarray(part)[..., :own] for part in said])
+            first += own
+        miss, shown, slope, shown_slope = (np.concatenate(part, axis=-1) for part in zip(*found, strict=True))
+        tone, tone_slope = shown[0] + 1j * shown[1], shown_slope[:, 0] + 1j * shown_slope[:, 1]
+        return Look(miss.T, tone, shown[2], np.moveaxis(slope, 1, 2)[:d], tone_slope[:d], shown_slope[:d, 2])
+
+
+def motion_parts(equation: Equation) -> tuple[tuple[slice | None, ...], tuple[slice, ...]]:
+    """Where each effect's hidden states are: of those integrated with the motion, as of `system.slices`; of all of
+    them, in y."""
+    parts, places, first = slices(equation), [], 2 + equation.stepped
+    for effect, own in zip(equation.model.effects, parts, strict=True):
+        if own is not None:
+            places.append(slice(2 + own.start, 2 + own.stop))
+        else:
+            places.append(slice(first, first + len(effect.state0())))
+            first += len(effect.state0())
+    return parts, tuple(places)
+
+
+def bound(equation: Equation, constants: Numbers, values: Numbers, load: Any, frequency: Any) -> System:
+    """The system of a model under a sine of a frequency, Hz."""
+    system = assemble(equation, constants, values)
+    return system._replace(mass=system.mass + load, omega=2 * math.pi * frequency)
+
+
+def one_period(equation: Equation, system: System, y: Any, level: Any, frequency: Any, angle: Any) -> tuple[Any, Any]:
+    """The state after a period, (n,), and the readings at the beginning of each step, (steps,).
+
+    A memory of the drive alone is integrated before the motion, as in a transient.
+    """
+    parts, places = motion_parts(equation)
+    step = 2.0 / (frequency * (angle.shape[0] - 1))
+    voltage, rate = level * jnp.cos(angle), -level * system.omega * jnp.sin(angle)
+    still = 0.0 * angle
+    seen = Seen(still, still, voltage, rate, still, step, system.omega, system.gain, 0.0)
+    forces, remembered = [], {}
+    for i, (effect, own) in enumerate(zip(system.effects, parts, strict=True)):
+        if own is not None:
+            continue
+        end, path = memory_along(effect, tuple(y[places[i]]), seen)
+        acting = lambda h, u, r, effect=effect: effect.drive(tuple(h), system.drive(u, r), 0.0)
+        forces.append(jax.vmap(acting, in_axes=(1, 0, 0))(jnp.stack(path), voltage, rate))
+        remembered[i] = end
+    grids = (voltage, rate, still, *((sum(forces),) if forces else ()))
+
+    def advance(state: tuple, x: Any) -> tuple:
+        at = stages(x)
+        shown = reading(system, parts, state, at[0][:3])
+        slope = jax.jit(lambda y, now: derivative(system, parts, y, now))  # traced once instead of four times
+        return runge_kutta(slope, state, at, step), shown
+
+    begin = tuple(y[i] for i in range(2 + equation.stepped))
+    after, shown = lax.scan(advance, begin, steps_of(grids))
+    return jnp.stack([*after, *(h for end in remembered.values() for h in end)]), shown
+
+
+def tones(shown: Array, angle: Any) -> Array:
+    """Real and imaginary part of the fundamental relative to cos ωt, and half the peak-to-peak value; (3,)."""
+    n = shown.shape[0]
+    at = angle[:-1:2]
+    real, imaginary = 2.0 / n * jnp.sum(shown * jnp.cos(at)), -2.0 / n * jnp.sum(shown * jnp.sin(at))
+    return jnp.stack([real, imaginary, 0.5 * (_peak(shown) + _peak(-shown))])
+
+
+def _peak(shown: Array) -> Array:
+    """The highest point of a periodic curve, by the parabola through the highest sample and its neighbours."""
+    k = jnp.argmax(shown)
+    before, here, after = jnp.roll(shown, 1)[k], shown[k], jnp.roll(shown, -1)[k]
+    bend = before - 2 * here + after
+    return here - (after - before) ** 2 / (8 * jnp.where(bend < 0, bend, -jnp.inf))
+
+
+@program
+def look(
+    equation: Equation, constants: Numbers, values: Numbers, by_values: Numbers, unknowns: Numbers, along: Numbers,
+    load: Numbers, scale: Numbers, angle: Numbers,
+) -> tuple:  # fmt: skip
+    """`Periodic.look` of one set of points, points last."""
+
+    def one(values: Any, w: Any, load: Any) -> tuple:
+        level, frequency = w[LEVEL], w[FREQUENCY]
+        system = bound(equation, constants, values, load, frequency)
+        end, shown = one_period(equation, system, w[:LEVEL], level, frequency, angle)
+        return end - w[:LEVEL], tones(shown, angle)
+
+    def point(w: Any, load: Any, scale: Any) -> tuple:
+        there = lambda values, w: one(values, w, load)
+        ahead = lambda change, kick: jax.jvp(there, (values, w), (change, kick * scale))
+        return jax.vmap(ahead, out_axes=(None, 0))(by_values, along)
+
+    (miss, shown), (slope, shown_slope) = jax.vmap(point, out_axes=-1)(unknowns, load, scale)
+    return miss, shown, slope, shown_slope
+
+
+class Ride(NamedTuple):
+    """Hidden states at the beginning of a period, and complex fundamental of the force that moves the stage along a
+    given motion besides the drive's gain; per point."""
+
+    hidden: np.ndarray
+    force: np.ndarray
+
+
+def ride(model: Periodic, level: np.ndarray, frequency: np.ndarray, load: np.ndarray, motion: np.ndarray) -> Ride:
+    """What the model's memories are, and what force it needs, if the stage moves as Re(a e^{iωt}) under U cos ωt.
+
+    **Arguments:** `motion`: (points,) complex a, m.
+
+    **Returns:** hidden states at t = 0, (points, n − 2), two periods after they began; and the fundamental of M z̈ −
+    F(z, ż, hidden) with the voltage at zero, N.
+    """
+    count, found, first = len(level), [], 0
+    while first < count:
+        left = count - first
+        most = next((p for p in _POINTS if p >= left), _POINTS[-1])
+        rows = np.minimum(np.arange(first, first + most), count - 1)
+        arrays = (level[rows], frequency[rows], load[rows], motion.real[rows], motion.imag[rows], model.angle)
+        said = along_motion(model.equation, model.equation.constants, model.values, *arrays)
+        own = min(left, most)
+        found.append([np.asarray(part)[..., :own] for part in said])
+        first += own
+    hidden, real, imaginary = (np.concatenate(part, axis=-1) for part in zip(*found, strict=True))
+    return Ride(hidden.T, real + 1j * imaginary)
+
+
+@program
+def along_motion(
+    equation: Equation, constants: Numbers, values: Numbers, level: Numbers, frequency: Numbers, load: Numbers,
+    real: Numbers, imaginary: Numbers, angle: Numbers,
+) -> tuple:  # fmt: skip
+    """`ride` of one set of points, points last."""
+    parts, places = motion_parts(equation)
+
+    def point(level: Any, frequency: Any, load: Any, real: Any, imaginary: Any) -> tuple:
+        system = bound(equation, constants, values, load, frequency)
+        step = 2.0 / (frequency * (angle.shape[0] - 1))
+        omega = system.omega
+        z = real * jnp.cos(angle) - imaginary * jnp.sin(angle)
+        v = -omega * (real * jnp.sin(angle) + imaginary * jnp.cos(angle))
+        voltage, rate, still = level * jnp.cos(angle), -level * omega * jnp.sin(angle), 0.0 * angle
+        seen = Seen(z, v, voltage, rate, still, step, omega, system.gain, 0.0)
+        ends = []
+        for effect in system.effects:
+            hidden = tuple(jnp.asarray(h, float) for h in effect.begun(seen.first))
+            for _ in range(2):
+                hidden, _ = memory_along(effect, hidden, seen)
+            ends.append(hidden)
+        paths = [memory_along(e, h, seen)[1] for e, h in zip(system.effects, ends, strict=True)]
+        acting = 0.0 * z
+        for effect, own, path in zip(system.effects, parts, paths, strict=True):
+            if own is not None and effect.overrides("force"):
+                off = system.drive(0.0, 0.0)
+                one = lambda z, v, h, effect=effect, off=off: effect.force(State(z, v, tuple(h)), off, 0.0)
+                acting = acting + jax.vmap(one, in_axes=(0, 0, 1 if path else None))(
+                    z, v, jnp.stack(path) if path else ()
+                )
+        n = angle.shape[0] - 1
+        line = lambda x: (2 / n * jnp.sum(x * jnp.cos(angle[:-1])), -2 / n * jnp.sum(x * jnp.sin(angle[:-1])))
+        (push, turn), spring = line(acting[:-1]), system.stiffness - system.mass * omega**2
+        needed = (spring * real - omega * system.damping * imaginary - push,
+                  spring * imaginary + omega * system.damping * real - turn)  # fmt: skip
+        order = sorted(range(len(ends)), key=lambda i: places[i].start)
+        hidden = [h for i in order for h in ends[i]]
+        return jnp.stack(hidden) if hidden else jnp.zeros(0), *needed
+
+    return jax.vmap(point, out_axes=-1)(level, frequency, load, real, imaginary)

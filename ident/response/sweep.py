@@ -1,0 +1,100 @@
+"""A sweep as the instrument ran it: up or down through the frequencies, the motion carried on from point to point.
+
+The response follows its curve as long as the curve goes on and is stable. Where it turns back there is nothing to
+follow, and the response jumps to the stable part that is left.
+
+Source: A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations, 1979, §4.1.2 (jumps).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from .branches import Branch, Fold, settle
+from .periodic import Periodic, Seat
+
+_BIGGEST = 0.1  # of the largest amplitude of a run: a smaller step is no jump
+_SUDDEN = 3.0  # times its neighbours
+
+
+class Passed(NamedTuple):
+    """A run over the points of a curve.
+
+    **Arguments:** `unknowns`, (points, n + 2) along the run; `reading`, (points,) m, of the same quantity as was
+    measured; `others`, per point the readings of the other stable responses; `fold`, the one that the response fell
+    off first, and `after`, how many points had been passed by then.
+    """
+
+    unknowns: np.ndarray
+    reading: np.ndarray
+    others: tuple[tuple[float, ...], ...]
+    fold: Fold | None
+    after: int
+
+
+def run_along(
+    model: Periodic, branch: Branch, frequency: Sequence[float], first: float, swing: bool, scale: np.ndarray
+) -> Passed:
+    """Pass frequencies (points,) in the order of a run.
+
+    **Arguments:** `first`: amplitude measured at the first point, m, by which the response begins on one of several
+    stable ones; `swing`: whether amplitudes are half peak-to-peak; `scale`: (n + 2,) of the unknowns.
+    """
+    size = branch.swing if swing else np.abs(branch.tone)
+    folds = branch.folds
+    places: list[tuple[int, float]] = []
+    others: list[tuple[float, ...]] = []
+    fallen, after = None, 0
+    reading_at = lambda place: float(size[place[0]] + place[1] * (size[place[0] + 1] - size[place[0]]))
+    for i, f in enumerate(frequency):
+        crossings = branch.crossings(float(f))
+        stable = [c for c in crossings if branch.stable[c[0]] or branch.stable[c[0] + 1]] or crossings
+        if not places:
+            place = min(stable, key=lambda c: abs(reading_at(c) - first))
+        else:
+            on = [c for c in stable if not _between(places[-1], c, folds)]
+            if on:
+                place = min(on, key=lambda c: abs(c[0] + c[1] - places[-1][0] - places[-1][1]))
+            else:
+                place = min(stable, key=lambda c: abs(reading_at(c) - reading_at(places[-1])))
+                if fallen is None:
+                    fallen, after = _nearest(places[-1], f - frequency[i - 1], folds, branch), i
+        places.append(place)
+        others.append(tuple(reading_at(c) for c in stable if c != place))
+    guess = np.array([branch.at(*place) for place in places])
+    guess[:, -1] = frequency
+    seat = Seat(np.full(len(guess), branch.load), np.tile(scale, (len(guess), 1)))
+    found, good = settle(model, guess, seat)
+    rough = np.array([reading_at(place) for place in places])
+    seen = model.look(found, seat, np.eye(1, model.size + 2))
+    exact = seen.swing if swing else np.abs(seen.tone)
+    # At a fold Newton's method may leave the curve; the cubic along it is nearly as good.
+    kept = good & (np.abs(exact - rough) < 0.02 * np.max(rough))
+    return Passed(np.where(kept[:, None], found, guess), np.where(kept, exact, rough), tuple(others), fallen, after)
+
+
+def measured_jump(amplitude: np.ndarray) -> int | None:
+    """After which point of a run, (points,) m, the measured response jumped; None if it did not."""
+    step = np.abs(np.diff(amplitude))
+    if len(step) < 4:
+        return None
+    k = int(np.argmax(step))
+    beside = np.concatenate([step[max(k - 2, 0) : k], step[k + 1 : k + 3]])
+    sudden = step[k] > _BIGGEST * np.max(amplitude) and step[k] > _SUDDEN * np.max(beside)
+    return k if sudden else None
+
+
+def _between(place: tuple[int, float], other: tuple[int, float], folds: Sequence[Fold]) -> bool:
+    """Whether the curve turns back between two places."""
+    low, high = sorted((place, other))
+    return any(low[0] <= fold.index < high[0] or (fold.index == high[0] and low[0] < high[0]) for fold in folds)
+
+
+def _nearest(place: tuple[int, float], ahead: float, folds: Sequence[Fold], branch: Branch) -> Fold | None:
+    """The fold that ends the stretch of the curve on which a place is, in the direction of the run."""
+    f = float(branch.at(*place)[-1])
+    ends = [fold for fold in folds if (fold.frequency - f) * ahead >= 0]
+    return min(ends, key=lambda fold: abs(fold.index - place[0]), default=None)

@@ -1,0 +1,83 @@
+"""Sweeps are fitted: parameters come back with honest errors, alone and beside traces; jumps are predicted."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ident.campaign.campaign import Campaign
+from ident.campaign.device import Oscillator
+from ident.campaign.record import Channel, NoiseFloor, Sweep
+from ident.effects.registry import built_in
+from ident.fit import fit
+from ident.fit.curve_guess import guess_curves
+from ident.model import Model
+
+FREQUENCY, QUALITY, GAIN, CUBIC = 40.0, 50.0, 100.0, 3e6
+VOLT, METRE = Channel("V", 1.0), Channel("m", 1.0)
+
+
+def closed_form(level: float, frequency: np.ndarray, up: bool, cubic: float) -> np.ndarray:
+    """Complex response of a Duffing oscillator to first order, the branch as the sweep meets it."""
+    omega, own = 2 * np.pi * frequency, 2 * np.pi * FREQUENCY
+    found, before = [], 0.0
+    for w in omega if up else omega[::-1]:
+        shift, loss = own**2 - w**2, (w * own / QUALITY) ** 2
+        roots = np.roots([(0.75 * cubic) ** 2, 1.5 * cubic * shift, shift**2 + loss, -((GAIN * level) ** 2)])
+        if cubic == 0:
+            roots = np.array([(GAIN * level) ** 2 / (shift**2 + loss)])
+        real = np.sqrt(np.real(roots[(np.abs(roots.imag) < 1e-9 * np.abs(roots)) & (roots.real > 0)]))
+        nearest = np.argmin(np.abs(real - before)) if found else np.argmin(real)
+        before = float(real[nearest])
+        found.append(before * np.exp(-1j * np.angle(shift + 0.75 * cubic * before**2 + 1j * w * own / QUALITY)))
+    return np.array(found if up else found[::-1])
+
+
+def sweep(level: float, cubic: float, phase: bool, seed: int = 0, sigma: float = 2e-5) -> Sweep:
+    frequency = np.linspace(38.0, 43.5, 56)
+    both = [closed_form(level, frequency, up, cubic) for up in (True, False)]
+    rng = np.random.default_rng(seed)
+    answer = np.concatenate(both)
+    answer = answer + sigma * (rng.normal(size=len(answer)) + 1j * rng.normal(size=len(answer)))
+    up = np.repeat([True, False], len(frequency))
+    twice = np.tile(frequency, 2)
+    turn, levels = np.angle(answer) if phase else None, np.full(len(twice), level)
+    return Sweep(f"{level} V", twice, levels, np.abs(answer), turn, up,
+                 "fundamental", VOLT, METRE, NoiseFloor(sigma))  # fmt: skip
+
+
+@pytest.mark.parametrize("phase", [False, True])
+def test_the_linear_guess_is_read_off_the_curves(phase: bool) -> None:
+    found = guess_curves([sweep(0.3, 0.0, phase)])
+    assert found.frequency == pytest.approx(FREQUENCY, rel=1e-3)
+    assert found.quality == pytest.approx(QUALITY, rel=0.02)
+    assert found.gain == pytest.approx(GAIN, rel=0.02)
+
+
+@pytest.mark.parametrize("phase", [False, True])
+def test_a_bistable_sweep_gives_its_parameters_back(phase: bool) -> None:
+    device = Oscillator()
+    model = Model(device) + built_in()["cubic-stiffness"](device)
+    # First-order theory is off the true curve by (k A²/ω0²)², a few 1e-3 here: the noise is larger than that.
+    campaign = Campaign("", (sweep(0.5, CUBIC, phase, 1, 3e-4),), device)
+    found = fit(model, campaign)
+    assert found.converged
+    assert found.fitted.error_over_noise < 1.15
+    for estimate, truth in zip(found.estimates, (FREQUENCY, QUALITY, GAIN, CUBIC), strict=True):
+        assert estimate.standard_error is not None
+        assert abs(estimate.value - truth) < 4 * estimate.standard_error + 0.01 * truth
+    up, down = found.curves[0].runs
+    assert up.jump is not None and down.jump is not None
+    for run in (up, down):
+        assert run.jump is not None and run.jump.measured is not None and run.jump.model is not None
+        assert run.jump.model == pytest.approx(run.jump.measured, abs=0.15)
+    assert np.count_nonzero(found.curves[0].apart) <= 3
+
+
+def test_a_fit_that_starts_with_its_jump_elsewhere_finds_back() -> None:
+    device = Oscillator()
+    model = Model(device) + built_in()["cubic-stiffness"](device)
+    campaign = Campaign("", (sweep(0.5, CUBIC, False, 2, 3e-4),), device)
+    for cubic in (0.3 * CUBIC, 3 * CUBIC):
+        found = fit(model, campaign, initial=np.array([FREQUENCY * 1.01, QUALITY * 0.7, GAIN * 1.2, cubic]))
+        assert found.value("cubic-stiffness.k3") == pytest.approx(CUBIC, rel=0.03)

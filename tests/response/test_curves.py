@@ -1,0 +1,133 @@
+"""Steady responses against closed forms and an independent solver: amplitude, phase, derivatives, folds, stability."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from ident.campaign.device import Oscillator
+from ident.effects.registry import built_in
+from ident.model import Model
+from ident.response import Equation
+from ident.response.branches import follow
+from ident.response.controlled import Points, at_amplitude
+from ident.response.periodic import Periodic
+from ident.response.sweep import measured_jump, run_along
+
+FREQUENCY, QUALITY, GAIN, CUBIC = 40.0, 50.0, 100.0, 3e6
+STEPS = 128
+
+
+def duffing(cubic: float = CUBIC) -> Periodic:
+    device = Oscillator()
+    model = Model(device) + built_in()["cubic-stiffness"](device)
+    return Periodic(Equation(model), np.array([FREQUENCY, QUALITY, GAIN, cubic]), STEPS)
+
+
+def points(frequency: np.ndarray, amplitude: np.ndarray) -> Points:
+    n = len(frequency)
+    return Points(frequency, np.ones(n), amplitude, np.zeros(n), np.zeros(n, bool))
+
+
+def test_a_linear_oscillator_needs_the_drive_of_its_transfer_function() -> None:
+    frequency = np.linspace(36, 44, 9)
+    found = at_amplitude(duffing(0.0), points(frequency, np.full(9, 0.02)))
+    omega, own = 2 * np.pi * frequency, 2 * np.pi * FREQUENCY
+    exact = (own**2 - omega**2 + 1j * own * omega / QUALITY) * 0.02 / GAIN
+    assert found.converged.all()
+    np.testing.assert_allclose(found.needed, exact, rtol=2e-5)
+
+
+def test_derivatives_are_those_of_differences() -> None:
+    model, at = duffing(), points(np.array([39.0, 40.6, 41.5]), np.array([0.01, 0.03, 0.02]))
+    found = at_amplitude(model, at)
+    slopes = found.slopes(np.diag(model.values))
+    for i in range(4):
+        sides = []
+        for side in (1e-6, -1e-6):
+            values = model.values.copy()
+            values[i] *= 1 + side
+            sides.append(at_amplitude(Periodic(model.equation, values, STEPS), at).needed)
+        np.testing.assert_allclose(slopes[i], (sides[0] - sides[1]) / 2e-6, rtol=1e-5, atol=1e-8)
+    for name, slope in (("amplitude", found.by_amplitude), ("frequency", found.by_frequency)):
+        value = getattr(at, name)
+        up, down = (at_amplitude(model, at._replace(**{name: value * (1 + s)})).needed for s in (1e-6, -1e-6))
+        np.testing.assert_allclose(slope, (up - down) / (2e-6 * value), rtol=1e-5)
+
+
+def test_a_long_transient_of_an_independent_solver_ends_where_the_curve_is() -> None:
+    level, frequency = 1.0, 42.0
+    omega, own = 2 * np.pi * frequency, 2 * np.pi * FREQUENCY
+
+    def motion(t: float, y: np.ndarray) -> list[float]:
+        push = GAIN * level * np.cos(omega * t) - own / QUALITY * y[1] - own**2 * y[0] - CUBIC * y[0] ** 3
+        return [y[1], push]
+
+    branch = follow(duffing(), np.array([level]), np.zeros(1), (37.0, 45.0), np.array([0.08]))[0]
+    upper = run_along(duffing(), branch, np.linspace(38, frequency, 9), 0.0, False, np.array([0.08, 20.0, 1.0, 40.0]))
+    period = 1 / frequency
+    found = solve_ivp(motion, (0, 60 * period), upper.unknowns[-1, :2], method="DOP853", rtol=1e-10, atol=1e-13,
+                      t_eval=59 * period + period / 64 * np.arange(64))  # fmt: skip
+    turns = np.exp(-2j * np.pi * np.arange(64) / 64)
+    assert abs(2 * np.mean(found.y[0] * turns)) == pytest.approx(upper.reading[-1], rel=1e-5)
+
+
+@pytest.fixture(scope="module")
+def curves() -> list:
+    levels = np.array([0.3, 0.6, 1.0])
+    return follow(duffing(), levels, np.zeros(3), (37.0, 45.0), np.array([0.024, 0.046, 0.073]))
+
+
+def test_folds_of_a_duffing_oscillator_lie_where_first_order_theory_has_them(curves: list) -> None:
+    """A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations, 1979, §4.1.1: the frequency response has vertical tangents
+    where (ω0² + ¾ k A² − ω²)(ω0² + 9/4 k A² − ω²) + (ω ω0/Q)² = 0, for small amplitudes."""
+    assert not curves[0].folds
+    assert curves[0].stable.all()
+    for branch in curves[1:]:
+        assert len(branch.folds) == 2
+        for fold in branch.folds:
+            omega, own, bent = 2 * np.pi * fold.frequency, 2 * np.pi * FREQUENCY, 0.75 * CUBIC * fold.amplitude**2
+            shift = own**2 - omega**2
+            root = np.roots([3.0, 4 * shift, shift**2 + (omega * own / QUALITY) ** 2])
+            nearest = root[np.argmin(np.abs(root - bent))].real
+            assert nearest == pytest.approx(bent, rel=0.03)
+        low, high = (fold.index for fold in branch.folds)
+        assert not branch.stable[low + 2 : high - 1].any()
+        assert branch.stable[: low - 1].all() and branch.stable[high + 3 :].all()
+
+
+def test_the_peaks_lie_on_the_backbone(curves: list) -> None:
+    """First order in the nonlinearity, Nayfeh & Mook §4.1.1: ω² = ω0² + ¾ k A² at the peak."""
+    for branch in curves[1:]:
+        top = int(np.argmax(np.abs(branch.tone)))
+        amplitude = abs(branch.tone[top])
+        backbone = np.sqrt((2 * np.pi * FREQUENCY) ** 2 + 0.75 * CUBIC * amplitude**2) / (2 * np.pi)
+        assert branch.frequency[top] == pytest.approx(backbone, rel=2e-3)
+
+
+def test_up_and_down_jump_at_different_folds(curves: list) -> None:
+    branch, scale, frequency = curves[2], np.array([0.08, 20.0, 1.0, 40.0]), np.linspace(38, 44.5, 66)
+    up = run_along(duffing(), branch, frequency, 0.0, False, scale)
+    down = run_along(duffing(), branch, frequency[::-1], 0.0, False, scale)
+    assert up.fold is not None and down.fold is not None
+    assert up.fold.frequency > down.fold.frequency + 1
+    assert frequency[up.after - 1] <= up.fold.frequency <= frequency[up.after]
+    assert measured_jump(up.reading) == up.after - 1
+    assert measured_jump(curves[0].swing[::3]) is None
+
+
+def test_every_effect_of_the_library_has_steady_responses() -> None:
+    device = Oscillator()
+    for name, effect in built_in().items():
+        if effect.platform_only or effect.needs:
+            continue
+        one = effect(device)
+        size = {"displacement": 0.02, "velocity": 5.0, "voltage": 1.0, "period": 1 / FREQUENCY, "duration": 1.0}
+        small = {p.name: p.default * size.get(p.scale, 1.0) for p in one.declared()}
+        model = Model(device) + effect(device, None, **small)
+        values = np.array([FREQUENCY, QUALITY, GAIN, *(small[p.name] for p in one.parameters)])
+        found = at_amplitude(
+            Periodic(Equation(model), values, 64), points(np.array([38.0, 40.0]), np.array([0.01, 0.02]))
+        )
+        assert found.converged.all(), name
