@@ -27,7 +27,7 @@ from ..pulse import Report
 from ..response import Equation
 from .balance import Balanced, balanced
 from .columns import Terms, contributions, push_columns
-from .curve_columns import Plane, curve_columns, curve_order, plane_of
+from .curve_columns import Moves, Plane, curve_columns, curve_order, plane_of
 from .side_by_side import at_once
 from .trajectory import Scene, lay_out
 from .whiten import Piece, make_piece, prediction_filter, whiten
@@ -199,7 +199,8 @@ def _without(bench: Bench, known: np.ndarray, directions: np.ndarray) -> Bench:
     found = replace(bench, absorbed=absorbed, residual=residual, known=known, directions=directions)
     if bench.plane is None or not len(directions):
         return found
-    own = balanced(found, np.zeros((0, scene_samples(found))), np.zeros((0, len(bench.plane.needed))))
+    nothing = np.zeros((0, len(bench.plane.needed)))
+    own = balanced(found, np.zeros((0, scene_samples(found))), Moves(nothing, nothing))
     absorbed = _orthonormal(own.slopes)
     return replace(found, absorbed=absorbed, residual=own.left - absorbed @ (absorbed.T @ own.left))
 
@@ -222,8 +223,11 @@ def stack(bench: Bench, model: Model, values: np.ndarray, directions: np.ndarray
         plane = bench.plane
         assert plane is not None  # there are sweeps
         # Of its own parameters the model itself says what they do, all harmonics together.
-        moved = plane.own if linear else curve_columns(solved, Equation(model), values, directions)
-        parts.append(-plane.slopes(plane.needed, moved))
+        if linear:
+            moved = Moves(plane.own, np.zeros_like(plane.own))
+        else:
+            moved = curve_columns(solved, Equation(model), values, directions)
+        parts.append(-plane.slopes(plane.needed, np.ones_like(plane.needed), moved))
     return np.concatenate(parts, axis=1)
 
 
@@ -293,7 +297,11 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
         rows = slice(k * len(amplitudes), (k + 1) * len(amplitudes))
         basis = _orthonormal(projected[rows], raw[rows])
         if basis.shape[1] and moves is not None:
-            tried.append(_balanced_point(bench, names, amplitudes, point, one_sided, raw[rows], moves[rows], rows))
+            tried.append(
+                _balanced_point(
+                    bench, names, amplitudes, point, one_sided, raw[rows], Moves(*(part[rows] for part in moves)), rows
+                )
+            )
         elif basis.shape[1]:
             found = _estimate(bench, names, amplitudes, point, projected[rows])
             sizes = [found[name] for name in one_sided]
@@ -333,7 +341,7 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
 
 def _balanced_point(
     bench: Bench, names: list[str], amplitudes: list[int], point: np.ndarray, one_sided: list[str], raw: np.ndarray,
-    moves: np.ndarray, rows: slice,
+    moves: Moves, rows: slice,
 ) -> _Point:  # fmt: skip
     """One point of an effect's grid where there are sweeps: amplitudes by the balance of the fundamental."""
     found: Balanced = balanced(bench, raw[:, : scene_samples(bench)], moves)
