@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from .diagnosis.change import remove as remove
     from .diagnosis.diagnose import diagnose as diagnose
     from .diagnosis.diagnose import discover as discover
+    from .diagnosis.judged import compare as compare
+    from .diagnosis.judged import sample as sample
     from .effects import AbstractEffect as AbstractEffect
     from .effects import amplitude as amplitude
     from .effects import choice as choice
@@ -37,8 +39,6 @@ if TYPE_CHECKING:
     from .fit.profile import profile as profile
     from .fit.simulate import simulate as simulate
     from .model import build_model as build_model
-    from .posterior.compare import compare as compare
-    from .posterior.result import draw_posterior as sample  # noqa: F401
     from .report.check import check as check
     from .report.run_folder import load_run as load_run
     from .report.run_folder import write_run as write_run
@@ -52,8 +52,8 @@ _STORY = {
     "add": ("diagnosis.change", "add"),
     "remove": ("diagnosis.change", "remove"),
     "discover": ("diagnosis.diagnose", "discover"),
-    "sample": ("posterior.result", "draw_posterior"),
-    "compare": ("posterior.compare", "compare"),
+    "sample": ("diagnosis.judged", "sample"),
+    "compare": ("diagnosis.judged", "compare"),
     "simulate": ("fit.simulate", "simulate"),
     "profile": ("fit.profile", "profile"),
     "write_run": ("report.run_folder", "write_run"),

@@ -10,6 +10,9 @@ def visible(text: str) -> str:
     return "".join(c if c.isprintable() or c == "\n" else "    " if c == "\t" else f"\\x{ord(c):02x}" for c in text)
 
 
+_LONGEST = 1000  # characters of one word: no path is longer, but what stands in a broken file may be
+
+
 class UserError(Exception):
     """Unusable input. The command line prints it as one line and exits with 2.
 
@@ -24,4 +27,5 @@ class UserError(Exception):
         self.what, self.where, self.do = what, where, do
         place = f"{where}: " if where else ""
         advice = f" — {do}" if do else ""
-        super().__init__(visible(" ".join(f"{place}{what}{advice}".split())))
+        words = f"{place}{what}{advice}".split()
+        super().__init__(visible(" ".join(word if len(word) <= _LONGEST else f"{word[:60]}…" for word in words)))

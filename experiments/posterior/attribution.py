@@ -19,10 +19,10 @@ from typing import Any
 
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
+from ident.diagnosis.judged import attribute
 from ident.errors import UserError
 from ident.fit.fit import fit
 from ident.model import build_model
-from ident.posterior.attribution import attribute
 
 CAUSES: dict[str, tuple[str, ...]] = {
     "residual stress": ("residual-stress",),

@@ -18,7 +18,6 @@ skip = "20 s"
 """,
     baseline=7.8,
     start=10.0,
-    command="fit",
 )
 
 if __name__ == "__main__":

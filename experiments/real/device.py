@@ -20,10 +20,9 @@ class Device:
 
     - `folder`, `files`: where the tables are; `campaign`: what a user would type, knowing columns and units.
     - `baseline`: held-out error, percent of the signal, of the plain SciPy fit that goes with the set.
-    - `command`: "discover", or "fit" where the loop is not part of what is shown.
     - `start`, `final`: limits of the held-out error per cent, of the linear start and of the last model.
     - `form`: the linear model that must be chosen; `first`: the effect that must be named first; `never`: those that
-      must not be named.
+      must not be named; `verdicts`: those that may be given.
     """
 
     folder: str
@@ -31,11 +30,11 @@ class Device:
     campaign: str
     baseline: float
     start: float
-    command: str = "discover"
     final: float | None = None
     form: str = "oscillator"
     first: str = ""
     never: frozenset[str] = field(default_factory=frozenset)
+    verdicts: frozenset[str] = frozenset({"ambiguous", "not-in-library"})
 
     def main(self) -> None:
         """Run, print and assert; without the files it says so and ends."""
@@ -45,27 +44,26 @@ class Device:
         with tempfile.TemporaryDirectory() as temporary:
             self.check(*self.run(Path(temporary)))
 
-    def run(self, work: Path) -> tuple[dict[str, Any], list[tuple[str, float]]]:
-        """`run.json`, and the held-out error in percent of the start and after every step."""
+    def run(self, work: Path) -> tuple[dict[str, Any], str, list[tuple[str, float]]]:
+        """`run.json`, the verdict, and the held-out error in percent of the start and after every step."""
         public_data.prepare(work / "it", self.campaign, self.folder, self.files)
-        ident((self.command, "it", "-o", "runs/it"), work)
+        ident(("discover", "it", "-o", "runs/it"), work)
         folder = work / "runs" / "it"
         run = json.loads((folder / "run.json").read_text(encoding="utf-8"))
-        if self.command == "fit":
-            return run, [("start", 100 * run["holdout"]["error_over_signal"])]
         said = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
         states = [("start", said["start"]), *((step["added"], step) for step in said["steps"])]
-        return run, [(name, 100 * state["holdout_error_over_signal"]) for name, state in states]
+        return run, said["verdict"], [(name, 100 * state["holdout_error_over_signal"]) for name, state in states]
 
-    def check(self, run: dict[str, Any], walked: list[tuple[str, float]]) -> None:
+    def check(self, run: dict[str, Any], verdict: str, walked: list[tuple[str, float]]) -> None:
         """Print what was found and hold it to the limits."""
-        print(f"{self.folder}: {run['linear']['form']}, baseline {self.baseline} %")
+        print(f"{self.folder}: {run['linear']['form']}, baseline {self.baseline} %, {verdict}")
         for name, error in walked:
             print(f"  {name:<24} {error:8.3g} %")
         assert run["linear"]["form"] == self.form, run["linear"]
         names = [name for name, _ in walked[1:]]
         assert walked[0][1] <= self.start, walked
         assert not self.never & set(names), names
+        assert verdict in self.verdicts, verdict
         if self.final is not None:
             assert walked[-1][1] <= self.final, walked
         if self.first:

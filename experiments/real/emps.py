@@ -17,7 +17,8 @@ holdout = true
 """,
     baseline=6.5,
     start=6.5,
-    command="fit",
+    final=6.6,
+    first="coulomb-friction",
     form="no-spring",
 )
 

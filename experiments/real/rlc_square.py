@@ -17,7 +17,7 @@ holdout = true
 """,
     baseline=6.9,
     start=7.0,
-    command="fit",
+    final=4.4,
 )
 
 if __name__ == "__main__":

@@ -17,7 +17,8 @@ holdout = true
 """,
     baseline=15.6,
     start=15.7,
-    command="fit",
+    final=2.2,
+    first="cubic-stiffness",
 )
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Motion of the stage on its stressed beams, integrated in fine fixed steps.
 
-    (M + m) z̈ + (M ω0/Q) ż + M ω0² z + R(z, V) + D(z, ż) = K_f (d31 E − η E³ + (ζ/ω³) Ė³),   E = V/T_PZT
+    (M + m) z̈ + (M ω0/Q) ż + M ω0² z + k3 z³ + R(z, V) + D(z, ż) = K_f (d31 E − η E³ + (ζ/ω³) Ė³),   E = V/T_PZT
 
 with D = F_c ż/√(ż² + v_c²), dry friction. R = [K(N(z, V)) − K(0)] z for the axial-force and the sign-change closure (K
 from the closed form of `stiffness`), and R = 4 F(z) − K(0) z with a finite-element curve F(z) per beam for the closure
@@ -33,6 +33,7 @@ class Stage:
     - `frequency` Hz, `quality`, `d31` m/V: the linear platform without axial force.
     - `sigma12`, `sigma23` Pa: stress steps σ1−σ2 (PZT) and σ2−σ3 (silicon); σ2 = 0.
     - `restraint`, `voltage_force` N/V, `width` m: ρ, β_V and the transition width of the closures.
+    - `cubic` N/m³: the spring k3 of large deformations.
     - `eta`, `zeta` m³/V³: the hysteresis polynomial.
     - `friction` N, `friction_speed` m/s: dry friction F_c and the speed v_c over which it turns.
     """
@@ -46,6 +47,7 @@ class Stage:
     restraint: float = 1.0
     voltage_force: float = 0.0
     width: float = 1e-6
+    cubic: float = 0.0
     eta: float = 0.0
     zeta: float = 0.0
     friction: float = 0.0
@@ -79,6 +81,7 @@ class _Constants(NamedTuple):
     voltage_force: float
     width: float
     unstressed: float
+    cubic: float
     friction: float
     friction_speed: float
     knot: float
@@ -93,7 +96,7 @@ def _constants(stage: Stage, load: float, reference: float, knot: float, spacing
         _CODE[stage.closure], g.stage_mass + load, g.stage_mass * w0 / stage.quality, g.stage_mass * w0**2,
         g.drive_gain, stage.d31, stage.eta, stage.zeta / reference**3, g.pzt_thickness, g.length_1, g.length_2,
         g.bending, *g.corner_ratios, *g.shares, *rise, frame[0, 0], frame[0, 1], frame[1, 1], stage.restraint,
-        stage.voltage_force, stage.width, g.stage_stiffness, stage.friction, stage.friction_speed,
+        stage.voltage_force, stage.width, g.stage_stiffness, stage.cubic, stage.friction, stage.friction_speed,
         knot, spacing,
     )  # fmt: skip
 
@@ -142,7 +145,12 @@ def acceleration(z, v, volt, volt_rate, c, curve):
     field, field_rate = volt / c.layer, volt_rate / c.layer
     strain = c.d31 * field - c.eta * field**3 + c.zeta * field_rate**3
     return (
-        c.gain * strain - c.damping * v - c.linear * z - extra_force(z, volt, c, curve) - dry_friction(v, c)
+        c.gain * strain
+        - c.damping * v
+        - c.linear * z
+        - c.cubic * z**3
+        - extra_force(z, volt, c, curve)
+        - dry_friction(v, c)
     ) / c.mass
 
 

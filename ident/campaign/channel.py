@@ -6,14 +6,14 @@ from ident.errors import UserError
 from ident.units import find_unit
 
 from .device import Device
-from .record import Channel
+from .record import Channel, Measures
 from .spec import RecordSpec, signal_units
 from .table import Column
 
 
-def own_units(device: Device) -> tuple[str, str]:
+def own_units(device: Device, measures: Measures = "displacement") -> tuple[str, str]:
     """The units of drive and response that exist for this device only; "" where they are ordinary ones."""
-    drive, response = signal_units(device)
+    drive, response = signal_units(device, measures)
     return (drive[0] if drive[1] is None else "", response[0] if response[1] is None else "")
 
 

@@ -207,6 +207,12 @@ def _with_given_unit(column: Column, units: Mapping[str, str]) -> Column:
     return column if unit is None else replace(column, unit=unit, doubtful="")
 
 
+def without_reference(table: Table, wanted: str | int, where: str) -> Table:
+    """The table without the column that a control loop was told to follow: it is neither drive nor response."""
+    reference = _given_column(table, Role("reference", frozenset(), frozenset()), wanted, where)
+    return replace(table, columns=tuple(column for column in table.columns if column is not reference))
+
+
 def _given_column(table: Table, role: Role, wanted: str | int, where: str) -> Column:
     if isinstance(wanted, int):
         fits = [column for column in table.columns if column.position == wanted]
@@ -269,7 +275,11 @@ def _wrong_unit(column: Column, unit: str, role: Role, where: str) -> UserError:
     needed = role.own_unit or (base_unit(role.dimension) if role.dimension is not None else "")
     what = f'the {role.name} "{column.header}" is in {unit or "no unit"}, which is not a unit of {role.name}'
     do = f"give it in {needed} or a multiple of it, or name another column"
-    if role.name in ("response", "amplitude") and role.dimension == LENGTH:
+    found = find_unit(unit)
+    rates = {(1, 0, -1, 0, 0, 0, 0): "velocity", (1, 0, -2, 0, 0, 0, 0): "acceleration"}
+    if role.name == "response" and role.dimension == LENGTH and found is not None and found.dimension in rates:
+        do = f'write measures = "{rates[found.dimension]}" in its [[record]], or name another column'
+    elif role.name in ("response", "amplitude") and role.dimension == LENGTH:
         do += '; for a thing that is no platform write device = { kind = "oscillator", output = "V" }'
     if role.name in ("drive", "level") and role.dimension == VOLTAGE:
         do += "; the drive of a platform is a voltage"

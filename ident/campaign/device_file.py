@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from ident.units import FREQUENCY, LENGTH, MASS, NUMBER, PRESSURE, VOLTAGE, base
 from .device import Device, Oscillator, Platform
 from .document import Section, read_document, shown
 from .opening import exists
+from .record import Measures
 
 _DIMENSIONS = {
     "silicon_modulus": PRESSURE,
@@ -127,6 +128,22 @@ def _oscillator(section: Section) -> Oscillator:
             raise section.error(key, f"{shown(value)} is not positive", "write a positive number")
     section.check_keys()
     return Oscillator(units["output"], units["input"], limits["max_voltage"], limits["max_frequency"])
+
+
+_RATES: dict[tuple[int, ...], Measures] = {(1, 0, -1, 0, 0, 0, 0): "velocity", (1, 0, -2, 0, 0, 0, 0): "acceleration"}
+
+
+def of_displacement(device: Device) -> tuple[Device, Measures, list[str]]:
+    """The device with its output as a displacement, what its records then measure, and a sentence that says so."""
+    found = find_unit(device.output) if isinstance(device, Oscillator) else None
+    measures = _RATES.get(found.dimension) if found is not None else None
+    if measures is None or not isinstance(device, Oscillator):
+        return device, "displacement", []
+    note = (
+        f"The response is in {device.output}, which is read as the {measures} of a displacement in m "
+        f'(output = "m", and measures = "{measures}" in its records).'
+    )
+    return replace(device, output="m"), measures, [note]
 
 
 def own_base_unit(section: Section, key: str, name: str) -> str:

@@ -33,8 +33,8 @@ def document_of(data: Any, columns: Mapping[str, str | int] | None, told: Mappin
     """
     if _is_document(data):
         records = [_with_table(record, f"record {k}") for k, record in enumerate(data["record"], 1)]
-        common = {**data.get("defaults", {}), **told, **({"columns": dict(columns)} if columns else {})}
-        return {**data, "record": records, "defaults": common}
+        common, own = data.get("defaults", {}), dict(told) | ({"columns": dict(columns)} if columns else {})
+        return {**data, "record": records, "defaults": {**common, **own} if isinstance(common, Mapping) else common}
     common, held = dict(told), told.get("holdout", ())
     common.pop("holdout", None)
     common |= {"columns": dict(columns)} if columns else {}
@@ -108,7 +108,7 @@ def _column(name: str, header: str, values: Sequence[Any] | np.ndarray, position
     stem, unit, doubtful = split_header(header)
     try:
         cells = np.array(values, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         cells = np.zeros((0, 0))
     if cells.ndim != 1:
         raise UserError("this is no column of numbers", where=f'{name}, column {position} ("{header}")', do=_DO)

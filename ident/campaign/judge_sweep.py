@@ -114,7 +114,7 @@ def _remarks(record: Sweep, runs: tuple[RunJudgement, ...], both: set[float]) ->
     if (shift := _phase_shift(record)) is not None:
         found.append(
             f"the phase is {math.degrees(shift):.0f}° where the response should follow the drive: a delay, or another "
-            "reference? A drive-lag or sensor-lag would be found"
+            "reference? A lag in drive or sensor would be found"
         )
     return found
 

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from ident.errors import UserError
-from ident.units import NUMBER, find_unit
+from ident.units import NUMBER, base_unit, find_unit
 
 from .added_drive import with_drive
 from .amplitude_unit import is_amplitude_unit
 from .binary_table import READERS
 from .channel import channel_of, own_units, plausible_noise
 from .checks import check_drive, check_plausible, check_response, check_sampling, on_grid, uniform_time
-from .columns import match_columns, trace_roles
+from .columns import match_columns, trace_roles, without_reference
 from .device import Device
 from .drive import find_period
 from .guess import guess_kind, match_any
@@ -23,11 +24,14 @@ from .instrument_files import INSTRUMENT_READERS
 from .load_sweep import load_sweep
 from .noise import noise_floor
 from .outliers import find_outliers, without_outliers
-from .record import Channel, NoiseFloor, Record, Trace
+from .record import MEASURES, Channel, NoiseFloor, Record, Trace
 from .rest_level import rest_level
+from .scale import Scale
 from .spec import RecordSpec, signal_units
 from .table import Column, Table
 from .text_table import read_text_table
+
+_PLATFORM_OMEGA = 2 * math.pi * 500.0  # rad/s, where a platform vibrates: what a velocity means as a displacement
 
 
 def read_table(path: Path, name: str, own_units: tuple[str, ...] = ()) -> Table:
@@ -58,14 +62,31 @@ def _no_peak_unit(column: Column) -> None:
         raise UserError(what, where=f'{column.file}, column "{column.header}"', do="name the column of the waveform")
 
 
+def _signal(column: Column, base: str, scale: Scale | None, notes: list[str], role: str) -> tuple[Channel, np.ndarray]:
+    """The numbers of a column in SI, and the unit in which they are shown."""
+    if scale is None:
+        channel = channel_of(column, base, notes, role)
+        return channel, column.numbers() * channel.factor
+    read = channel_of(column, base_unit(scale.dimension), notes, role)
+    return Channel(scale.unit, scale.size), column.numbers() * read.factor * scale.factor
+
+
 def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[str]]:
     notes: list[str] = []
     if spec.relative_noise:
         what = f"{spec.file} is a trace: its noise is no share of an amplitude"
         raise UserError(what, where=spec.where, do='write for example noise = "12 nm"')
-    (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device)
-    roles = trace_roles(drive_dimension or NUMBER, response_dimension or NUMBER, own_units(device))
-    given, units = spec.columns, spec.units
+    (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device, spec.measures)
+    roles = trace_roles(drive_dimension or NUMBER, response_dimension or NUMBER, own_units(device, spec.measures))
+    roles = tuple(replace(r, dimension=spec.scale[r.name].dimension, own_unit="") if r.name in spec.scale else r
+                  for r in roles)  # fmt: skip
+    given, units = dict(spec.columns), spec.units
+    if "reference" in given:
+        table = without_reference(table, given.pop("reference"), spec.where)
+        notes.append(
+            f"{spec.file}: a loop is closed around the device; the drive that was measured is what counts, but noise "
+            "that the loop feeds back may bias a fit."
+        )
     if spec.rate is not None:
         roles = roles[1:]
         if "time" in given:
@@ -78,12 +99,12 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
     columns = match_columns(table, without if undriven else roles, given, units, where=spec.where)
     for column in columns.values():
         _no_peak_unit(column)
-    response_channel = channel_of(columns["response"], response_unit, notes, "response")
-    response = columns["response"].numbers() * response_channel.factor
+    response_channel, response = _signal(
+        columns["response"], response_unit, spec.scale.get("response"), notes, "response"
+    )
     drive_channel, drive = Channel(drive_unit, 1.0), np.zeros(len(response))
     if not undriven:
-        drive_channel = channel_of(columns["drive"], drive_unit, notes, "drive")
-        drive = columns["drive"].numbers() * drive_channel.factor
+        drive_channel, drive = _signal(columns["drive"], drive_unit, spec.scale.get("drive"), notes, "drive")
     if len(drive) < 20:
         raise UserError(f"{len(drive)} samples are too few", where=spec.file, do="a record needs at least 20 samples")
     if spec.rate is not None:
@@ -92,7 +113,8 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         channel = channel_of(columns["time"], "s", notes, "time")
         time = uniform_time(columns["time"], channel.factor, notes)
         drive, response = (on_grid(columns["time"], channel.factor, time, signal) for signal in (drive, response))
-    check_plausible(time, drive, response, columns, device, notes)
+    moved = response / _PLATFORM_OMEGA ** MEASURES.index(spec.measures)
+    check_plausible(time, drive, moved, columns, device, notes)
     check_response(columns["response"], response, notes)
     outliers = find_outliers(response)
     if len(outliers):
@@ -132,6 +154,7 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         skip=skip,
         period=period,
         outliers=tuple(int(k) for k in outliers),
+        measures=spec.measures,
     )
     return trace, notes
 

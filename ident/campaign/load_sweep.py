@@ -41,7 +41,7 @@ def load_sweep(spec: RecordSpec, table: Table, device: Device) -> tuple[Sweep, l
     columns = match_columns(form, roles, given, units, where=spec.where)
     name = spec.file
     if spec.level is not None and "level" in columns:
-        columns, name = _at_level(spec, columns, roles)
+        columns, name = _at_level(spec, columns, roles, drive_unit)
     frequency = _frequency(columns["frequency"], notes)
     if len(frequency) < 5:
         raise UserError(f"{len(frequency)} points are too few", where=spec.file, do="a sweep needs at least 5 points")
@@ -62,7 +62,9 @@ def load_sweep(spec: RecordSpec, table: Table, device: Device) -> tuple[Sweep, l
     return _with_noise(spec, _without_copies(sweep, notes), notes), notes
 
 
-def _at_level(spec: RecordSpec, columns: dict[str, Column], roles: tuple[Role, ...]) -> tuple[dict[str, Column], str]:
+def _at_level(
+    spec: RecordSpec, columns: dict[str, Column], roles: tuple[Role, ...], unit: str
+) -> tuple[dict[str, Column], str]:
     """The rows of the level that the record names, of a table of several, and a name for them."""
     assert spec.level is not None
     meant, level = _levels(columns["level"], roles, [])
@@ -72,7 +74,7 @@ def _at_level(spec: RecordSpec, columns: dict[str, Column], roles: tuple[Role, .
         what = f"no row of {spec.file} has the level {spec.level:.4g}; its levels are {there}"
         raise UserError(what, where=spec.where, do="name one of these, or remove level")
     found = find_unit(meant.unit) if meant.unit else None
-    name = f"{spec.file}, {spec.level / (found.factor if found else 1.0):.4g} {meant.unit}".strip()
+    name = f"{spec.file}, {spec.level / (found.factor if found else 1.0):.4g} {meant.unit or unit}"
     return {role: column.at(rows) for role, column in columns.items()}, name
 
 

@@ -94,7 +94,8 @@ def _short_period(
     beside += ["a transient"] if removed.level else []
     words = "a decay" if period is None else f"{n / period:.0f} periods"
     numbers = f"{removed.basis.shape[1]} numbers fitted"
-    method = f"what {words} leave beside {' and '.join(beside) or 'a constant'} ({numbers})"
+    verb = "leaves" if words.startswith("a ") else "leave"
+    method = f"what {words} {verb} beside {' and '.join(beside) or 'a constant'} ({numbers})"
     return fit, method + (f"; mains hum, {share:.0%} of its power, is part of it" if share > 0 else "")
 
 
@@ -117,6 +118,9 @@ def _removed(
     columns, level_of = harmonics, np.zeros(harmonics.shape[1])
     if pole is not None and levels[-1] > 0:
         decaying, own = transient_columns(len(response), rate, pole, levels[-1])
+        room = len(response) // 2 - harmonics.shape[1]  # as many samples as numbers fitted are left to tell the noise
+        levels = tuple(level for level in levels if np.sum(own <= level) <= room) or levels[:1]
+        decaying, own = decaying[:, own <= levels[-1]], own[own <= levels[-1]]
         columns, level_of = np.column_stack([harmonics, decaying]), np.concatenate([level_of, own])
     basis, kept = orthonormal(columns)
     level_of, weights = level_of[kept], basis.T @ response

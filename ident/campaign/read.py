@@ -19,7 +19,7 @@ from ident.units import looks_like_quantity, parse_quantity, to_si
 from .binary_table import READERS
 from .campaign import Campaign, Prior
 from .device import Oscillator, Platform
-from .device_file import read_device
+from .device_file import of_displacement, read_device
 from .document import Section, read_document, record_sections, shown
 from .guess import guess_device, renamed
 from .in_memory import document_of, is_path
@@ -104,15 +104,17 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
     tables = [section.values.get("data") for section in record_sections(document)]
     device, notes = given or Platform(), [] if given else ["No device given: the nominal platform is assumed."]
     if given is None and path is None and all(isinstance(table, Table) for table in tables):
-        chosen = document.section("defaults").values.get("columns", {})
+        chosen = document.section("defaults").section("columns").values
         device, notes = guess_device([renamed(table, chosen) for table in tables if isinstance(table, Table)])
+    device, measures, rate = of_displacement(device)
+    notes += rate
     model = document.section("model")
     effects = model.texts("effects")
-    linear = model.choice("linear", ("auto", "oscillator", "no-spring"), "auto")
+    linear = model.choice("linear", ("auto", "oscillator", "no-spring", "quasi-static"), "auto")
     effect_files = tuple(_effect_file(model, folder, name) for name in model.texts("effect_files"))
     model.check_keys()
     settings, priors = _settings(document.section("effect")), _priors(document.section("priors"))
-    specs = [parse_record(section, folder, device) for section in record_sections(document)]
+    specs = [parse_record(section, folder, device, measures) for section in record_sections(document)]
     document.check_keys()
     if not specs:
         where = path.name if path else ""

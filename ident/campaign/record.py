@@ -12,6 +12,9 @@ from typing import Literal
 import numpy as np
 
 Start = Literal["rest", "steady", "unknown"]
+Measures = Literal["displacement", "velocity", "acceleration"]
+MEASURES: tuple[Measures, ...] = ("displacement", "velocity", "acceleration")
+"""What a sensor reads, in the order of the derivatives of the displacement."""
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,7 @@ class Trace:
     - `skip`: number of leading samples that are simulated but not counted.
     - `noise`: the noise floor; `period`: samples per period if the drive is periodic over the record, else None.
     - `outliers`: samples of the file that left the curve; in `response` the curve takes their place.
+    - `measures`: what the response is; m stands for m/s or m/s² where it is no displacement.
     - `excerpt`: a stretch of a longer record, cut out to compare models on it; no estimate is reported from it.
     """
 
@@ -73,6 +77,12 @@ class Trace:
     period: float | None = None
     excerpt: bool = False
     outliers: tuple[int, ...] = ()
+    measures: Measures = "displacement"
+
+    @property
+    def order(self) -> int:
+        """Which derivative of the displacement was measured."""
+        return MEASURES.index(self.measures)
 
     @property
     def step(self) -> float:

@@ -15,9 +15,11 @@ from .amplitude_unit import TO_PEAK, is_amplitude_unit, split_convention
 from .device import Device, Oscillator
 from .document import Section, shown
 from .opening import check_file, exists
+from .record import MEASURES, Measures
+from .scale import Scale, parse_scale
 from .table import Table
 
-_TRACE_ROLES = ("time", "drive", "response")
+_TRACE_ROLES = ("time", "drive", "response", "reference")
 _SWEEP_ROLES = ("frequency", "level", "amplitude", "phase", "direction", "real", "imaginary")
 SWEEP_NAMES = {"drive": "level", "response": "amplitude"}
 """A sweep's level and amplitude may be called like a trace's columns."""
@@ -52,21 +54,31 @@ class RecordSpec:
     sine: str = ""
     drive_file: Path | None = None
     undriven: bool = False
+    measures: Measures = "displacement"
+    scale: Mapping[str, Scale] = field(default_factory=dict)
     table: Table | None = None
 
 
-def signal_units(device: Device) -> tuple[tuple[str, Dimension | None], tuple[str, Dimension | None]]:
+def signal_units(
+    device: Device, measures: Measures = "displacement"
+) -> tuple[tuple[str, Dimension | None], tuple[str, Dimension | None]]:
     """(base unit, dimension) of the drive and of the response; the dimension is None for a unit of the user's own."""
+    order = MEASURES.index(measures)
+    output = (device.output if isinstance(device, Oscillator) else "m") + ("", "/s", "/s^2")[order]
+    response = _dimension(device.output) if isinstance(device, Oscillator) else LENGTH
+    if response is not None and order:
+        response = (*response[:2], response[2] - order, *response[3:])
     if isinstance(device, Oscillator):
-        drive, response = find_unit(device.input), find_unit(device.output)
-        return (device.input, drive.dimension if drive else None), (
-            device.output,
-            response.dimension if response else None,
-        )
-    return ("V", VOLTAGE), ("m", LENGTH)
+        return (device.input, _dimension(device.input)), (output, response)
+    return ("V", VOLTAGE), (output, response)
 
 
-def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
+def _dimension(unit: str) -> Dimension | None:
+    found = find_unit(unit)
+    return found.dimension if found else None
+
+
+def parse_record(section: Section, folder: Path, device: Device, usual: Measures = "displacement") -> RecordSpec:
     """The record that a `[[record]]` table describes; a `UserError` for anything in it that cannot be right."""
     file = section.text("file")
     if not file:
@@ -78,7 +90,8 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
         raise section.error("file", f'there is no file "{file}" in {folder}', "correct the name")
     else:
         check_file(path, f"{section.where('file')}: {file}")
-    (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device)
+    measures = section.choice("measures", MEASURES, usual)
+    (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device, measures)  # type: ignore[arg-type]
     kind = section.choice("kind", ("trace", "sweep"), "") if "kind" in section.values else ""
     section.used.add("kind")
     start = section.choice("start", ("rest", "steady", "unknown"), "unknown") if "start" in section.values else ""
@@ -108,6 +121,10 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
         sine="" if undriven else sine,
         drive_file=_drive_file(section, folder),
         undriven=undriven,
+        measures=measures,  # type: ignore[arg-type]
+        scale=_scale(
+            section, {"drive": (drive_unit, drive_dimension), "response": (response_unit, response_dimension)}
+        ),
         table=table if isinstance(table, Table) else None,
     )
     section.check_keys()
@@ -118,7 +135,7 @@ def parse_record(section: Section, folder: Path, device: Device) -> RecordSpec:
             raise section.error(
                 key, "belongs to a sweep, and this record is a trace", 'remove it, or write kind = "sweep"'
             )
-    for key in ("start", "skip", "rate", "drive", "drive_file") if kind == "sweep" else ():
+    for key in ("start", "skip", "rate", "drive", "drive_file", "measures", "scale") if kind == "sweep" else ():
         if key in section.values:
             raise section.error(
                 key, "belongs to a trace, and this record is a sweep", 'remove it, or write kind = "trace"'
@@ -215,6 +232,21 @@ def _columns(section: Section, kind: str) -> dict[str, str | int]:
     if len(set(found.values())) < len(found):
         do = "each role needs a column of its own"
         raise section.error("columns", f"{shown(dict(found))} names one column twice", do)
+    return found
+
+
+def _scale(section: Section, units: Mapping[str, tuple[str, Dimension | None]]) -> dict[str, Scale]:
+    table = section.section("scale")
+    found: dict[str, Scale] = {}
+    for role, (unit, dimension) in units.items():
+        text = table.text(role)
+        if text and dimension is None:
+            raise table.error(
+                role, f'"{unit}" is a unit of your own', "leave the scale out: the column is in it already"
+            )
+        if text and dimension is not None:
+            found[role] = parse_scale(text, dimension, unit, table.where(role))
+    table.check_keys()
     return found
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from .jump import find_jump, loop_runs_backwards
 from .record import Record, Run, Sweep
+from .repeatability import with_repeatability
 from .sweep_noise import sweep_noise
 
 _AGREE = 2.5  # standard errors by which a file's own noise may leave the common one, and still be called the same
@@ -20,6 +21,10 @@ def seen_together(records: Sequence[Record], notes: list[str]) -> list[Record]:
     for group in _groups(found):
         _turn(found, group, notes)
         _share_noise(found, group)
+        together = [record for k in group for record in [found[k]] if isinstance(record, Sweep)]
+        for k, record in zip(group, together, strict=True):
+            if record.noise.relative_error > 0:  # nobody gave it
+                found[k] = with_repeatability(record, together, notes)
     return found
 
 
@@ -30,7 +35,7 @@ def _groups(records: Sequence[Record]) -> list[list[int]]:
         if isinstance(record, Sweep):
             key = (record.load, record.quantity, record.phase is None, record.response_channel, record.dwell is None)
             groups.setdefault(key, []).append(k)
-    return [group for group in groups.values() if len(group) > 1]
+    return list(groups.values())
 
 
 def _turn(records: list[Record], group: list[int], notes: list[str]) -> None:

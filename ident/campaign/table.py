@@ -54,20 +54,20 @@ class Column:
             values = np.asarray(self.cells, dtype=float)
         else:
             cells = self.cells if self.decimal == "." else [cell.replace(",", ".") for cell in self.cells]
-            row = next((row for row, cell in enumerate(cells) if not is_number(cell)), None)
-            if row is not None and str(cells[row]).strip().lower().lstrip("+-") not in ("nan", "inf", "infinity"):
+            row = next((row for row, cell in enumerate(cells) if not is_number(cell) and not _no_finite(cell)), None)
+            if row is not None:
                 raise self._bad_cell(row)
             values = np.array([float(cell) for cell in cells])
-        bad = np.flatnonzero(~np.isfinite(values))
+        bad = np.flatnonzero(~(np.abs(values) < MOST))
         if len(bad):
             raise self._bad_cell(int(bad[0]), len(bad))
-        return values
+        return np.where(np.abs(values) < 1 / MOST, 0.0, values)
 
     def _bad_cell(self, row: int, count: int = 1) -> UserError:
         cell = str(self.cells[row]).strip()
         what = f'"{cell}" is not a number' if cell else "the cell is empty"
-        if is_number(cell) or cell.lower() in ("nan", "inf", "-inf", "+inf"):
-            what = f'"{cell}" is not a finite number'
+        if is_number(cell) or _no_finite(cell):
+            what = f'"{cell}" is not a finite number' + (" whose square is one" if is_number(cell) else "")
         if count > 1:
             what += f" (and {count - 1} more like it)"
         advice = "correct the cell, or cut the record there: a record needs a number in every row"
@@ -86,6 +86,14 @@ class Table:
     def found(self) -> str:
         """The columns in words, for error messages."""
         return ", ".join(f'"{column.header}"' for column in self.columns)
+
+
+MOST = 1e100  # whatever was measured is less, and its square still a number; what is less than its inverse is zero
+
+
+def _no_finite(cell: str) -> bool:
+    """Whether a text is how instruments print a number that they do not have."""
+    return str(cell).strip().lower().lstrip("+-") in ("nan", "inf", "infinity")
 
 
 def is_number(cell: str) -> bool:

@@ -21,27 +21,23 @@ def command(run: str, as_json: bool) -> None:
     """
     from pathlib import Path
 
-    from ident.report.run_folder import load_run, read_run, write_json
+    from ident.report.run_folder import load_run, read_run, renew_report, write_json
 
     from .output import progress, say, say_json, say_sheet
 
     folder = Path(run)
-    told = read_run(folder)
+    read_run(folder)
     progress("reading the run")
     fit = load_run(folder)
 
-    from ident.posterior.attribution import attribute
-    from ident.report.attribution_view import attribution_dict, attribution_sheet, write_attribution_figure
-    from ident.report.html import write_report
+    from ident.diagnosis.judged import attribute
+    from ident.report.attribution_view import attribution_dict, attribution_section, attribution_sheet
 
-    from .sections import drawn_sections
-
-    progress("switching mechanisms on and off at draws of the posterior")
+    progress("asking the library what is missing, switching mechanisms on and off at draws of the posterior")
     document = attribution_dict(attribute(fit), fit.model.device)
     write_json(folder / "attribution.json", document)
-    write_attribution_figure(document, folder)
     progress("writing the report")
-    write_report(fit, folder, {"command": told["command"], "sections": drawn_sections(folder, fit)})
+    renew_report(fit, folder, attribution=[attribution_section(document)])
     if as_json:
         say_json(document)
         return

@@ -23,7 +23,7 @@ def change(run: str, effect: str, output: str | None, *, adding: bool, force: bo
 
     from ident.diagnosis.change import add, lineage_entry, remove
     from ident.effects.registry import registry
-    from ident.report.story import change_sheet, staircase_section
+    from ident.report.story import change_sheet
 
     if adding and effect.endswith(".py"):
         trust(effect)  # named at the command line: that is to ask for it
@@ -40,10 +40,7 @@ def change(run: str, effect: str, output: str | None, *, adding: bool, force: bo
         after = remove(parent, effect, progress)
         entry = lineage_entry(parent, after, str(run), removed=effect)
     lineage = [*read_lineage(run), entry]
-    write_run(
-        after, folder, force=force, command=command_line(), lineage=lineage,
-        extra={"sections": [staircase_section(lineage)], "parent": str(run)}, report=progress,
-    )  # fmt: skip
+    write_run(after, folder, force=force, command=command_line(), lineage=lineage, report=progress)
     if as_json:
         say_json(read_run(folder))
         return

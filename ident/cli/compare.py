@@ -39,7 +39,7 @@ def command(runs: tuple[str, ...], output: str | None, force: bool, as_json: boo
         progress(f"reading {run}")
         fits.append((run, load_run(run)))
 
-    from ident.posterior.compare import compare
+    from ident.diagnosis.judged import compare
     from ident.report.compare_view import compare_dict, compare_figure, compare_sheet
     from ident.report.style import png
 

@@ -14,7 +14,8 @@ from .options import json_option, run_argument, trust_option
 @trust_option
 def command(run: str, target: str | None, as_json: bool) -> None:
     """Ask of RUN: is its model adequate; if not, where does it fail, which effect is missing and how sure is that,
-    what could be mistaken for it, and which record would settle it. RUN gets a diagnosis.json; its fit stays.
+    what could be mistaken for it, and which record would settle it. RUN gets a diagnosis.json and a
+    new report; its fit stays.
 
     \b
     Example:
@@ -24,7 +25,7 @@ def command(run: str, target: str | None, as_json: bool) -> None:
     from pathlib import Path
 
     from ident.errors import UserError
-    from ident.report.run_folder import load_run, read_run, write_json
+    from ident.report.run_folder import load_run, read_run, renew_report, write_json
 
     from .output import progress, say, say_json
 
@@ -36,13 +37,15 @@ def command(run: str, target: str | None, as_json: bool) -> None:
 
     from ident.diagnosis.diagnose import diagnose
     from ident.diagnosis.document import diagnosis_dict
-    from ident.report.diagnosis_view import advice
+    from ident.report.diagnosis_view import advice, sections
 
     from .walk import tell
 
     found = diagnose(fitted, None, progress, None if target is None else Path(target))
     document = diagnosis_dict(found) | {"advice": advice(found)}
     write_json(Path(run) / "diagnosis.json", document)
+    progress("writing the report")
+    renew_report(fitted, run, diagnosis=sections(found))
     if as_json:
         say_json(document)
         return

@@ -18,15 +18,10 @@ def command(run: str) -> None:
     Example:
       ident report runs/first
     """
-    from pathlib import Path
-
     from ident.report.run_folder import load_run, read_run, renew_report
 
-    from .sections import drawn_sections
-
-    told = read_run(run)
+    read_run(run)  # a wrong folder is answered before anything is compiled
     progress("reading the campaign and compiling the model")
     fit = load_run(run)
     progress("writing the report")
-    options = {"command": told["command"], "sections": drawn_sections(Path(run), fit)}
-    say(str(renew_report(fit, run, options)))
+    say(str(renew_report(fit, run)))

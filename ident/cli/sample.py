@@ -31,12 +31,12 @@ def command(run: str, resume: bool, minutes: float | None, seed: int, force: boo
     from ident.errors import UserError
     from ident.posterior.chain_file import need_h5py, read_chain
     from ident.posterior.container import need_arviz_base, write_container
-    from ident.report.run_folder import load_run, read_run, write_json
+    from ident.report.run_folder import load_run, read_run, renew_report, write_json
 
     from .output import progress, say, say_json, say_sheet
 
     folder = Path(run)
-    told = read_run(folder)
+    read_run(folder)
     need_h5py()
     need_arviz_base()
     chain_file = folder / "chain.h5"
@@ -48,28 +48,24 @@ def command(run: str, resume: bool, minutes: float | None, seed: int, force: boo
     progress("reading the run")
     fit = load_run(folder)
 
-    from ident.posterior.result import draw_posterior
-    from ident.report.html import write_report
+    from ident.diagnosis.judged import sample
     from ident.report.posterior_json import posterior_dict
     from ident.report.posterior_view import (
         evidence_words,
+        posterior_section,
         posterior_sheet,
         prior_sheet,
         verdict_words,
-        write_posterior_figure,
     )
 
-    from .sections import drawn_sections
-
-    progress("finding the peak and compiling the posterior")
+    progress("asking the library what is missing, finding the peak and compiling the posterior")
     seconds = None if minutes is None else 60 * minutes
-    posterior = draw_posterior(fit, chain_file, resume=resume, seed=seed, seconds=seconds, report=_tell)
+    posterior = sample(fit, chain_file, resume=resume, seed=seed, seconds=seconds, report=_tell)
     document = posterior_dict(posterior)
     progress("writing posterior.nc and the report")
     write_json(folder / "posterior.json", document)
     write_container(posterior, folder / "posterior.nc")
-    write_posterior_figure(posterior, folder)
-    write_report(fit, folder, {"command": told["command"], "sections": drawn_sections(folder, fit)})
+    renew_report(fit, folder, posterior=[posterior_section(posterior, document)])
     if as_json:
         say_json(document)
     else:

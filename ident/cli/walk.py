@@ -24,6 +24,7 @@ def walk(start: Fit, folder: Path, *, force: bool, as_json: bool, limit: Limit) 
     from ident.diagnosis.diagnose import diagnose
     from ident.diagnosis.document import diagnosis_dict, lineage_of
     from ident.report.diagnosis_view import advice, sections
+    from ident.report.parts import parts_dict
     from ident.report.run_folder import write_run
 
     kept = _Kept(folder, force)
@@ -40,9 +41,10 @@ def walk(start: Fit, folder: Path, *, force: bool, as_json: bool, limit: Limit) 
     force = True  # what is there is this walk's own
     lineage = lineage_of(found.discovery, "the first fit")
     document = diagnosis_dict(found) | {"advice": advice(found)}
+    documents = {"diagnosis.json": document, "parts.json": parts_dict({"diagnosis": sections(found)})}
     write_run(
-        found.discovery.final, folder, force=force, command=command_line(), lineage=lineage,
-        documents={"diagnosis.json": document}, extra={"sections": sections(found, lineage)}, report=progress,
+        found.discovery.final, folder, force=force, command=command_line(), lineage=lineage, documents=documents,
+        report=progress,
     )  # fmt: skip
     if as_json:
         say_json(document)

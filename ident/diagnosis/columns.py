@@ -43,7 +43,8 @@ class Dynamics(NamedTuple):
     """A model linearised along a motion, per chunk.
 
     **Arguments:** `mass`, (BLOCKS,) kg; `stiffness` and `damping`, (BLOCKS, 2 BLOCK + 1), −∂a/∂z and −∂a/∂v; `by_z`,
-    `by_v`: (BLOCKS, BLOCK) derivatives of the reading at the beginning of each step.
+    `by_v`: (BLOCKS, BLOCK) derivatives of the reading at the beginning of each step; `by_a`: (BLOCKS,) the same by the
+    acceleration that a push gives at once.
     """
 
     mass: Numbers
@@ -51,6 +52,7 @@ class Dynamics(NamedTuple):
     damping: Numbers
     by_z: Numbers
     by_v: Numbers
+    by_a: Numbers
 
 
 class Terms(NamedTuple):
@@ -139,7 +141,7 @@ def _memories(system: System, motion: Motion, hidden: tuple, chunk: Chunk) -> tu
 
     def one_block(k: Any, state: tuple) -> tuple:
         hidden, paths = state
-        block = Block(*(field[k] for field in chunk[2:7]))
+        block = Block(*(field[k] for field in chunk[2:8]))
         here = system.at(block)
         ends, found = [], []
         for effect, h, path in zip(here.effects, hidden, paths, strict=True):
@@ -171,7 +173,7 @@ def _at_points(function: Any, system: System, motion: Motion, paths: tuple, chun
         axes = (0, 0, tuple(1 for _ in hidden), 0, 0, 0)
         return jax.vmap(one, in_axes=axes)(*jax.tree.map(thin, (z, v, hidden, voltage, rate, time)))
 
-    blocks = Block(*chunk[2:7])
+    blocks = Block(*chunk[2:8])
     return jax.vmap(one_block)(blocks, motion.z, motion.v, paths, chunk.voltage, chunk.rate)
 
 
@@ -188,8 +190,8 @@ def _force(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any
 
 
 def _shown(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any) -> Any:
-    """The reading of the sensor."""
-    drive, shown = system.drive(u, r), z
+    """What the sensor adds to what it reads of the motion."""
+    drive, shown = system.drive(u, r), 0.0 * z
     for effect, h in zip(system.effects, hidden, strict=True):
         if effect.overrides("sensor"):
             shown = shown + effect.sensor(State(z, v, tuple(h)), drive, t)
@@ -214,8 +216,23 @@ def _linear(equation: Equation, values: np.ndarray, chunk: Chunk) -> tuple[np.nd
     mass = equation.constants[0]
     stiffness, damping = equation.model.spring_and_damper(float(values[0]), float(values[1]), mass)
     whole = mass + np.asarray(chunk.load)
-    share, steps = np.ones((BLOCKS, 2 * BLOCK + 1)) / whole[:, None], np.ones((BLOCKS, BLOCK))
-    return whole, stiffness * share, damping * share, steps, 0.0 * steps
+    share, nothing = np.ones((BLOCKS, 2 * BLOCK + 1)) / whole[:, None], np.zeros((BLOCKS, BLOCK))
+    return (
+        whole,
+        stiffness * share,
+        damping * share,
+        *_of_motion(chunk, stiffness * share, damping * share, nothing, nothing),
+    )
+
+
+def _of_motion(chunk: Chunk, stiffness: Any, damping: Any, by_z: Any, by_v: Any) -> tuple[Any, Any, Any]:
+    """`Dynamics.by_z`, `by_v` and `by_a` of the displacement, velocity or acceleration that each block reads; `by_z`
+    and `by_v` are those of what its sensor adds."""
+    order = chunk.order[:, None]
+    thin = lambda grid: grid[:, : 2 * BLOCK : 2]
+    by_z = by_z + (order == 0) - (order == 2) * thin(stiffness)
+    by_v = by_v + (order == 1) - (order == 2) * thin(damping)
+    return by_z, by_v, 1.0 * (chunk.order == 2)
 
 
 @program
@@ -234,7 +251,7 @@ def slopes(
     shown = _at_points(by_state(_shown), system, motion, paths, chunk, 2)
     mass = constants[0] + chunk.load
     stiffness, damping = (-slope / mass[:, None] for slope in force)
-    return (carry, mass, stiffness, damping, *shown)
+    return (carry, mass, stiffness, damping, *_of_motion(chunk, stiffness, damping, *shown))
 
 
 def push_columns(tape: Tape, dynamics: Sequence[Dynamics], pushes: Sequence[np.ndarray]) -> np.ndarray:
@@ -285,7 +302,7 @@ def answer(
             zc, vc = z + h * vb, v + h * a3
             a4 = p1 - k1 * zc - c1 * vc
             after = (z + h / 6 * (v + 2 * va + 2 * vb + vc), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4))
-            return after, by_z * z + by_v * v
+            return after, by_z * z + by_v * v + along.by_a[k] * p0
 
         (z, v), said = lax.scan(step, (z, v), (inputs, along.by_z[k], along.by_v[k]))
         return z, v, lax.dynamic_update_index_in_dim(out, said, k, 0)

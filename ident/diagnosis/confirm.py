@@ -27,8 +27,9 @@ class Confirmed(NamedTuple):
     """A candidate after its refit.
 
     **Arguments:** `model` and `values` (SI) of the refit; `chi2`: whitened, comparable with the bench's; `gain`: share
-    of the bench's excess over noise that it removed; `criterion`: χ² plus ln n per fitted parameter, infinite if the
-    effect ended with a sign that it cannot have or its motion has no bound.
+    of the bench's excess over noise that it removed; `left` (n,): the whitened residual, and `numbers`, the fitted
+    parameters (see `evidence`); `possible`: whether the effect ended with a sign that it can have and a motion that
+    has a bound.
     """
 
     candidate: Candidate
@@ -36,7 +37,9 @@ class Confirmed(NamedTuple):
     values: np.ndarray
     chi2: float
     gain: float
-    criterion: float
+    left: np.ndarray
+    numbers: int
+    possible: bool
 
 
 _MOST_STARTS = 6
@@ -75,7 +78,7 @@ def confirm(
         if takes_over(model) and found.chi2 > _LEAVES * bench.n:
             taken = split_starts(bench, model, base)
             other = weigh(bench, model, candidate, _winner(model, before, taken), most) if taken else found
-            return min(found, other, key=lambda one: one.criterion)
+            return min(found, other, key=lambda one: (not one.possible, one.chi2))
         return found
     # Damping of the wrong sign, as scores may predict it where little is known, has no motion to start from.
     amplitudes = {p.name for p in model.effects[-1].declared() if p.kind == "amplitude"}
@@ -119,7 +122,7 @@ def weigh(bench: Bench, model: Model, candidate: Candidate, start: np.ndarray, m
     refitted: a stop may stand on one side only. An effect of which nothing remains is impossible.
     """
     found = _weighed(bench, model, candidate, start, most)
-    if np.isfinite(found.criterion) or not np.isfinite(found.chi2):
+    if found.possible or not np.isfinite(found.chi2):
         return found
     one_sided = {f"{model.effects[-1].name}.{p.name}" for p in model.effects[-1].declared() if p.one_sided}
     wrong = [i for i, p in enumerate(model.parameters) if p.name in one_sided and found.values[i] < 0]
@@ -139,13 +142,13 @@ def _weighed(bench: Bench, model: Model, candidate: Candidate, start: np.ndarray
         for record, own in zip(bench.fit.campaign.fitted, found.data.tape.slices, strict=True)
     ]
     with np.errstate(over="ignore", invalid="ignore"):  # a motion without bound
-        chi2 = float(sum(np.sum(whiten(piece, row) ** 2) for piece, row in zip(bench.pieces, rows, strict=True)))
-        chi2 += float(np.sum(found.best.found.residuals[found.data.tape.samples :] ** 2))  # of the sweeps
+        curves = found.best.found.residuals[found.data.tape.samples :]
+        left = np.concatenate([*(whiten(p, row)[0] for p, row in zip(bench.pieces, rows, strict=True)), curves])
+        chi2 = float(left @ left)
     gain = 1.0 - (chi2 - bench.n) / bench.excess
     values = found.values
     possible = np.isfinite(chi2) and is_possible(model, values, model.effects[-1], bench.fit.scales)
-    criterion = chi2 + len(found.static.free) * float(np.log(bench.n)) if possible else np.inf
-    return Confirmed(candidate, model, values, chi2, gain, criterion)
+    return Confirmed(candidate, model, values, chi2, gain, left, len(found.static.free), bool(possible))
 
 
 def is_possible(model: Model, values: np.ndarray, effect: AbstractEffect, scales: DataScales) -> bool:

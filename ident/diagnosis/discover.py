@@ -22,6 +22,7 @@ from ..model import Model
 from .change import try_without
 from .confirm import Confirmed, accept, confirm
 from .enough import ANOTHER_LAW, adequate, contradicted, laws_differ_by, not_worth_adding, worth_a_name
+from .evidence import behind, criteria
 from .lacking import lacking
 from .lone_record import prepare_at_best
 from .parts import Parts
@@ -220,13 +221,16 @@ def _best_step(
     gains: dict[str, float],
     report: Report,
 ) -> tuple[Step, Bench] | None:
-    """Confirm the best candidates by refits and take the one that the criterion prefers, if held-out data agree; the
-    bench of the fit with it too."""
+    """Confirm the best candidates by refits and take the one that the criterion prefers, or of those between which it
+    does not choose one that held-out data do not contradict; the bench of the fit with it too."""
     tried = _tried(bench, real, library, report)
     gains.update({found.candidate.name: found.gain for found in tried})
     if not_worth_adding(bench, _best_drop(tried, bench), first):
         return None
+    first_choice: tuple[Confirmed, Step, Bench] | None = None
     for found, after in _accepted(tried, bench, current):
+        if first_choice is not None and behind(found, first_choice[0]) > _TIED_CRITERION:
+            break
         shown = working(after)
         if not np.isfinite(after.fitted.error_over_noise) or not np.isfinite(shown.fitted.error_over_noise):
             continue
@@ -240,8 +244,11 @@ def _best_step(
             continue
         name, predicted = found.candidate.name, found.candidate.predicted_gain
         ties, tied = _weighed_ties(bench, found, real, library, tried)
-        return Step(name, predicted, found.gain, ties.names, role, after, ties.reasons, tied, bench), left
-    return None
+        step = Step(name, predicted, found.gain, ties.names, role, after, ties.reasons, tied, bench)
+        if not hurts(current, after):
+            return step, left
+        first_choice = first_choice or (found, step, left)  # unless the held-out records choose a rival
+    return None if first_choice is None else first_choice[1:]
 
 
 def _accepted(tried: list[Confirmed], bench: Bench, current: Fit) -> Iterator[tuple[Confirmed, Fit]]:
@@ -249,11 +256,11 @@ def _accepted(tried: list[Confirmed], bench: Bench, current: Fit) -> Iterator[tu
 
     Where the parameters bend far to mimic what is missing, excerpts do not tell how well a refit does on the rest.
     """
-    better = [found for found in _in_order(tried, bench) if found.criterion <= bench.criterion]
+    better = [found for found in _in_order(tried, bench) if behind(found, bench) <= 0]
     if bench.credible or not is_long(current.campaign):
         yield from ((found, accept(found, current)) for found in better)
     else:
-        best = sorted(better, key=lambda found: found.criterion)[:_SHORTLIST]
+        best = sorted(better, key=lambda found: found.chi2)[:_SHORTLIST]
         fits = at_once(lambda found: accept(found, current), best)
         yield from sorted(zip(best, fits, strict=True), key=lambda pair: pair[1].fitted.error_over_noise)
 
@@ -291,13 +298,13 @@ def _weighed_ties(
 
 def _possible(candidates: list[Candidate], tried: list[Confirmed]) -> list[Candidate]:
     """The candidates without those whose refit ended in something that cannot be."""
-    impossible = {found.candidate.name for found in tried if not np.isfinite(found.criterion)}
+    impossible = {found.candidate.name for found in tried if not found.possible}
     return [c for c in candidates if c.name not in impossible]
 
 
 def _best_drop(tried: list[Confirmed], bench: Bench) -> float:
     """The most that a refit of a possible effect kept; what the best one promised, if there is none yet."""
-    return max((bench.fit_chi2 - found.chi2 for found in tried if np.isfinite(found.criterion)), default=np.inf)
+    return max((bench.fit_chi2 - found.chi2 for found in tried if found.possible), default=np.inf)
 
 
 def _may_be_best(candidate: Candidate, real: list[Candidate], tried: list[Confirmed], bench: Bench) -> bool:
@@ -311,11 +318,13 @@ def _may_be_best(candidate: Candidate, real: list[Candidate], tried: list[Confir
 
 
 def _in_order(tried: list[Confirmed], bench: Bench) -> list[Confirmed]:
-    """Best first; of those that do equally well the simplest first."""
-    best = min(tried, key=lambda c: c.criterion)
-    limit = best.criterion + max(_TIED_CRITERION, laws_differ_by(bench, best.chi2))
-    near = sorted((c for c in tried if c.criterion <= limit), key=lambda c: (c.model.numbers, c.criterion))
-    return near + sorted((c for c in tried if not c.criterion <= limit), key=lambda c: c.criterion)
+    """Those that can be, best first; of those that differ by no more than laws of one kind do the simplest first."""
+    tried = [found for found in tried if found.possible]
+    weighed = dict(zip((found.candidate.name for found in tried), criteria(tried), strict=True))
+    order = sorted(tried, key=lambda found: weighed[found.candidate.name])
+    limit = order[0].chi2 + laws_differ_by(bench, order[0].chi2) if order else 0.0
+    near = sorted((found for found in order if found.chi2 <= limit), key=lambda found: found.model.numbers)
+    return near + [found for found in order if found.chi2 > limit]
 
 
 def _verdict(steps: list[Step], bench: Bench, first: Bench, lacks: float, contradicted: bool) -> Verdict:

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..fit import Fit
 from ..fit.carry_over import expected_error
+from .evidence import Left, behind
 from .score import Bench
 
 ANOTHER_LAW = 0.001  # of the first excess: structured misfit beyond which a name is in doubt; see `lacking`
@@ -85,6 +86,7 @@ def superfluous(without: Bench, with_it: Bench, first: Bench) -> bool:
 
     At the floor is what the refit has reached, not what its parameters could still absorb: a limit may stop them.
     """
-    loss, terms = without.chi2 - with_it.chi2, with_it.fit.freedom - without.fit.freedom
+    loss = without.chi2 - with_it.chi2
     at_floor = _at_floor(without.fit_chi2, without)
-    return loss < terms * float(np.log(with_it.n)) or (at_floor and not worth_a_name(loss, first))
+    fair = behind(Left(without.residual, without.fit.freedom), Left(with_it.residual, with_it.fit.freedom))
+    return fair < 0 or (at_floor and not worth_a_name(loss, first))

@@ -12,6 +12,7 @@ from ..fit import Fit
 from .change import try_without
 from .confirm import accept, confirm
 from .enough import ANOTHER_LAW
+from .evidence import behind
 from .score import prepare, score, significant
 from .trajectory import Diverged
 
@@ -61,16 +62,16 @@ def take_apart(
             bench = without = prepare(current)
             while best := next(iter(significant(score(bench, simple))), None):
                 trial = confirm(bench, simple[best.name], best)
-                if not trial.criterion < bench.criterion:
+                if not (trial.possible and behind(trial, bench) < 0):
                     break
                 current = accept(trial, current)
                 bench, names = prepare(current), [*names, best.name]
         except Diverged:  # a motion without bound explains nothing
             continue
-        behind = bench.criterion + 2 * np.log(len(library)) * (len(names) - 1) - whole.criterion
-        if names and behind < -_STRONG:
+        worse = behind(bench, whole) + 2 * np.log(len(library)) * (len(names) - 1)
+        if names and worse < -_STRONG:
             near = whole.fit_chi2 - bench.fit_chi2 < ANOTHER_LAW * without.excess
             return [*alike, Parts(effect.name, tuple(names), current, True, last, near)]
-        if names and behind < _STRONG:
+        if names and worse < _STRONG:
             alike.append(Parts(effect.name, tuple(names), current, False, last))
     return alike

@@ -13,6 +13,7 @@ from ..fit.rebuild import fit_at
 from .change import ENOUGH, try_without, values_without
 from .confirm import accept, confirm, is_possible
 from .enough import ANOTHER_LAW, SAME_SHAPE, laws_differ_by, superfluous
+from .evidence import behind, criteria, predicts_worse
 from .parts import Parts, take_apart
 from .score import Bench, Candidate, prepare, score, significant
 from .shorten import working
@@ -35,10 +36,12 @@ class Pruned(NamedTuple):
 
 
 def hurts(before: Fit, after: Fit) -> bool:
-    """Whether held-out records are predicted worse."""
+    """Whether held-out records are predicted worse, by more than laws of one kind and chance make of them."""
     if before.holdout is None or after.holdout is None:
         return False
-    return after.holdout.error_over_noise > _HURT * before.holdout.error_over_noise
+    if after.holdout.error_over_noise <= _HURT * before.holdout.error_over_noise:
+        return False
+    return predicts_worse(before, after)
 
 
 def _hurts_more(before: Fit, after: Fit) -> bool:
@@ -76,23 +79,23 @@ def _replaced(name: str, last: Fit, full: Bench, bench: Bench, library: Library)
     """
     rivals, rest = _rivals(name, bench, library), values_without(last, name)
     tried = [confirm(bench, library[rival.name], rival, ENOUGH, rest) for rival in rivals]
-    best = min(tried, key=lambda found: found.criterion, default=None)
-    if best is None or not np.isfinite(best.criterion):
+    tried = [found for found in tried if found.possible]
+    if not tried:
         return None
+    best = tried[int(np.argmin(criteria(tried)))]
     # A refit counts all of its parameters: with only those that it needs it may yet be better.
-    perhaps = best.criterion - len(library[best.candidate.name].parameters) * np.log(full.n) < full.criterion
+    perhaps = behind(best, full) < len(library[best.candidate.name].parameters) * np.log(full.n)
     simpler = best.model.numbers < last.model.numbers
     alike = best.chi2 - full.fit_chi2 < (SAME_SHAPE if simpler else ANOTHER_LAW) * bench.excess
     if not (perhaps or (alike and last.holdout is not None)):
         return None
     after = accept(best, bench.fit)
-    if best.candidate.name in library[name].contains:
-        margin = 0.0  # a part of it is the simpler answer
-    elif best.model.numbers > last.model.numbers:
-        margin = max(_CLEARLY, laws_differ_by(bench, best.chi2))
-    else:
-        margin = _CLEARLY
-    clearly = perhaps and prepare(after).criterion < full.criterion - margin
+    # A part of it is the simpler answer; a law with more numbers may owe its lead to them.
+    margin = 0.0 if best.candidate.name in library[name].contains else _CLEARLY
+    wider = best.model.numbers > last.model.numbers
+    there = prepare(after)
+    lead = full.fit_chi2 - there.fit_chi2
+    clearly = perhaps and behind(full, there) > margin and not (wider and lead < laws_differ_by(bench, best.chi2))
     wins = (not _hurts_more(last, after) if clearly else alike and hurts(after, last)) and _still_possible(after, last)
     return (best.candidate.name, after) if wins else None
 

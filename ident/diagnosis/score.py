@@ -80,9 +80,9 @@ class Bench:
         return max(best.fit_chi2 - best.n, 1e-9)
 
     @property
-    def criterion(self) -> float:
-        """Information criterion of the fit: χ² plus ln n per number that the records determine."""
-        return self.fit_chi2 + self.fit.freedom * float(np.log(self.n))
+    def numbers(self) -> int:
+        """How many numbers of the fit the records determine."""
+        return self.fit.freedom
 
     def moved(self, added: np.ndarray) -> np.ndarray | None:
         """Where the model's own parameters (m,) go when something is added that does (n,) to the readings; None if
@@ -174,7 +174,8 @@ def prepare(fit: Fit, believed: bool = False) -> Bench:
     # A shape at its bound cannot move as its column says: to project that out would hide a misfit that remains.
     fitted = [i for i in solved.static.free if "at-bound" not in fit.estimates[i].flags]
     # A quality factor that had to be held (steady sines of one frequency) may be wrong: its error is no missing effect.
-    free = sorted({*fitted, 1}) if "held" in fit.estimates[1].flags else fitted
+    bent = "held" in fit.estimates[1].flags and fit.model.form != "quasi-static"
+    free = sorted({*fitted, 1}) if bent else fitted
     directions = np.eye(len(fit.values))[free] * np.where(fit.values[free] == 0, 1.0, fit.values[free])[:, None]
     if curves is not None:
         bench = replace(bench, plane=plane_of(solved, directions))

@@ -96,7 +96,7 @@ def _values_without(fitted: Fit, i: int) -> np.ndarray | None:
     traces = fitted.campaign.traces
     kept = tuple(r for j, r in enumerate(traces) if not r.holdout and j != i)
     initial = fitted.values
-    if fitted.model.form != "no-spring":
+    if fitted.model.form in ("oscillator", "overdamped"):
         frequency = coarse_frequency(kept, fitted.campaign.fitted)
         initial = fitted.values if abs(math.log(frequency / fitted.values[0])) < 1.5 * GRID_STEP else None
     try:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..campaign.device import Platform
 from ..effects.effect import AbstractEffect
+from ..fit.independent import independent_samples
 from .confirm import Confirmed
 from .enough import ANOTHER_LAW
 from .equivalences import equivalence, exact_partners, what_separates
@@ -77,7 +78,7 @@ def tie_set(
     **Arguments:** `candidates`: as scored on the same bench; `confirmed`: refits of some of them.
     """
     refits = {c.candidate.name: c for c in confirmed}
-    n = independent_samples(bench, best)
+    n = independent_of(bench, best)
     found = []
     for other in candidates:
         if other.name == best.name:
@@ -115,15 +116,9 @@ def left_after(bench: Bench, candidate: Candidate, refits: Mapping[str, Confirme
     return max(chi2, 1e-6 * bench.n)
 
 
-def independent_samples(bench: Bench, best: Candidate) -> float:
-    """Effective number of independent samples in what the best candidate leaves.
-
-    n for white noise, and about four for a single line, by the participation number (Σ P)²/Σ P² of the power spectrum.
-    """
-    left = bench.residual - (best.signature @ bench.residual) @ best.signature
-    power = np.abs(np.fft.rfft(left)) ** 2
-    participation = float(np.sum(power) ** 2 / max(float(np.sum(power**2)), 1e-300))
-    return float(np.clip(4.0 * participation, 4.0, bench.n))
+def independent_of(bench: Bench, best: Candidate) -> float:
+    """Effective number of independent samples in what the best candidate leaves."""
+    return independent_samples(bench.residual - (best.signature @ bench.residual) @ best.signature)
 
 
 def reproduced(bench: Bench, best: Candidate, other: Candidate) -> float:

@@ -27,6 +27,7 @@ from ..fit.result import Solved
 from ..response import Tape
 from .columns import Dynamics, Motion, linearised
 
+_SLOWER, _FASTER = 4.0, 6.0  # periods and frequencies of the resonance: what is integrated lies between
 _NOISE = 1.5  # residual over noise, squared, up to which a residual may be noise whose floor is not well known
 
 
@@ -92,7 +93,7 @@ def lay_out(fit: Fit) -> Scene:
         if not np.all(np.isfinite(residual)):
             raise Diverged(record.name)
         z, v = response.z[part], response.v[part]
-        correction, rate = _trusted(residual, record) * _smooth(residual, record.step, fit.scales.period)
+        correction, rate = _trusted(residual, record) * _moved(residual, record, fit.scales.period)
         inside = np.minimum(record.time[0] + 0.5 * lane.step * np.arange(span.points), record.time[-1])
         for found, at in ((paths, (z + correction, v + rate)), (own, (z, v))):
             spline = CubicHermiteSpline(record.time, *at)
@@ -106,6 +107,19 @@ def _trusted(residual: np.ndarray, record: Trace) -> float:
     excess = float(np.mean(residual[record.skip :] ** 2)) / record.noise.sigma**2
     noise = _NOISE * (1.0 + 2.0 * record.noise.relative_error) ** 2
     return max(0.0, 1.0 - (noise / excess) ** 2)
+
+
+def _moved(residual: np.ndarray, record: Trace, period: float) -> np.ndarray:
+    """Displacement and velocity, (2, n), that a residual means: itself and its rate, smoothed, or what it is integrated
+    from, without what is slower than a few periods of the resonance."""
+    if not record.order:
+        return _smooth(residual, record.step, period)
+    omega = 2 * np.pi * np.fft.rfftfreq(len(residual), record.step)
+    slowest = 2 * np.pi / (_SLOWER * period)
+    kept = np.where(omega > 0, omega**4 / (omega**4 + slowest**4), 0.0) * (omega < _FASTER * 2 * np.pi / period)
+    seen = np.fft.rfft(residual - np.mean(residual)) * kept
+    turned = 1j * np.where(omega > 0, omega, 1.0)
+    return np.array([np.fft.irfft(seen / turned**k, len(residual)) for k in (record.order, record.order - 1)])
 
 
 def _smooth(residual: np.ndarray, step: float, period: float) -> np.ndarray:

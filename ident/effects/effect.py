@@ -44,13 +44,15 @@ class State(NamedTuple):
 
 class Drive(NamedTuple):
     """The measured drive: `V` (V), its `rate` (V/s), the record's own frequency `omega` (rad/s) and `gain` (N/V);
-    `moving`, 1 in a record that begins in motion, when the drive had been on before its first sample, else 0."""
+    `moving`, 1 in a record that begins in motion, when the drive had been on before its first sample, else 0; `order`
+    of the derivative of the displacement that the sensor reads."""
 
     V: Scalar
     rate: Scalar
     omega: Scalar
     gain: Scalar
     moving: Scalar = 0.0
+    order: Scalar = 0.0
 
 
 class Expected(NamedTuple):

@@ -71,8 +71,9 @@ def _weight(record: Trace, frequency: float) -> np.ndarray:
 
 def _start_scale(record: Trace, frequency: float) -> np.ndarray:
     """Typical displacement and velocity of a record that does not start at rest, else zero."""
-    amplitude = float(np.max(np.abs(record.response))) or 1.0
-    return (record.start != "rest") * amplitude * np.array([1.0, 2 * np.pi * frequency])
+    omega = 2 * np.pi * frequency
+    amplitude = (float(np.max(np.abs(record.response))) or 1.0) / omega**record.order
+    return (record.start != "rest") * amplitude * np.array([1.0, omega])
 
 
 def bounds_of(parameter: ModelParameter, value: float, scales: DataScales | None) -> tuple[float, float]:
@@ -98,7 +99,8 @@ def at_values(data: Data, static: Static, values: np.ndarray) -> Data:
 
 def begin(data: Data, static: Static) -> Unknowns:
     """Unknowns to start from: x = 0, initial states read off the first samples."""
-    starts = [_measured_start(data.response[own], lane.step * span.substeps)
+    omega = 2 * np.pi * float(data.template[0])
+    starts = [_measured_start(data.response[own], lane.step * span.substeps, int(lane.order), omega)
               for own, lane, span in zip(data.tape.slices, data.tape.lanes, data.tape.spans, strict=True)]  # fmt: skip
     scale = np.where(data.start_scale > 0, data.start_scale, 1.0)
     return Unknowns(
@@ -106,8 +108,12 @@ def begin(data: Data, static: Static) -> Unknowns:
     )
 
 
-def _measured_start(response: np.ndarray, step: float) -> np.ndarray:
-    """Displacement and velocity read off the first samples."""
+def _measured_start(response: np.ndarray, step: float, order: int, omega: float) -> np.ndarray:
+    """Displacement and velocity read off the first samples; where a derivative of the displacement of some `order` was
+    measured, those of a free motion that begins so."""
     few = min(5, len(response))
     line = np.polynomial.polynomial.polyfit(np.arange(few), response[:few], min(2, few - 1))
-    return np.array([line[0], line[1] / step])
+    at, rate = float(line[0]), float(line[1]) / step
+    if order == 1:
+        return np.array([-rate / omega**2, at])
+    return np.array([at, rate]) / (-(omega**2) if order else 1.0)

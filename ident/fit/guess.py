@@ -112,14 +112,15 @@ def data_scales(records: Sequence[Trace], frequency: float) -> DataScales:
 
 @lru_cache(maxsize=32)
 def _scales(records: tuple[Trace, ...], frequency: float) -> DataScales:
-    displacement = max(float(np.max(np.abs(r.response - np.mean(r.response)))) for r in records)
+    omega = 2 * np.pi * frequency
+    displacement = max(float(np.max(np.abs(r.response - np.mean(r.response)))) / omega**r.order for r in records)
     velocity = 0.0
     for record in records:
         half = max(int(0.05 / (frequency * record.step)), 2)
         if len(record.response) > 2 * half + 1:
             line = np.arange(half, -half - 1, -1)  # slope of the straight line through the samples around each one
             slope = np.convolve(record.response, line, "valid") / (np.sum(line**2) * record.step)
-            velocity = max(velocity, float(np.percentile(np.abs(slope), 99.5)))
+            velocity = max(velocity, float(np.percentile(np.abs(slope), 99.5)) / omega**record.order)
     voltage = max(float(np.max(np.abs(r.drive))) for r in records) or 1.0  # where nothing drives, any scale does
     duration = max(float(r.time[-1] - r.time[0]) for r in records)
     return DataScales(displacement, velocity, voltage, 1.0 / frequency, duration)
@@ -127,7 +128,8 @@ def _scales(records: tuple[Trace, ...], frequency: float) -> DataScales:
 
 class Piece(NamedTuple):
     """A record for the linear search: its liveliest stretch, the response divided by its `size`; `rest`: whether it
-    starts from rest; `power` of the response about its mean; `sums` that have been asked for, by frequency and
+    starts from rest; `power` of the response about its mean; `order` of the derivative of the displacement that it is;
+    `sums` that have been asked for, by frequency and
     quality."""
 
     step: float
@@ -137,6 +139,7 @@ class Piece(NamedTuple):
     rest: bool
     driven: bool
     power: float
+    order: int
     sums: dict[tuple[float, float], _Sums]
 
 
@@ -148,7 +151,7 @@ def make_piece(record: Trace) -> Piece:
     rest = record.start == "rest" and part.start == 0
     response = record.response[part] / size
     power = float(np.sum((response - np.mean(response)) ** 2))
-    return Piece(record.step, record.drive[part], response, size, rest, record.driven, power, {})
+    return Piece(record.step, record.drive[part], response, size, rest, record.driven, power, record.order, {})
 
 
 def _liveliest(response: np.ndarray) -> slice:
@@ -170,16 +173,19 @@ def _frequencies(records: Sequence[Trace], nominal: float | None) -> np.ndarray:
 
 def _highest_content(record: Trace) -> float:
     """Frequency below which 99.9 % of the drive's and the response's power lies, Hz."""
-    found = 0.0
-    for x in (record.drive, record.response):
-        power = np.abs(np.fft.rfft((x - np.mean(x)) * np.hanning(len(x)))) ** 2
-        index = int(np.searchsorted(np.cumsum(power), 0.999 * np.sum(power)))
-        found = max(found, index / (len(x) * record.step))
-    return found
+    return max(highest_content(x, record.step) for x in (record.drive, record.response))
 
 
-def oscillator_filter(frequency: float, quality: float, step: float) -> tuple[np.ndarray, np.ndarray]:
-    """Digital filter (b, a) of z̈ + (ω0/Q) ż + ω0² z = u, exact for an input that is linear between samples.
+def highest_content(signal: np.ndarray, step: float) -> float:
+    """Frequency below which 99.9 % of a signal's power lies, Hz; (n,) samples, one every `step` s."""
+    power = np.abs(np.fft.rfft((signal - np.mean(signal)) * np.hanning(len(signal)))) ** 2
+    index = int(np.searchsorted(np.cumsum(power), 0.999 * np.sum(power)))
+    return max(index, 1) / (len(signal) * step)
+
+
+def oscillator_filter(frequency: float, quality: float, step: float, order: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """Digital filter (b, a) of z̈ + (ω0/Q) ż + ω0² z = u, exact for an input that is linear between samples; of z, or of
+    its derivative of some `order` up to 2.
 
     The response to one triangle of input is the second difference of the response p(t) to a ramp; the poles are those
     of the oscillator, so three terms of that response fix the numerator.
@@ -190,10 +196,18 @@ def oscillator_filter(frequency: float, quality: float, step: float) -> tuple[np
     decay = omega / (2 * quality)
     ringing = cmath.sqrt(omega**2 - decay**2) or 1e-9 * omega
     t = step * np.arange(4)
-    slope = (2 * decay**2 - omega**2) / (omega**4 * ringing)
-    swing = (2 * decay / omega**4 * np.cos(ringing * t) + slope * np.sin(ringing * t)) * np.exp(-decay * t)
-    p = np.real(t / omega**2 - 2 * decay / omega**4 + swing)
-    a = np.array([1.0, -2 * math.exp(-decay * step) * cmath.cos(ringing * step).real, math.exp(-2 * decay * step)])
+    one, other = (np.exp((-decay + sign * 1j * ringing) * t) for sign in (1, -1))
+    cosine, sine = (
+        np.real(one + other) / 2,
+        np.real((one - other) / (2j * ringing)),
+    )  # decaying; sine over its frequency
+    if order == 0:
+        p = t / omega**2 - 2 * decay / omega**4 * (1.0 - cosine) + (2 * decay**2 - omega**2) / omega**4 * sine
+    elif order == 1:
+        p = (1.0 - cosine - decay * sine) / omega**2
+    else:
+        p = sine
+    a = np.array([1.0, -2 * cosine[1], math.exp(-2 * decay * step)])
     g = np.array([p[1], p[2] - 2 * p[1], p[3] - 2 * p[2] + p[1]]) / step
     return np.array([g[0], g[1] + a[1] * g[0], g[2] + a[1] * g[1] + a[2] * g[0]]), a
 
@@ -246,7 +260,7 @@ def _sums_of(piece: Piece, frequency: float, quality: float) -> _Sums:
 def _projected(piece: Piece, frequency: float, quality: float) -> _Sums:
     column = np.zeros_like(piece.drive)  # to a decay a constant drive is a level, whatever the gain
     if piece.driven:
-        column = recursive_filter(*oscillator_filter(frequency, quality, piece.step), piece.drive)
+        column = recursive_filter(*oscillator_filter(frequency, quality, piece.step, piece.order), piece.drive)
     both = np.stack([column / piece.size, piece.response])
     if piece.rest:
         both -= both.mean(axis=1, keepdims=True)

@@ -21,13 +21,21 @@ import numpy as np
 from scipy import optimize
 
 from ..campaign.record import Trace
-from .guess import Piece, guess_linear, make_piece
+from ..errors import UserError
+from .guess import Piece, guess_linear, highest_content, make_piece
+from .independent import independent_samples
 from .linear_forms import FORMS, Form
 
-FormName = Literal["oscillator", "overdamped", "no-spring"]
+FormName = Literal["oscillator", "overdamped", "no-spring", "quasi-static"]
 Told = Literal["auto", "oscillator", "no-spring", "quasi-static"]
-LEVELS = {"oscillator": "sensor-offset", "overdamped": "sensor-offset", "no-spring": "static-force"}
+LEVELS = {"oscillator": "sensor-offset", "overdamped": "sensor-offset", "no-spring": "static-force",
+          "quasi-static": "sensor-offset"}  # fmt: skip
 """The effect that a constant is, beside each form: without a spring it is a force, for a level is where it starts."""
+_FEWEST = 20.0  # independent samples in what is left: a single line has four, which buy nothing
+_STATIC = (
+    15.0  # times the drive's band: there inertia changes the answer by 1/15², and at this quality shifts it by less
+)
+_STATIC_QUALITY = 15.0
 _BEYOND = 8.0  # times the range of the grid: so far the search may go
 
 
@@ -85,10 +93,14 @@ def choose_linear(records: Sequence[Trace], told: str = "auto", level: bool = Tr
     driven = any(piece.driven for piece in pieces)
     level = level and driven and all(record.start != "rest" for record in records)
     found = [_of(pieces, "constant", True, None, None)]
-    found += [_of(pieces, "quasi-static", True, None, None)] if driven else []
-    guess = guess_linear(records) if told != "no-spring" else None
-    names = [name for name in get_args(FormName) if told == "auto" or told in (name, FORMS[name].family)]
-    for name in names:
+    found += [_static(records, pieces)] if driven else []
+    guess = guess_linear(records) if told not in ("no-spring", "quasi-static") else None
+    names = [
+        name
+        for name in get_args(FormName)
+        if told == "auto" or told in (name, FORMS[name].family if name in FORMS else name)
+    ]
+    for name in (name for name in names if name in FORMS):
         form = FORMS[name]
         if name == "no-spring" and not driven:
             continue
@@ -96,8 +108,20 @@ def choose_linear(records: Sequence[Trace], told: str = "auto", level: bool = Tr
         for constant in (False, True) if level else (False,):
             found.append(_searched(pieces, form, constant, start))
     found = _weighed(pieces, found)
-    allowed = [c for c in found if c.form in names]
+    moved = all(record.order == 0 for record in records)  # a rate has no gain to a steady drive
+    allowed = [c for c in found if c.form in names and (moved or c.form != "quasi-static")]
+    if not allowed:
+        what = 'linear = "quasi-static" needs a drive that was measured, and a displacement that answers it'
+        raise UserError(what, do="remove it, and let the records choose")
     return LinearChoice(tuple(found), min(allowed, key=lambda c: c.criterion), told)
+
+
+def _static(records: Sequence[Trace], pieces: Sequence[Piece]) -> Candidate:
+    """Gain and offset, as an oscillator far above the band of the drives."""
+    found = _of(pieces, "quasi-static", True, None, None)
+    frequency = _STATIC * max(highest_content(record.drive, record.step) for record in records if record.driven)
+    gain = found.gain * (2 * math.pi * frequency) ** 2
+    return found._replace(first=frequency, second=_STATIC_QUALITY, gain=gain)
 
 
 def _searched(pieces: Sequence[Piece], form: Form, level: bool, start: tuple[float, float] | None) -> Candidate:
@@ -174,7 +198,6 @@ def _weighed(pieces: Sequence[Piece], found: Sequence[Candidate]) -> list[Candid
     rows, targets = _rows(pieces, form, best.level, point, best.form)
     lengths = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
     rest = targets - rows / lengths @ np.linalg.lstsq(rows / lengths, targets, rcond=1e-9)[0]
-    power = np.abs(np.fft.rfft(rest)) ** 2
-    n = float(np.clip(4.0 * np.sum(power) ** 2 / max(float(np.sum(power**2)), 1e-300), 20.0, len(rest)))
+    n = max(independent_samples(rest), _FEWEST)
     price = lambda c: 2 * n * math.log(max(c.left, 1e-12)) + c.numbers * math.log(n)
     return sorted((c._replace(criterion=price(c)) for c in found), key=lambda c: c.criterion)

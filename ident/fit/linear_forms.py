@@ -60,7 +60,7 @@ class _WithSpring(Form):
         return list(itertools.product(np.geomspace(lowest, highest, count), self.qualities))
 
     def answer(self, point: np.ndarray, piece: Piece, push: np.ndarray) -> np.ndarray:
-        return recursive_filter(*oscillator_filter(point[0], point[1], piece.step), push)
+        return recursive_filter(*oscillator_filter(point[0], point[1], piece.step, piece.order), push)
 
     def free(self, point: np.ndarray, piece: Piece) -> np.ndarray:
         return free_motion(piece, float(point[0]), float(point[1]))
@@ -101,11 +101,12 @@ class NoSpring(Form):
         return [(tau,) for tau in np.geomspace(shortest, 10 * longest, 40)]
 
     def answer(self, point: np.ndarray, piece: Piece, push: np.ndarray) -> np.ndarray:
-        return recursive_filter(*_drifting_filter(float(point[0]), piece.step), push)
+        return recursive_filter(*_drifting_filter(float(point[0]), piece.step, piece.order), push)
 
     def free(self, point: np.ndarray, piece: Piece) -> np.ndarray:
         t = piece.step * np.arange(len(piece.response))
-        return np.stack([np.ones_like(t), np.expm1(-t / point[0])], axis=1)
+        fading = np.expm1(-t / point[0])[:, None]
+        return 1.0 + fading if piece.order else np.hstack([np.ones_like(fading), fading])
 
     def parameters(self, point: np.ndarray, pieces: Sequence[Piece]) -> tuple[float, float]:
         """A time scale of the motion, rms(ż)/rms(z)/2π Hz, in the place of a frequency; the decay time."""
@@ -116,11 +117,16 @@ class NoSpring(Form):
         return np.array([second])
 
 
-def _drifting_filter(tau: float, step: float) -> tuple[np.ndarray, np.ndarray]:
+def _drifting_filter(tau: float, step: float, order: int) -> tuple[np.ndarray, np.ndarray]:
     """Digital filter (b, a) of z̈ + ż/τ = u, as `oscillator_filter`: the second difference of the response to a ramp."""
     x = step / tau * np.arange(4)
-    series = x**3 / 6 - x**4 / 24 + x**5 / 120 - x**6 / 720
-    p = tau**3 * np.where(x < 0.05, series, x**2 / 2 - x - np.expm1(-x))
+    if order == 0:
+        series = x**3 / 6 - x**4 / 24 + x**5 / 120 - x**6 / 720
+        p = tau**3 * np.where(x < 0.05, series, x**2 / 2 - x - np.expm1(-x))
+    elif order == 1:
+        p = tau**2 * np.where(x < 0.05, x**2 / 2 - x**3 / 6 + x**4 / 24 - x**5 / 120, x + np.expm1(-x))
+    else:
+        p = -tau * np.expm1(-x)
     decay = math.exp(-step / tau)
     a = np.array([1.0, -1.0 - decay, decay])
     g = np.array([p[1], p[2] - 2 * p[1], p[3] - 2 * p[2] + p[1]]) / step

@@ -26,19 +26,20 @@ def fit_at(
     sigma: SigmaChoice = "known",
     starts: Sequence[Start] = (),
     converged: bool = True,
+    substeps: Sequence[int] | None = None,
 ) -> Fit:
     """The Fit of a model at given values: readings and uncertainties are computed anew, but nothing is searched.
 
     Only the initial states of records that do not start at rest are fitted, at those values.
 
     **Arguments:** `values`: (m,) SI, in the order of `model.parameters`; `sigma`, `starts`, `converged`: as the search
-    reported them.
+    reported them; `substeps`: of the solver per sample of each fitted record, if they are known.
     """
     records = campaign.fitted
     guess = first_guess(model, campaign)
     scales = scales_of(campaign, guess.frequency)
     first = float(base_values(model, guess, scales)[0])  # the search chose its solver step from the same numbers
-    tape = lay_out(records, max(guess.frequency, first), guess.quality, model.steps_per_period)
+    tape = lay_out(records, max(guess.frequency, first), guess.quality, model.steps_per_period, substeps)
     curves = lay_curves(campaign.fitted_sweeps, model.steps_per_period) if campaign.fitted_sweeps else None
     static, data = assemble(model, campaign, records, tape, np.asarray(values, float), scales, curves=curves)
     if curves is not None:

@@ -20,7 +20,7 @@ def first_guess(model: Model, campaign: Campaign) -> LinearGuess:
     first, quality, gain = model.parameters[:3]
     start = dict(model.start)
     told = told_guess(start, [first.name, quality.name, gain.name])
-    if told is not None or model.form == "no-spring":
+    if told is not None or model.form in ("no-spring", "quasi-static"):
         return told or LinearGuess(start[first.name], start[quality.name], 0.0, float("nan"))
     held = None if quality.fitted else quality.value
     if not campaign.fitted:

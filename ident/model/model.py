@@ -26,7 +26,8 @@ class Model:
     - `held`: full names of parameters that a fit must not move; `freed`: of those that it must; `undetermined`: of
       those that a fit holds because its records do not determine them.
     - `form` of the linear part: "oscillator"; "overdamped", the same without a least quality factor; "no-spring",
-      whose second parameter is the decay time of a velocity, and whose first only sets the scale of time.
+      whose second parameter is the decay time of a velocity, and whose first only sets the scale of time;
+      "quasi-static", an oscillator so far above the drive's band that its inertia does nothing there, both held.
     """
 
     device: Device
@@ -108,6 +109,13 @@ class Model:
                                doc="time scale of the motion; there is no spring"),
                 ModelParameter(f"{prefix}.decay-time", "s", 1.0, True, kind="linear", limits=(1e-6, 1e3),
                                limits_scale="duration", doc="time in which a velocity decays, mass over damping"),
+            )  # fmt: skip
+        if self.form == "quasi-static":
+            return (
+                ModelParameter(f"{prefix}.reference-frequency", "Hz", 1.0, True, False, kind="linear",
+                               doc="far above all that is driven; inertia is left out"),
+                ModelParameter(f"{prefix}.reference-quality", "1", 10.0, True, False, kind="linear",
+                               doc="of what is left out, held"),
             )  # fmt: skip
         # Below one half nothing oscillates, and a missing effect could hide behind slow exponentials.
         least = _LEAST_QUALITY[self.form]

@@ -2,11 +2,13 @@
 
 At draws of the posterior every subset of the model's effects is switched on and the rest off (amplitudes zero), each
 record is simulated, and each measure of the offset is shared among the effects by its Shapley value. The second
-harmonic is shared as a vector: a share is the part of it that points along the whole.
+harmonic is shared as a vector: a share is the part of it that points along the whole. What an effect with several
+amplitudes explains is shared among these in the same way, all other effects staying on.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -93,7 +95,7 @@ class RecordAttribution(NamedTuple):
 class Attribution(NamedTuple):
     """`verdict`, in `words`; `reasons` why it is undecided although shares could be computed; `mechanisms`; `leading`,
     those that explain something; `overall`, shares of all measures of all records that count taken together, each in
-    units of its error."""
+    units of its error; `within`, how the share of a leading effect divides among its own amplitudes."""
 
     verdict: Verdict
     words: str
@@ -102,12 +104,14 @@ class Attribution(NamedTuple):
     leading: tuple[str, ...]
     overall: tuple[Share, ...]
     records: tuple[RecordAttribution, ...]
+    within: tuple[Share, ...] = ()
 
 
-def attribute(fit: Fit, draws: np.ndarray | None = None, *, seed: int = 0) -> Attribution:
+def attribute(fit: Fit, draws: np.ndarray | None = None, *, doubts: Sequence[str] = (), seed: int = 0) -> Attribution:
     """Attribute the offset of every periodic record of a fit.
 
-    **Arguments:** `draws` (k, m) parameter values SI of the posterior; drawn by importance sampling if not given.
+    **Arguments:** `draws` (k, m) parameter values SI of the posterior; drawn by importance sampling if not given;
+    `doubts`: reasons against the model that were found elsewhere, and make the verdict undecided.
 
     **Raises:** UserError if there is no effect, or no periodic record, to attribute to.
     """
@@ -134,16 +138,38 @@ def attribute(fit: Fit, draws: np.ndarray | None = None, *, seed: int = 0) -> At
     wrong = misfit(density)
     if wrong.reasons:
         reasons.append(f"the model does not describe the records ({wrong.reasons[0]}): ask `ident diagnose`")
-    records, parts = _share(fit, make_density(fit, periodic), periodic, draws)
-    overall = _Parts(*(np.sum(a, axis=0) for a in zip(*parts, strict=True))).shares(names) if parts else ()
-    return _judge(names, records, overall, reasons)
+    reasons += doubts
+    every = make_density(fit, periodic)
+    records, parts = _share(fit, every, periodic, draws, {name: _amplitudes(fit, name) for name in names})
+    told = _judge(names, records, _together(parts, names), reasons)
+    within: tuple[Share, ...] = ()
+    words = told.words
+    for name in told.leading:
+        own = {fit.model.parameters[i].name: [i] for i in _amplitudes(fit, name) if fit.values[i] != 0}
+        if len(own) > 1:
+            shares = _together(_share(fit, every, periodic, draws, own)[1], tuple(own))
+            words += f" Within {name}: {_each(shares, tuple(own)).replace(f'{name}.', '')}."
+            within += shares
+    return told._replace(words=words, within=within)
+
+
+def _together(parts: list[_Parts], names: tuple[str, ...]) -> tuple[Share, ...]:
+    """Shares of all measures, each in units of its error."""
+    return _Parts(*(np.sum(a, axis=0) for a in zip(*parts, strict=True))).shares(names) if parts else ()
+
+
+def _amplitudes(fit: Fit, effect: str) -> list[int]:
+    """Positions of the amplitudes of an effect; without them it is absent."""
+    return [i for i, p in enumerate(fit.model.parameters) if p.kind == "amplitude" and p.effect == effect]
 
 
 def _share(
-    fit: Fit, density: Density, records: tuple[Trace, ...], draws: np.ndarray
+    fit: Fit, density: Density, records: tuple[Trace, ...], draws: np.ndarray, mechanisms: dict[str, list[int]]
 ) -> tuple[tuple[RecordAttribution, ...], list[_Parts]]:
-    names, chosen = fit.model.names, subsets(len(fit.model.names))
-    switched = np.concatenate([_with_only(fit, draws, {names[i] for i in s}) for s in chosen])
+    """`mechanisms`: the amplitudes that switch each of them, by name; an amplitude of none of them stays on."""
+    names, columns = tuple(mechanisms), list(mechanisms.values())
+    chosen = subsets(len(names))
+    switched = np.concatenate([_with_only(draws, columns, s) for s in chosen])
     readings = density.readings(switched)
     at_fit = dict(zip((r.name for r in fit.campaign.traces), fit.readings, strict=True))
     found, counted = [], []
@@ -167,11 +193,10 @@ def _share(
     return tuple(found), counted
 
 
-def _with_only(fit: Fit, draws: np.ndarray, on: set[str]) -> np.ndarray:
-    """The draws with the amplitudes of all other effects zero."""
-    off = [i for i, p in enumerate(fit.model.parameters) if p.kind == "amplitude" and p.effect not in on]
+def _with_only(draws: np.ndarray, columns: list[list[int]], on: tuple[int, ...]) -> np.ndarray:
+    """The draws with the amplitudes of the other mechanisms zero."""
     changed = draws.copy()
-    changed[:, off] = 0.0
+    changed[:, [i for k, own in enumerate(columns) if k not in on for i in own]] = 0.0
     return changed
 
 

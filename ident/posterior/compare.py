@@ -8,7 +8,7 @@ Sources: H. Jeffreys, Theory of Probability, 1961, app. B, and R. E. Kass, A. E.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -50,8 +50,10 @@ class Comparison(NamedTuple):
     words: str
 
 
-def compare(fits: Sequence[tuple[str, Fit]]) -> Comparison:
+def compare(fits: Sequence[tuple[str, Fit]], doubts: Callable[[Fit], Sequence[str]] = lambda _: ()) -> Comparison:
     """Weigh named fits.
+
+    **Arguments:** `doubts`: reasons against the best model that are found elsewhere.
 
     **Raises:** UserError if there are fewer than two, or they are not of the same records with the same noise.
     """
@@ -71,7 +73,7 @@ def compare(fits: Sequence[tuple[str, Fit]]) -> Comparison:
                 misfit(density),
             )
         )  # fmt: skip
-    return _judge(tuple(models))
+    return _judge(tuple(models), doubts)
 
 
 def _same_records(fits: Sequence[tuple[str, Fit]]) -> None:
@@ -90,7 +92,7 @@ def _same_records(fits: Sequence[tuple[str, Fit]]) -> None:
             raise UserError(what, where=name, do="fit both with the same --sigma, not fitted")
 
 
-def _judge(models: tuple[Weighed, ...]) -> Comparison:
+def _judge(models: tuple[Weighed, ...], doubts: Callable[[Fit], Sequence[str]]) -> Comparison:
     order = sorted(range(len(models)), key=lambda i: -models[i].evidence.value)
     first, second = models[order[0]], models[order[1]]
     lead = first.evidence.value - second.evidence.value
@@ -114,9 +116,10 @@ def _judge(models: tuple[Weighed, ...]) -> Comparison:
         parts.append(f"The evidence of {', '.join(unsure)} is not to be trusted (Pareto k above 0.7).")
     if lead <= DECISIVE:
         parts.append("The records cannot separate them.")
-    if first.misfit.reasons:
+    wrong = (*first.misfit.reasons, *doubts(first.fit))
+    if wrong:
         parts.append(
-            f"Even the best does not describe the records ({first.misfit.reasons[0]}): the right model is not among "
+            f"Even the best does not describe the records ({wrong[0]}): the right model is not among "
             "them; `ident diagnose` says what is missing."
         )
     return Comparison(models, order[0], lead, error, "decided" if decided else "undecided", " ".join(parts))

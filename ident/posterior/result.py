@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -107,22 +107,24 @@ def draw_posterior(
     seconds: float | None = None,
     resume: bool = False,
     report: Callable[[Progress], None] = lambda _: None,
+    doubts: Sequence[str] = (),
 ) -> Posterior:
     """Sample the posterior of a fit until it can be trusted, or until the `seconds` are over.
 
     **Arguments:** `chain_file`: keeps the chain, with which `resume` goes on; `seed`: of the walkers and their moves;
-    `report`: called with the progress.
+    `report`: called with the progress; `doubts`: reasons against the model that were found elsewhere, with any of which
+    no interval is final.
 
     **Raises:** UserError if there is no chain to go on with, or it is another's.
     """
     density = make_density(fit)
     key = run_key(density, seed)
     sampled = sample(density, chain_file, key, resume=resume, seed=seed, seconds=seconds, report=report)
-    return judge_posterior(fit, sampled)
+    return judge_posterior(fit, sampled, doubts)
 
 
-def judge_posterior(fit: Fit, sampled: Sampled) -> Posterior:
-    """The posterior that a chain describes, and whether it is final."""
+def judge_posterior(fit: Fit, sampled: Sampled, doubts: Sequence[str] = ()) -> Posterior:
+    """The posterior that a chain describes, and whether it is final; `doubts` as of `draw_posterior`."""
     density = sampled.laplace.density
     evidence = log_evidence(sampled.laplace, sampled.draws(_EVIDENCE_DRAWS))
     wrong = misfit(density)
@@ -132,6 +134,7 @@ def judge_posterior(fit: Fit, sampled: Sampled) -> Posterior:
     if wrong.reasons:
         first = wrong.reasons[0] + (f", and {len(wrong.reasons) - 1} more" if len(wrong.reasons) > 1 else "")
         reasons.append(f"the model does not describe the records: {first}; ask `ident diagnose` what is missing")
+    reasons += doubts
     if not fit.converged:
         reasons.append("the fit had not converged")
     if not fit.step_error < _STEP_ERROR:

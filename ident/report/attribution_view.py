@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,8 +19,6 @@ from .style import FAINT, HELDOUT, INK, MODEL, RESIDUAL, new_axes, new_figure, p
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FILE = "attribution.json"
-FIGURE = "figures/attribution.png"
 # Told apart by the colour-blind (Okabe & Ito), the first three as elsewhere in the report.
 _COLOURS = (MODEL, RESIDUAL, HELDOUT, "#009e73", "#cc79a7", "#56b4e9", "#f0e442", INK)
 _SHOWN = ("mean over periods", "2nd harmonic", "dwell asymmetry", "at drive zeros, mean")
@@ -39,6 +35,7 @@ def attribution_dict(found: Attribution, device: Device) -> dict[str, Any]:
         "mechanisms": list(found.mechanisms),
         "leading": list(found.leading),
         "overall": [_share(s) for s in found.overall],
+        "within": [_share(s) for s in found.within],
         "records": [
             {
                 "file": r.record.name,
@@ -161,19 +158,9 @@ def _cell(
         axes.plot(np.clip(share["interval90"], -0.25, 1.25), [-k, -k], color=INK, lw=1.6, solid_capstyle="butt")
 
 
-def attribution_section(folder: Path) -> Section | None:
-    """The part of the report about the offset's causes, from what `ident attribute` left in a run folder."""
-    if not (folder / FILE).is_file():
-        return None
-    document = json.loads((folder / FILE).read_text(encoding="utf-8"))
+def attribution_section(document: Mapping[str, Any]) -> Section:
+    """The part of the report about the offset's causes, from `attribution.json`."""
     caption = "Share of the offset that each mechanism explains; line: 90 % interval"
     picture = Picture(caption, png(attribution_figure(document)))
-    return Section(
-        "What explains the zero-point offset", (document["words"],), (attribution_sheet(document),), (picture,)
-    )
-
-
-def write_attribution_figure(document: Mapping[str, Any], folder: Path) -> None:
-    """Put the figure into a run folder."""
-    (folder / FIGURE).parent.mkdir(exist_ok=True)
-    (folder / FIGURE).write_bytes(png(attribution_figure(document)))
+    sheets = (attribution_sheet(document),)
+    return Section("What explains the zero-point offset", (document["words"],), sheets, (picture,))

@@ -28,14 +28,24 @@ _NOTHING_HELD_OUT = (
 )
 
 
+_DECAYS = (
+    "All fitted records are free decays. Each passes through every amplitude below its first, so that stiffness and "
+    "damping which change with amplitude can be told; in decays from one amplitude a drift with time looks like them: "
+    "let go from others too. Of the drive, its gain and its hysteresis, they say nothing."
+)
+
+
 def what_the_records_tell(campaign: Campaign) -> tuple[str, ...]:
     """What the records together can and cannot tell apart, from how they were driven."""
     traces, fitted = campaign.traces, campaign.fitted
     found = list(what_the_sweeps_tell(campaign))
     if not traces:
         return (*found, *([_NOTHING_HELD_OUT] if not any(sweep.holdout for sweep in campaign.sweeps) else []))
-    drives = [_level(r) for r in fitted]
-    if fitted and max(drives) <= _SAME * min(drives):
+    driven = [record for record in fitted if record.driven]
+    drives = [_level(r) for r in driven]
+    if fitted and not driven:
+        found.append(_DECAYS)
+    if driven and max(drives) <= _SAME * min(drives) and len(driven) == len(fitted):
         found.append(
             "All fitted records have one drive level: what grows with amplitude (cubic stiffness, quadratic "
             "damping, saturation) can be absorbed by the linear part. A record at half the level separates them."
@@ -73,12 +83,18 @@ def _level(record: Trace) -> float:
     return float(np.sqrt(2) * np.std(record.drive)) or 1e-12
 
 
+def _begins_at(record: Trace) -> float:
+    """How large a free motion begins."""
+    return float(np.max(np.abs(record.response - np.mean(record.response)))) or 1e-300
+
+
 def _differs(record: Trace, others: tuple[Trace, ...]) -> bool:
     def far(a: float, b: float, same: float = _SAME) -> bool:
         return max(a, b) > same * min(a, b)
 
     return all(
-        far(_level(record), _level(o))
+        record.driven != o.driven
+        or far(*((_level(record), _level(o)) if record.driven else (_begins_at(record), _begins_at(o))))
         or far(drive_frequency(record), drive_frequency(o), _SAME_FREQUENCY)
         or record.load != o.load
         for o in others

@@ -14,7 +14,6 @@ from .data_judgement import one_frequency
 from .html import Picture, Section
 from .quantity import show
 from .sheet import Column, Mark, Sheet
-from .story import staircase_section
 from .style import png
 from .tables import listed, percent_text, ratio_text
 from .where_figure import where_figure
@@ -177,7 +176,7 @@ def _not_identified(final: Fit) -> list[str]:
     ]
 
 
-def sections(found: Diagnosis, lineage: list[dict]) -> list[Section]:
+def sections(found: Diagnosis) -> list[Section]:
     """The diagnosis as parts of the report."""
     device = found.discovery.start.model.device
     where = Picture("Error over noise by record, time, motion, phase and harmonic", png(where_figure(found.where)))
@@ -192,6 +191,4 @@ def sections(found: Diagnosis, lineage: list[dict]) -> list[Section]:
 
         picture = Picture("The missing term against its coordinates", png(unknown_figure(found.unknown, device)))
         parts.append(Section("What the library lacks", found.unknown.sentences, (), (picture,)))
-    if lineage:
-        parts.append(staircase_section(lineage))
     return parts

@@ -41,6 +41,8 @@ def drive_words(record: Record, device: Device) -> str:
     if sine is not None:
         kind = "sine" if sine.share > _SINE else "periodic drive"
         words = f"{level(sine.amplitude)} {kind} at {neat(1 / (sine.period * record.step))} Hz"
+    elif not np.any(record.drive):
+        words = "no drive, a free decay"
     elif np.ptp(record.drive) == 0.0:
         words = f"constant {level(float(record.drive[0]))}"
     else:

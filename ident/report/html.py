@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ..campaign.device import Platform
 from ..fit.result import Fit
 from .curve_figure import curve_figure
+from .dynamic_stiffness_figure import dynamic_stiffness_figure
 from .figures import record_figure
 from .linear_words import linear_sheet
 from .offset_table import offset_sheets
@@ -78,6 +79,10 @@ def write_report(fit: Fit, folder: Path, extra: Mapping[str, Any] | None = None)
         (pictures / f"{i:02d}_{_file_stem(record.name)}.png").write_bytes(record.picture.image)
     given = dict(extra or {})
     sections = tuple(given.pop("sections", ()))
+    if (seen := dynamic_stiffness_figure(fit.campaign)) is not None:
+        picture = Picture("Natural frequency and damping of every measured point, by amplitude and velocity", png(seen))
+        (pictures / "before_any_fit.png").write_bytes(picture.image)
+        sections = (Section("The curves before any fit", pictures=(picture,)), *sections)
     page = _template().render(
         title=fit.campaign.title or "Fit",
         model=_model_words(fit),

@@ -20,6 +20,7 @@ OWN = frozenset(
     [
         "run.json",
         "lineage.json",
+        "parts.json",
         "diagnosis.json",
         "profiles.json",
         "posterior.json",

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,8 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-FILE = "posterior.json"
-FIGURE = "figures/posterior.png"
 _ACROSS = 3
 _WIDE = 4.0  # standard deviations shown to each side
 
@@ -142,21 +138,10 @@ def _panel(figure: Figure, axes: Axes, marginal: Marginal, values: np.ndarray, d
     figure.text(left, top - 0.002, words, fontsize=8.5, color=colour if decides else FAINT, va="top")
 
 
-def posterior_section(folder: Path, device: Device) -> Section | None:
-    """The part of the report about a posterior, from what `ident sample` left in a run folder; None if it did not."""
-    if not (folder / FILE).is_file():
-        return None
-    document = json.loads((folder / FILE).read_text(encoding="utf-8"))
-    picture = folder / FIGURE
+def posterior_section(posterior: Posterior, document: Mapping[str, Any]) -> Section:
+    """The part of the report about a posterior, whose `posterior.json` is the `document`."""
+    device = posterior.fit.model.device
     caption = "Each parameter before (line) and after (filled) the records; dotted: 90 % interval"
-    pictures = (Picture(caption, picture.read_bytes()),) if picture.is_file() else ()
     paragraphs = (verdict_words(document), evidence_words(document["log_evidence"]), *document["notes"])
-    return Section(
-        "Posterior", paragraphs, (posterior_sheet(document, device), prior_sheet(document, device)), pictures
-    )
-
-
-def write_posterior_figure(posterior: Posterior, folder: Path) -> None:
-    """Put the figure into a run folder."""
-    (folder / FIGURE).parent.mkdir(exist_ok=True)
-    (folder / FIGURE).write_bytes(png(posterior_figure(posterior)))
+    sheets = (posterior_sheet(document, device), prior_sheet(document, device))
+    return Section("Posterior", paragraphs, sheets, (Picture(caption, png(posterior_figure(posterior))),))

@@ -3,6 +3,7 @@
 run.json       what was fitted, with which result, from which files, by which versions
 report.html    the same for people; figures/ beside it
 lineage.json   every ancestor of the run: what was added or removed, errors before and after
+parts.json     what other commands added to the page
 """
 
 from __future__ import annotations
@@ -22,10 +23,13 @@ from ..campaign.opening import MOST_DATA, exists, read_bytes
 from ..errors import UserError
 from ..fit import Fit
 from ..model import Model
-from .html import write_report
+from .html import Section, write_report
 from .new_folder import OWN, link_or_copy, new_folder
+from .parts import FILE as PARTS
+from .parts import parts_dict, parts_of
 from .run_json import run_dict
 from .run_state import origin, rebuild, restore, state, versions
+from .story import staircase_section
 
 FORMAT = 1
 _LONGEST_NAME = 255  # bytes, on every file system in use
@@ -41,7 +45,6 @@ def write_run(
     options: Mapping[str, Any] | None = None,
     lineage: Sequence[Mapping[str, Any]] = (),
     documents: Mapping[str, Mapping[str, Any]] | None = None,
-    extra: Mapping[str, Any] | None = None,
     report: Callable[[str], None] = lambda _: None,
     page: bool = True,
 ) -> Path:
@@ -49,7 +52,8 @@ def write_run(
 
     **Arguments:** `force`: replace a folder that exists; `command`: the command line, for the record; `options`: how
     the fit was made (seed, starts, …); `lineage`: the run's ancestors, oldest first; `documents`: further JSON files
-    by name ("diagnosis.json"); `extra`: what the report shows beside the fit; `page`: whether the report is drawn.
+    by name ("diagnosis.json", and "parts.json" for what the report shows beside the fit); `page`: whether the report is
+    drawn.
 
     **Raises:** UserError if the folder exists and `force` is not set.
     """
@@ -71,20 +75,41 @@ def write_run(
         if not page:
             return target
         report("writing the report")
-        write_report(fit, temporary, {"command": command, **(extra or {})} if command else extra)
+        _draw_page(fit, temporary)
         check_target(target, force)
     return target
 
 
-def renew_report(fit: Fit, folder: PathLike, extra: Mapping[str, Any] | None = None) -> Path:
-    """Write report.html and figures/ of a run anew; whoever looks finds the old pair or the new one."""
+def renew_report(fit: Fit, folder: PathLike, **parts: Sequence[Section]) -> Path:
+    """Write report.html and figures/ of a run anew, with further `parts`; whoever looks finds the old or the new."""
     target = Path(folder)
     with new_folder(target) as temporary:
         for entry in target.iterdir():
             if entry.name in OWN - {"report.html", "figures"}:
                 link_or_copy(entry, temporary / entry.name)
-        write_report(fit, temporary, extra)
+        if parts:
+            write_json(temporary / PARTS, parts_dict({**_parts(temporary), **parts}))
+        _draw_page(fit, temporary)
     return target / "report.html"
+
+
+def _draw_page(fit: Fit, folder: Path) -> None:
+    """The page and figures of a run from what its folder holds, and its fit."""
+    lineage, parts = read_lineage(folder), _parts(folder)
+    sections = [section for own in parts.values() for section in own]
+    history = [staircase_section(lineage)] if lineage else []
+    command = read_run(folder).get("command")
+    extra = {"command": command} if command else {}
+    write_report(fit, folder, {**extra, "sections": [*history, *sections]})
+    for name, own in parts.items():
+        for k, picture in enumerate([picture for section in own for picture in section.pictures], 1):
+            file = f"{name}.png" if k == 1 else f"{name}_{k}.png"
+            (folder / "figures" / file).write_bytes(picture.image)
+
+
+def _parts(folder: Path) -> dict[str, list[Section]]:
+    path = folder / PARTS
+    return parts_of(_read_json(path)) if exists(path) else {}
 
 
 def read_run(folder: PathLike) -> dict[str, Any]:

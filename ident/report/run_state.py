@@ -68,6 +68,7 @@ def state(fit: Fit) -> dict[str, Any]:
         "undetermined": sorted(model.undetermined),
         "form": model.form,
         "starts": [list(start) for start in fit.starts],
+        "substeps": [span.substeps for span in fit.solved.data.tape.spans],
         # An estimate, and with sigma = "fitted" a result: another version might find another.
         "noise": [asdict(record.noise) for record in fit.campaign.records],
     }
@@ -105,7 +106,8 @@ def rebuild(document: dict[str, Any], folder: Path) -> Fit:
     model, campaign, values = restore(document, folder)
     starts = [Start(_number(a), _number(b), steps, ok) for a, b, steps, ok in document["state"]["starts"]]
     return fit_at(
-        model, campaign, values, sigma=document["sigma"], starts=starts, converged=document["converged"]
+        model, campaign, values, sigma=document["sigma"], starts=starts, converged=document["converged"],
+        substeps=document["state"].get("substeps"),
     )  # fmt: skip
 
 

@@ -22,6 +22,9 @@ _VAGUE = 0.3  # relative error of a noise floor from which it cannot judge a mod
 GOOD = 1.1  # error over noise up to which the noise floor is reached (it is itself known to some ten per cent)
 
 
+_OTHER_KINDS = {"no-spring": "mass and damper without a spring", "quasi-static": "gain without inertia"}
+
+
 class Sentence(NamedTuple):
     """A sentence; a `warning` is one that changes what may be done with the numbers."""
 
@@ -33,7 +36,7 @@ def verdict(fit: Fit) -> str:
     """One paragraph: how well the model describes the records, and what of it is known."""
     effects = listed(fit.model.names) if fit.model.names else ""
     kind = "linear platform" if isinstance(fit.model.device, Platform) else "linear oscillator"
-    kind = "mass and damper without a spring" if fit.model.form == "no-spring" else kind
+    kind = _OTHER_KINDS.get(fit.model.form, kind)
     model = f"The {kind} with {effects}" if effects else f"The {kind} alone"
     n = sum(not s.holdout for s in fit.scores)
     ratio = fit.fitted.error_over_noise

@@ -14,6 +14,7 @@ from ..campaign.judge_sweep import RunJudgement, judge_sweep
 from ..campaign.record import SAME_LEVEL, Sweep
 from .quantity import scale, show_in, significant
 from .sheet import Column, Sheet
+from .style import shortened
 
 _NARROW = 2.0
 """Ratio of the strongest to the weakest level below which laws are hard to tell: a² and a³ differ by it only."""
@@ -50,18 +51,19 @@ def run_sheet(campaign: Campaign) -> Sheet:
     unit = scale(max(run.peak for _, run in runs), "m", campaign.device)
     volts = campaign.sweeps[0].drive_channel
     columns = (
-        Column("record"), Column(f"drive ({volts.unit})", True), Column("way"), Column("points", True),
+        Column("record"), Column(f"drive ({volts.unit})", True), Column("way"), Column("n", True),
         Column("peak (Hz)", True), Column(f"peak ({unit.unit})", True), Column("at peak", True),
         Column("jump (Hz)", True),
     )  # fmt: skip
     rows = tuple(
         (
-            record.name, significant(run.level / volts.factor, 3), "up" if run.up else "down", str(run.points),
+            shortened(record.name, 24), significant(run.level / volts.factor, 3), "up" if run.up else "down",
+            str(run.points),
             f"{run.peak_frequency:.6g}", show_in(run.peak, None, unit, 3).value, str(run.within), _jump(run),
         )
         for record, run in runs
     )  # fmt: skip
-    note = "At peak: points within the half-power width."
+    note = "n: points of the pass; at peak: those within the half-power width."
     return Sheet("Curves", columns, rows, note=note)
 
 

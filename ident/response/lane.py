@@ -16,7 +16,8 @@ class Lane(NamedTuple):
     """The drive of one record.
 
     **Arguments:** `step`, s, of the Runge–Kutta method; `voltage` and `rate`, (2 n + 1,) V and V/s on the half-step
-    grid; `omega`, rad/s; `load`, kg; `moving`, 1 if the record begins in motion.
+    grid; `omega`, rad/s; `load`, kg; `moving`, 1 if the record begins in motion; `order` of the derivative of the
+    displacement that was measured.
     """
 
     step: float
@@ -25,10 +26,11 @@ class Lane(NamedTuple):
     omega: float
     load: float = 0.0
     moving: float = 0.0
+    order: float = 0.0
 
 
 def lane_of(record: Trace, substeps: int) -> Lane:
     """The drive of a record with so many steps of the solver per sample."""
     voltage, rate = half_step_drive(record, substeps)
     moving = float(record.begins_in_motion)
-    return Lane(record.step / substeps, voltage, rate, drive_frequency(record), record.load, moving)
+    return Lane(record.step / substeps, voltage, rate, drive_frequency(record), record.load, moving, record.order)

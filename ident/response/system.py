@@ -60,6 +60,7 @@ class Block(NamedTuple):
     omega: Any
     load: Any
     moving: Any
+    order: Any
 
     def times(self, points: int, spacing: float) -> Array:
         """Times of the points of the block, s since the first sample of the record; `spacing` in steps."""
@@ -76,14 +77,15 @@ class System(NamedTuple):
     gain: Any
     omega: Any = 0.0
     moving: Any = 0.0
+    order: Any = 0.0
 
     def drive(self, voltage: Any, rate: Any) -> Drive:
         """The drive as the effects see it."""
-        return Drive(voltage, rate, self.omega, self.gain, self.moving)
+        return Drive(voltage, rate, self.omega, self.gain, self.moving, self.order)
 
     def at(self, block: Block) -> System:
         """The same in a block of a record."""
-        return self._replace(mass=self.mass + block.load, omega=block.omega, moving=block.moving)
+        return self._replace(mass=self.mass + block.load, omega=block.omega, moving=block.moving, order=block.order)
 
     @property
     def numbers(self) -> Any:
@@ -98,7 +100,7 @@ class System(NamedTuple):
         for effect, (values, prepared) in zip(self.effects, own, strict=True):
             effects[effect.name] = effect.carrying(values, prepared)
         joined = (e.accompanied(effects[e.needs]) if e.needs else e for e in effects.values())
-        return System(tuple(joined), mass, damping, stiffness, gain, self.omega, self.moving)
+        return System(tuple(joined), mass, damping, stiffness, gain, self.omega, self.moving, self.order)
 
 
 def assemble(equation: Equation, constants: Numbers, values: Numbers) -> System:
@@ -141,11 +143,13 @@ def derivative(
     return (v, force / system.mass, *rates)
 
 
-def reading(system: System, parts: tuple[slice | None, ...], y: tuple[Any, ...], at: tuple[Any, ...]) -> Any:
-    """What the sensor shows of the state `y` at `at` = (V, V̇, t)."""
+def reading(
+    system: System, parts: tuple[slice | None, ...], y: tuple[Any, ...], at: tuple[Any, ...], acceleration: Any
+) -> Any:
+    """What the sensor shows of the state `y` and its acceleration at `at` = (V, V̇, t)."""
     voltage, rate, t = at
     z, v, *hidden = y
-    shown = z
+    shown = jnp.where(system.order > 1, acceleration, jnp.where(system.order > 0, v, z))
     for effect, own in zip(system.effects, parts, strict=True):
         if own is not None and effect.overrides("sensor"):
             shown = shown + effect.sensor(State(z, v, tuple(hidden[own])), system.drive(voltage, rate), t)

@@ -26,8 +26,8 @@ class Chunk(NamedTuple):
     """The drive on a stretch of the tape, (BLOCKS, …).
 
     **Arguments:** `voltage` and `rate`, (…, 2 BLOCK + 1) on the half-step grid; per block the `step`, s; the `clock`, s
-    since the first sample of the record; `omega`, `load` and `moving` of the record; whether it is its `first`; `count`
-    of the blocks that hold something.
+    since the first sample of the record; `omega`, `load`, `moving` and `order` of the record; whether it is its
+    `first`; `count` of the blocks that hold something.
     """
 
     voltage: Numbers
@@ -37,6 +37,7 @@ class Chunk(NamedTuple):
     omega: Numbers
     load: Numbers
     moving: Numbers
+    order: Numbers
     first: Numbers
     count: Numbers
 
@@ -79,10 +80,10 @@ class Tape:
         voltage = self.windows([lane.voltage for lane in self.lanes])
         rate = self.windows([lane.rate for lane in self.lanes])
         shape = (len(voltage) * BLOCKS,)
-        told = {name: np.zeros(shape) for name in ("step", "clock", "omega", "load", "moving", "first")}
+        told = {name: np.zeros(shape) for name in ("step", "clock", "omega", "load", "moving", "order", "first")}
         for lane, span in zip(self.lanes, self.spans, strict=True):
             own = slice(span.block, span.block + span.blocks)
-            for name in ("step", "omega", "load", "moving"):
+            for name in ("step", "omega", "load", "moving", "order"):
                 told[name][own] = getattr(lane, name)
             told["clock"][own] = lane.step * BLOCK * np.arange(span.blocks)
             told["first"][span.block] = 1.0

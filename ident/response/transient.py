@@ -164,7 +164,7 @@ def march(
 
     def one_block(k: Any, state: tuple) -> tuple:
         y, dy, memories, *out = state
-        block = Block(*(field[k] for field in chunk[2:7]))
+        block = Block(*(field[k] for field in chunk[2:8]))
         voltage, rate, first = chunk.voltage[k], chunk.rate[k], chunk.first[k]
         time = block.times(2 * BLOCK + 1, 0.5)
         seen = Seen(None, None, voltage, rate, time, block.step, block.omega, numbers[3], block.moving)
@@ -178,7 +178,8 @@ def march(
             system = system_of(numbers).at(block)
             slope = jax.jit(partial(derivative, system, parts))  # traced once instead of four times
             inputs = [(*now, *force) for now, force in zip(stages(at), stages(remembered), strict=True)]
-            return runge_kutta(slope, y, inputs, block.step), reading(system, parts, y, stages(at)[0])
+            shown = reading(system, parts, y, stages(at)[0], slope(y, inputs[0])[1])
+            return runge_kutta(slope, y, inputs, block.step), shown
 
         def advance(state: tuple, x: tuple) -> tuple:
             (y, dy), (at, remembered, changes) = state, x

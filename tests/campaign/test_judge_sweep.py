@@ -151,3 +151,22 @@ def test_a_new_campaign_of_curves(tmp_path):
         assert {run.level for sweep in campaign.sweeps if sweep.holdout for run in sweep.runs} == {6.0}
         assert {(run.level, run.up) for sweep in campaign.sweeps for run in sweep.runs} == {
             (volts, way) for volts in (3.0, 6.0, 9.0) for way in (True, False)}  # fmt: skip
+
+
+def test_passes_that_do_not_repeat_are_noisier_than_their_neighbours_tell(tmp_path):
+    f, level, up, response = both_ways((3.0, 9.0), NEAR, 0.15 / 81)
+    rng = np.random.default_rng(3)
+    seen = np.abs(response) * (1 + 5e-4 * rng.standard_normal(len(f)))
+    header = "f (Hz),level (V),A (um)"
+    steady = read_campaign(write_table(tmp_path / "s.csv", header, [f, level, seen]))
+    assert not any("differ" in note for note in steady.notes)
+    drifted = seen * np.where(up, 1.02, 1.0)
+    campaign = read_campaign(write_table(tmp_path / "s.csv", header, [f, level, drifted]))
+    assert "up and down differ by" in " ".join(campaign.notes)
+    assert campaign.sweeps[0].relative_noise == pytest.approx(0.02 / np.sqrt(2), rel=0.1)
+    for way, name in ((True, "up"), (False, "down")):
+        for volts in (3.0, 9.0):
+            here = (level == volts) & (up == way)
+            write_table(tmp_path / f"{volts:g}V_{name}.csv", "f (Hz),A (um)", [f[here], drifted[here]])
+    campaign = read_campaign(sorted(tmp_path.glob("?V_*.csv")))
+    assert all(0.01 < sweep.relative_noise < 0.02 for sweep in campaign.sweeps)

@@ -11,6 +11,7 @@ from ident.campaign import read_campaign
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.errors import UserError
+from ident.report.data_judgement import about, what_the_records_tell
 
 STEP = 0.02
 T = STEP * np.arange(1500)
@@ -34,6 +35,15 @@ def test_time_and_response_alone_are_a_free_decay_counted_from_where_it_rests(tm
     assert not record.driven and record.start == "unknown" and np.all(record.drive == 0)
     np.testing.assert_allclose(record.response, 0.05 * (DECAY), atol=2e-5)  # 0.04 % of the first amplitude
     assert any("free decay" in note for note in campaign.notes) and any("0.42" in note for note in campaign.notes)
+
+
+def test_advice_fits_decays(tmp_path):
+    campaign = written(tmp_path, "time_s,position_m", T, 0.05 * DECAY)
+    told = " ".join(what_the_records_tell(campaign))
+    assert "free decays" in told and "half the level" not in told and "one drive frequency" not in told
+    assert about(campaign.fitted[0], campaign).startswith(
+        "a.csv: no drive, a free decay. Noise floor: what a decay leaves"
+    )
 
 
 def test_a_drive_column_may_be_declared_to_be_none(tmp_path):

@@ -9,17 +9,20 @@ import numpy as np
 import pytest
 
 from ident.diagnosis.enough import adequate, not_worth_adding, superfluous
-from ident.diagnosis.prune import _hurts_more
+from ident.diagnosis.prune import _hurts_more, hurts
 from ident.fit.judge import Score
 
 N = 10_000
+WHITE = np.random.default_rng(1).normal(size=N)
+WHITE /= np.sqrt(np.mean(WHITE**2))
 
 
 def bench(error: float, reached: float | None = None, doubt: float = 0.03, freedom: int = 5) -> Any:
     """A stand-in with an error over noise, the one that its fit has `reached`, and the doubt of its noise floors."""
     records = [SimpleNamespace(noise=SimpleNamespace(relative_error=doubt))]
     fit = SimpleNamespace(campaign=SimpleNamespace(fitted=records), freedom=freedom)
-    return SimpleNamespace(chi2=N * error**2, fit_chi2=N * (reached or error) ** 2, n=N, fit=fit)
+    residual = error * WHITE
+    return SimpleNamespace(chi2=N * error**2, fit_chi2=N * (reached or error) ** 2, n=N, fit=fit, residual=residual)
 
 
 def test_the_doubt_of_a_noise_floor_excuses_what_no_effect_explains() -> None:
@@ -43,13 +46,28 @@ def test_a_refit_that_a_limit_stopped_does_not_do_without_the_term() -> None:
     assert not superfluous(bench(1.05, reached=1.48), full, first)
 
 
+def heldout(missed: np.ndarray) -> dict[str, Any]:
+    """Fields of a fit that misses so much of one held-out record, in noise floors."""
+    record = SimpleNamespace(response=missed, noise=SimpleNamespace(sigma=1.0), skip=0, holdout=True)
+    return {"campaign": SimpleNamespace(traces=(record,)), "readings": (np.zeros(N),)}
+
+
 @pytest.mark.parametrize(("fitted", "held", "more"), [(0.99, 1.23, False), (1.05, 1.25, True), (0.99, 1.18, False)])
 def test_held_out_error_of_another_law_is_weighed_against_what_fitted_records_gain(
     fitted: float, held: float, more: bool
 ) -> None:
     score = lambda error: Score(N, 1.0, 1.0, error, 10.0)
-    before: Any = SimpleNamespace(fitted=score(1.06), holdout=score(1.19))
-    after: Any = SimpleNamespace(fitted=score(fitted), holdout=score(held))
+    before: Any = SimpleNamespace(fitted=score(1.06), holdout=score(1.19), **heldout(1.19 * WHITE))
+    after: Any = SimpleNamespace(fitted=score(fitted), holdout=score(held), **heldout(held * WHITE))
     assert np.isclose(before.fitted.chi2, N * 1.06**2)
     assert _hurts_more(before, after) is more
     assert not _hurts_more(before, SimpleNamespace(fitted=score(fitted), holdout=None))  # type: ignore[arg-type]
+
+
+def test_held_out_records_that_say_one_thing_do_not_contradict() -> None:
+    score = lambda error: Score(N, 1.0, 1.0, error, 10.0)
+    slow = np.sqrt(2) * np.sin(2 * np.pi * 3 * np.arange(N) / N)
+    for missed, contradict in ((WHITE, True), (slow, False)):
+        before: Any = SimpleNamespace(holdout=score(50.0), **heldout(50.0 * missed))
+        after: Any = SimpleNamespace(holdout=score(53.0), **heldout(53.0 * missed))
+        assert hurts(before, after) is contradict

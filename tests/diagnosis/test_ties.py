@@ -12,7 +12,7 @@ from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.diagnosis.equivalences import EQUIVALENCES, equivalence, what_separates
 from ident.diagnosis.score import Bench, Candidate, prepare
-from ident.diagnosis.ties import independent_samples, tie_set, unseen
+from ident.diagnosis.ties import independent_of, tie_set, unseen
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.fit.reading import read
@@ -72,8 +72,8 @@ def test_a_misfit_of_the_laws_widens_the_set(bench: Bench, lines: tuple[np.ndarr
         best = candidate(where, "cubic-stiffness", a)
         other = candidate(where, "quadratic-damping", a + 0.3 * b)
         assert ("quadratic-damping" in tie_set(where, best, [best, other], LIBRARY).names) is tied
-    assert independent_samples(clean, candidate(clean, "cubic-stiffness", a)) > 0.8 * N
-    assert independent_samples(spoilt, candidate(spoilt, "cubic-stiffness", a)) < 0.2 * N
+    assert independent_of(clean, candidate(clean, "cubic-stiffness", a)) > 0.8 * N
+    assert independent_of(spoilt, candidate(spoilt, "cubic-stiffness", a)) < 0.2 * N
 
 
 def test_lags_stay_together_on_a_linear_device(bench: Bench, lines: tuple[np.ndarray, np.ndarray]) -> None:

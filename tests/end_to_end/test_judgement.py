@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -16,9 +17,10 @@ from tests.end_to_end.user import DATA, assert_one_line, ident
 CLEAN = ("platform_clean", "platform_317hz", "platform_fe", "mystery_platform", "oscillator")
 
 
-@pytest.mark.parametrize("name", CLEAN)
+@pytest.mark.parametrize("name", [*CLEAN, "platform_sweeps"])
 def test_no_remark_stands_on_a_clean_record(name):
-    assert [(r.name, remarks(r)) for r in read_campaign(DATA / name).records if remarks(r)] == []
+    campaign = read_campaign(DATA / name)
+    assert [(r.name, remarks(r, campaign)) for r in campaign.records if remarks(r, campaign)] == []
 
 
 @pytest.mark.parametrize("name", CLEAN)
@@ -63,3 +65,20 @@ def test_what_a_fit_would_refuse_is_refused_by_check(small):
         (small / "other.toml").write_text(text.format(effects=effects, more=more), encoding="utf-8")
         assert_one_line(ident("check", small / "other.toml"), says)
     (small / "other.toml").unlink()
+
+
+def test_check_of_curves_says_how_they_were_taken_and_what_they_show_before_any_fit():
+    told = ident("check", DATA / "platform_sweeps")
+    assert told.code == 0
+    for words in ("up and down, with phase", "peak (Hz)", "natural frequency rises with the amplitude, from 499",
+                  "do not fall on one curve"):  # fmt: skip
+        assert words in told.out, words
+    judged = json.loads(ident("check", DATA / "platform_sweeps", "--json").out)
+    assert [len(record["runs"]) for record in judged["records"]] == [2, 2, 2, 2]
+
+
+def test_new_makes_a_campaign_of_curves_that_check_reads(tmp_path):
+    files = sorted((DATA / "platform_sweeps").glob("*.csv"))
+    assert ident("new", tmp_path / "mine", *files).code == 0
+    told = ident("check", tmp_path / "mine")
+    assert told.code == 0 and "held out" in told.out and "with phase" in told.out

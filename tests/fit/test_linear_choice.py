@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import signal
@@ -9,6 +11,7 @@ from scipy import signal
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.errors import UserError
 from ident.fit import fit
 from ident.fit.linear_choice import choose_linear
 from ident.fit.start_model import linear_choice, start_model
@@ -64,6 +67,28 @@ def test_what_a_campaign_asks_for_is_done():
     choice = choose_linear([record(SYSTEMS["oscillator"])], "no-spring")
     assert choice.chosen.form == "no-spring"
     assert any(c.form == "quasi-static" for c in choice.candidates)  # still there to compare with
+
+
+def test_what_only_follows_its_drive_is_gain_and_offset():
+    slow = record(SYSTEMS["oscillator"])
+    drive = signal.lfilter(*signal.butter(3, 1 / 40), slow.drive)
+    noise = SIGMA * np.random.default_rng(3).normal(size=len(drive))
+    stage = replace(slow, drive=drive, response=drive / np.std(drive) + 0.4 + noise)
+    campaign = Campaign("stage", (stage,), Oscillator())
+    for told in (campaign, replace(campaign, linear="quasi-static")):
+        model = start_model(told)
+        assert (model.form, model.names) == ("quasi-static", ("sensor-offset",))
+        found = fit(model, told)
+        assert found.fitted.error_over_signal < 2e-3  # with what inertia still does
+        assert found.value("sensor-offset.offset") == pytest.approx(0.4, abs=1e-3)
+        static = found.value("oscillator.gain") / (2 * np.pi * found.values[0]) ** 2
+        assert static * np.std(drive) == pytest.approx(1.0, rel=2e-3)
+
+
+def test_a_decay_has_no_gain():
+    still = replace(record(SYSTEMS["oscillator"]), drive=np.zeros(3000))
+    with pytest.raises(UserError, match="quasi-static"):
+        choose_linear([still], "quasi-static")
 
 
 def test_a_mass_without_a_spring_is_fitted_with_the_force_that_its_drive_lacks():

@@ -60,6 +60,23 @@ def test_residual_stress_explains_the_offset_of_the_paper_and_hysteresis_hardly_
     assert sum(s.share for s in mean.shares) == pytest.approx(1.0, abs=0.01)
 
 
+def test_an_effect_says_which_of_its_amplitudes_it_was():
+    """The drive's own axial force, not the initial deflection: the records were made so."""
+    found = attribute(shortened("platform_317hz", ("residual-stress", "pzt-hysteresis")))
+    within = {s.mechanism: s.share for s in found.within}
+    assert set(within) == {"residual-stress.restraint", "residual-stress.voltage_force"}
+    assert sum(within.values()) == pytest.approx(1.0, abs=0.01)
+    assert within["residual-stress.voltage_force"] > 0.8
+    assert "Within residual-stress: restraint" in found.words
+
+
+def test_a_doubt_about_the_model_leaves_the_verdict_open():
+    found = attribute(
+        shortened("platform_317hz", ("residual-stress", "pzt-hysteresis")), doubts=("a tooth is missing",)
+    )
+    assert found.verdict == "undecided" and "a tooth is missing" in found.words
+
+
 def test_a_model_that_lacks_the_cause_blames_nobody():
     """Hysteresis alone cannot describe a stressed platform, and is not made to answer for its offset."""
     found = attribute(shortened("platform_317hz", ("pzt-hysteresis",)))

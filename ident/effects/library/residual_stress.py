@@ -12,7 +12,8 @@ from ..effect import AbstractEffect, Drive, Expected, State, amplitude, choice, 
 from ..section import device_section
 
 _STRENGTH = 10e9  # Pa; micromachined silicon breaks at 1-8 GPa (Petersen, Silicon as a mechanical material, 1982)
-# Sol-gel and sputtered PZT on silicon; Ledermann et al., Sensors and Actuators A 105 (2003) 162: 50 to 150 MPa.
+# By the curvature of the wafer: sol-gel PZT 100 to 150 MPa of tension, Hong et al., Thin Solid Films 510 (2006) 213; a
+# whole Pt/PZT/Pt stack 150 MPa of compression, Zhang et al., Ferroelectrics 273 (2002) 83. A gradient is no larger.
 _FILM = Expected(0.0, 100e6, "films of PZT on silicon carry up to some 100 MPa, either sign")
 _SUBSTRATE = Expected(0.0, 50e6, "what a film leaves in the silicon is less than what it carries")
 _HELD = Expected(1.0, 1.1, "finite elements need 0.06 (stage free in plane) to 2.6 (clamped)")

@@ -1,0 +1,1 @@
+"""Simulated free decays with one hidden effect."""

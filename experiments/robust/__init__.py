@@ -1,0 +1,1 @@
+"""Inputs that nobody would write on purpose, and processes that are killed."""

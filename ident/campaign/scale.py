@@ -1,0 +1,47 @@
+"""A sensor's sensitivity: what a column in volts means, `scale = { response = "5 um/V" }`."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+from ident.errors import UserError
+from ident.units import Dimension, find_unit
+
+_SENSITIVITY = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*([^\d\s(].*?)\s*/\s*(\([^()]+\)|[^/()]+)\s*")
+_GRAVITY = find_unit("g_n")  # of an accelerometer's mV/g; a gram else
+
+
+class Scale(NamedTuple):
+    """`factor`: SI of the quantity per SI of the column; the column's `dimension`; the `unit` of the quantity, and how
+    much SI it is."""
+
+    factor: float
+    dimension: Dimension
+    unit: str
+    size: float
+
+
+def parse_scale(text: str, wanted: Dimension, base: str, where: str) -> Scale:
+    """A sensitivity, "5 um/V" or "100 mV/g", for a quantity of dimension `wanted` with the base unit `base`.
+
+    **Raises:** UserError if neither side of the slash is of that dimension.
+    """
+    match = _SENSITIVITY.fullmatch(text)
+    do = f'write for example "5 {base}/V", or "0.2 V/({base})"'
+    if match is None:
+        raise UserError(f'"{text}" is no sensitivity', where=where, do=do)
+    value = float(match[1])
+    above, below = (_unit(name.strip(" ()"), wanted) for name in match.groups()[1:])
+    if not value or above is None or below is None:
+        raise UserError(f'"{text}" is no sensitivity', where=where, do=do)
+    if above[2] == wanted:
+        return Scale(value * above[1] / below[1], below[2], above[0], above[1])
+    if below[2] == wanted:
+        return Scale(below[1] / (value * above[1]), above[2], below[0], below[1])
+    raise UserError(f'"{text}" says nothing about a quantity in {base}', where=where, do=do)
+
+
+def _unit(name: str, wanted: Dimension) -> tuple[str, float, Dimension] | None:
+    found = _GRAVITY if name == "g" and _GRAVITY is not None and wanted == _GRAVITY.dimension else find_unit(name)
+    return None if found is None else (found.name, found.factor, found.dimension)
