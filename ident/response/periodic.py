@@ -159,7 +159,7 @@ def one_period(equation: Equation, system: System, y: Any, level: Any, frequency
 
     def advance(state: tuple, x: Any) -> tuple:
         at = stages(x)
-        shown = reading(system, parts, state, at[0][:3])
+        shown = reading(system, parts, state, at[0][:3], 0.0 * state[1])  # sweeps are of displacements
         slope = jax.jit(lambda y, now: derivative(system, parts, y, now))  # traced once instead of four times
         return runge_kutta(slope, state, at, step), shown
 
