@@ -64,6 +64,11 @@ def balanced(bench: Bench, samples: np.ndarray, moves: Moves) -> Balanced:
     return Balanced(step * scale, left, slopes)
 
 
+def samples_of(bench: Bench) -> int:
+    """How many of the bench's numbers are samples of traces."""
+    return bench.n - (0 if bench.plane is None else len(bench.plane.order))
+
+
 def _searched(at: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]], x: np.ndarray) -> Balanced:
     left, slopes = at(x)
     damping, cost = 1e-3, float(left @ left)
