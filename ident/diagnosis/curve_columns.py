@@ -92,7 +92,7 @@ def curve_columns(solved: Solved, equation: Equation, values: np.ndarray, direct
     gain = float(steady.model.values[2] * steady.model.equation.constants[1])
     stretch = steady.by_amplitude * points.amplitude / steady.needed
     angle = np.pi / _STEPS * np.arange(2 * _STEPS + 1)
-    at = (points.level, points.frequency, points.load, steady.tone.real, steady.tone.imag)
+    at = (points.level, points.frequency, points.load, np.real(steady.tone), np.imag(steady.tone))
     drives, shares = [], []
     for value, direction in zip(values, directions, strict=True):
         found = []
