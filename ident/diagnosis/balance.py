@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from .curve_columns import Moves
+
 if TYPE_CHECKING:
     from .score import Bench
 
@@ -31,34 +33,40 @@ class Balanced(NamedTuple):
     slopes: np.ndarray
 
 
-def balanced(bench: Bench, samples: np.ndarray, moves: np.ndarray) -> Balanced:
+def balanced(bench: Bench, samples: np.ndarray, moves: Moves) -> Balanced:
     """The best of a model and q amplitudes.
 
-    **Arguments:** `samples`, (q, samples) white: what a unit of each does to the traces; `moves`, (q, points): to the
-    drives that the points of the sweeps need.
+    **Arguments:** `samples`, (q, samples) white: what a unit of each does to the traces; `moves`, of q: to the points
+    of the sweeps.
     """
     plane, own = bench.plane, len(bench.directions)
     assert plane is not None  # there are sweeps
     first = samples.shape[1]
-    drives = np.concatenate([plane.own, moves])
+    drives = np.concatenate([plane.own, moves.drives])
+    shares = np.concatenate([np.zeros_like(plane.own), moves.shares])
     rows = np.concatenate([bench.known[:, :first], samples])
-    largest = np.max(np.abs(drives), axis=1)
+    largest = np.max(np.abs(drives), axis=1) / np.median(plane.curves.points.level) + np.max(np.abs(shares), axis=1)
     usable = np.isfinite(largest) & ((largest > 0) | (np.abs(rows).max(axis=1, initial=0.0) > 0))
-    scale = np.where(usable, 1.0 / np.where(largest > 0, largest / np.median(plane.curves.points.level), 1.0), 0.0)
-    drives, rows = drives * scale[:, None], rows * scale[:, None]
+    scale = np.where(usable, 1.0 / np.where(largest > 0, largest, 1.0), 0.0)
+    both, rows = Moves(drives * scale[:, None], shares * scale[:, None]), rows * scale[:, None]
 
     def at(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        needed = plane.needed + x @ drives
-        left = np.concatenate([bench.left[:first] - x @ rows, plane.left(needed)])
-        return left, np.concatenate([rows, -plane.slopes(needed, drives)], axis=1)
+        needed, given = plane.needed + x @ both.drives, 1.0 + x @ both.shares
+        left = np.concatenate([bench.left[:first] - x @ rows, plane.left(needed, given)])
+        return left, np.concatenate([rows, -plane.slopes(needed, given, both)], axis=1)
 
     found = []
-    for size in _STARTS[: 1 if not len(moves) else None]:
+    for size in _STARTS[: 1 if not len(moves.drives) else None]:
         x = np.zeros(len(drives))
         x[own:] = size
         found.append(_searched(at, x))
     step, left, slopes = min(found, key=lambda one: float(one[1] @ one[1]))
     return Balanced(step * scale, left, slopes)
+
+
+def samples_of(bench: Bench) -> int:
+    """How many of the bench's numbers are samples of traces."""
+    return bench.n - (0 if bench.plane is None else len(bench.plane.order))
 
 
 def _searched(at: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]], x: np.ndarray) -> Balanced:

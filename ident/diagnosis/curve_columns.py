@@ -3,9 +3,10 @@
 At a measured point the stage moves, to first order, as Re(a e^{iωt}) with the a that was measured. A force of which the
 model knows nothing is one that the drive need not bring along, and what a sensor adds is no motion:
 
-    δ ln Û = −δF₁/(G U)          δ ln Û = ε Re ρ + i Im ρ,  ρ = −δs₁/Y₁,  ε = d ln Û/d ln A
+    Û → (Û − δF₁/G + Û (ε Re ρ + i Im ρ))/(1 + δD₁/(G U)),  ρ = −δs₁/Y₁,  ε = d ln Û/d ln A
 
-with the fundamentals F₁, s₁ relative to the drive. In an effect's amplitude that is linear however large the effect is.
+with the fundamentals of forces on the stage F₁, of what the actuator adds to the drive D₁ and of what the sensor adds
+s₁. That holds however large an effect is.
 
 Source: as of `columns`; W. Krack, J. Gross, Harmonic Balance for Nonlinear Vibration Problems, 2019, §2.4.
 """
@@ -13,7 +14,7 @@ Source: as of `columns`; W. Krack, J. Gross, Harmonic Balance for Nonlinear Vibr
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -42,14 +43,22 @@ def curve_order(solved: Solved) -> np.ndarray:
     return np.concatenate([curves.places(own) for own in curves.slices])
 
 
+class Moves(NamedTuple):
+    """What units of some parameters do, (d, points) complex: to the `drives` that are needed, V, and to the `shares` of
+    the drive that the actuator gives."""
+
+    drives: np.ndarray
+    shares: np.ndarray
+
+
 @dataclass(frozen=True, eq=False)
 class Plane:
     """The numbers of the sweeps while parameters move: the drives that the model needs move along straight lines.
 
-        numbers = rows(ln(Û + Σ x_j Û_j)/U)
+        numbers = rows(ln((Û + Σ x_j Û_j)/(1 + Σ x_j κ_j)/U))
 
     **Arguments:** `needed` Û, (points,), and `own` Û_j, (k, points), by the model's own parameters, complex, relative
-    to the response, V.
+    to the response, V. What the actuator adds, κ_j, turns with the drive.
     """
 
     curves: Curves
@@ -57,16 +66,17 @@ class Plane:
     needed: np.ndarray
     own: np.ndarray
 
-    def left(self, drives: np.ndarray) -> np.ndarray:
-        """(count,) measured − model in noise floors, if the model needs `drives` (points,)."""
+    def left(self, drives: np.ndarray, shares: np.ndarray) -> np.ndarray:
+        """(count,) measured − model in noise floors, if the model needs `drives` (points,) of an actuator that gives
+        `shares` (points,) of what it did."""
         curves = self.curves
-        ratio = drives * (curves.measured / curves.points.amplitude) / curves.points.level
+        ratio = drives / shares * (curves.measured / curves.points.amplitude) / curves.points.level
         turned = ratio * np.exp(1j * np.where(curves.phased, curves.phase, -np.angle(ratio)))
         return curves.rows(np.log(turned))[self.order]
 
-    def slopes(self, drives: np.ndarray, changes: np.ndarray) -> np.ndarray:
-        """How `left` changes with changes (d, points) of the drives, (d, count)."""
-        return self.curves.rows(changes / drives)[:, self.order]
+    def slopes(self, drives: np.ndarray, shares: np.ndarray, moves: Moves) -> np.ndarray:
+        """How `left` changes with moves of both, (d, count)."""
+        return self.curves.rows(moves.drives / drives - moves.shares / shares)[:, self.order]
 
 
 def plane_of(solved: Solved, directions: np.ndarray) -> Plane:
@@ -75,16 +85,15 @@ def plane_of(solved: Solved, directions: np.ndarray) -> Plane:
     return Plane(curves, curve_order(solved), steady.needed, steady.slopes(directions))
 
 
-def curve_columns(solved: Solved, equation: Equation, values: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """What the terms of a model do to the drives that are needed, (d, points) complex, relative to the response, V;
-    `values` and `directions` (d, m) of each row."""
+def curve_columns(solved: Solved, equation: Equation, values: np.ndarray, directions: np.ndarray) -> Moves:
+    """What the terms of a model do to the points of a fit; `values` and `directions` (d, m) of each row."""
     curves, steady = _known(solved)
     points = curves.points
     gain = float(steady.model.values[2] * steady.model.equation.constants[1])
     stretch = steady.by_amplitude * points.amplitude / steady.needed
     angle = np.pi / _STEPS * np.arange(2 * _STEPS + 1)
-    at = (points.level, points.frequency, points.load, steady.tone.real, steady.tone.imag)
-    rows = []
+    at = (points.level, points.frequency, points.load, np.real(steady.tone), np.imag(steady.tone))
+    drives, shares = [], []
     for value, direction in zip(values, directions, strict=True):
         found = []
         for first in range(0, len(points.level), _POINTS[-1]):
@@ -93,11 +102,13 @@ def curve_columns(solved: Solved, equation: Equation, values: np.ndarray, direct
             own = np.minimum(np.arange(first, first + most), first + left - 1)
             said = terms_along(equation, equation.constants, value, direction, *(x[own] for x in at), angle)
             found.append(np.asarray(said)[:, :left])
-        push, turn, shown, turned = np.concatenate(found, axis=1)
-        offset = -(shown + 1j * turned) / steady.tone
-        change = -(push + 1j * turn) / (gain * steady.level) + stretch * offset.real + 1j * offset.imag
-        rows.append(steady.needed * change)
-    return np.array(rows)
+        real = np.concatenate(found, axis=1)
+        push, driven, shown = real[::2] + 1j * real[1::2]
+        offset = -shown / steady.tone
+        change = -push / (gain * steady.level) + stretch * offset.real + 1j * offset.imag
+        drives.append(steady.needed * change)
+        shares.append(driven / (gain * steady.level))
+    return Moves(np.array(drives), np.array(shares))
 
 
 def _known(solved: Solved) -> tuple[Curves, Controlled]:
@@ -111,8 +122,8 @@ def terms_along(
     equation: Equation, constants: Numbers, values: Numbers, direction: Numbers, level: Numbers,
     frequency: Numbers, load: Numbers, real: Numbers, imaginary: Numbers, angle: Numbers,
 ) -> Any:  # fmt: skip
-    """Fundamentals of the forces, N, and of what the sensor adds, m, per unit of the direction: (4, points), real and
-    imaginary part of either, relative to cos ωt."""
+    """Fundamentals of the forces on the stage and of those through the actuator, N, and of what the sensor adds, m, per
+    unit of the direction: (6, points), real and imaginary part of each, relative to cos ωt."""
 
     def point(level: Any, frequency: Any, load: Any, real: Any, imaginary: Any) -> Any:
         def acting(values: Any) -> Any:
@@ -122,27 +133,27 @@ def terms_along(
             v = -omega * (real * jnp.sin(angle) + imaginary * jnp.cos(angle))
             voltage, rate, still = level * jnp.cos(angle), -level * omega * jnp.sin(angle), 0.0 * angle
             seen = Seen(z, v, voltage, rate, still, step, omega, system.gain, 0.0)
-            force, shown = 0.0 * z + 0.0 * system.gain, 0.0 * z
+            found = (0.0 * z + 0.0 * system.gain,) * 3
             for effect in system.effects:
                 path = _steady_memory(effect, seen)
                 one = lambda z, v, h, u, r, effect=effect: _of(effect, system.drive(u, r), z, v, h)
-                both = jax.vmap(one, in_axes=(0, 0, 1 if effect.state0() else None, 0, 0))(z, v, path, voltage, rate)
-                force, shown = force + both[0], shown + both[1]
-            return force, shown
+                said = jax.vmap(one, in_axes=(0, 0, 1 if effect.state0() else None, 0, 0))(z, v, path, voltage, rate)
+                found = tuple(a + b for a, b in zip(found, said, strict=True))
+            return found
 
-        force, shown = jax.jvp(acting, (values,), (direction,))[1]
-        return jnp.stack([*_fundamental(force, angle), *_fundamental(shown, angle)])
+        changed = jax.jvp(acting, (values,), (direction,))[1]
+        return jnp.stack([part for x in changed for part in _fundamental(x, angle)])
 
     return jax.vmap(point, out_axes=-1)(level, frequency, load, real, imaginary)
 
 
-def _of(effect: Any, drive: Any, z: Any, v: Any, hidden: Any) -> tuple[Any, Any]:
-    """Force of an effect, N, and what it adds to the reading, m."""
+def _of(effect: Any, drive: Any, z: Any, v: Any, hidden: Any) -> tuple[Any, Any, Any]:
+    """Force of an effect on the stage and through the actuator, N, and what it adds to the reading, m."""
     state = State(z, v, tuple(hidden))
     force = effect.force(state, drive, 0.0) if effect.overrides("force") else 0.0
-    force = force + (effect.drive(tuple(hidden), drive, 0.0) if effect.overrides("drive") else 0.0)
+    driven = effect.drive(tuple(hidden), drive, 0.0) if effect.overrides("drive") else 0.0
     shown = effect.sensor(state, drive, 0.0) if effect.overrides("sensor") else 0.0
-    return force + 0.0 * z, shown + 0.0 * z
+    return force + 0.0 * z, driven + 0.0 * z, shown + 0.0 * z
 
 
 def _steady_memory(effect: Any, seen: Seen) -> Any:

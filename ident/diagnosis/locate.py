@@ -131,8 +131,9 @@ def locate(bench: Bench) -> Where:
 
 def _all_samples(bench: Bench) -> list[_Samples]:
     scene, found = bench.scene, []
-    ends = [*bench.starts[1:], bench.n]
-    places = zip(bench.fit.campaign.fitted, scene.tape.spans, scene.paths, bench.starts, ends, strict=True)
+    ends = [*bench.starts[1:], bench.n][: len(scene.paths)]
+    starts = bench.starts[: len(scene.paths)]
+    places = zip(bench.fit.campaign.fitted, scene.tape.spans, scene.paths, starts, ends, strict=True)
     for record, span, path, first, last in places:
         n, stride = span.samples, 2 * span.substeps
         z, v = (x[stride * record.skip :: stride] for x in path)

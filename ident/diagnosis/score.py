@@ -23,10 +23,11 @@ from ..fit import Fit
 from ..model import Model, make_effect
 from ..pulse import Report
 from ..response import Equation
-from .balance import Balanced, balanced
+from .balance import Balanced, balanced, samples_of
+from .basis import orthonormal
 from .colour_test import chance
 from .columns import Terms, contributions, push_columns
-from .curve_columns import Plane, curve_columns, curve_order, plane_of
+from .curve_columns import Moves, Plane, curve_columns, curve_order, plane_of
 from .side_by_side import at_once
 from .trajectory import Scene, lay_out
 from .whiten import Piece, make_piece, whiten
@@ -140,7 +141,6 @@ class _Point(NamedTuple):
 
 _NEAR_POINTS = 5  # of a grid, kept as starts: the best of them may lead into a local minimum
 _FARTHEST = 0.7  # of its value: so far a parameter may be moved in one step, which keeps its sign
-_ABSORBED = 1e-3  # share of a column that must survive the projection for it to say anything new
 _CREDIBLE = 0.25  # of the excess that a fit left: the most that its own parameters can be believed to absorb still
 
 
@@ -194,19 +194,15 @@ def prepare(fit: Fit, believed: bool = False) -> Bench:
 
 def _without(bench: Bench, known: np.ndarray, directions: np.ndarray) -> Bench:
     """The bench with what rows (k, n) can absorb taken out of its residual."""
-    absorbed = _orthonormal(known)
+    absorbed = orthonormal(known)
     residual = bench.left - absorbed @ (absorbed.T @ bench.left)
     found = replace(bench, absorbed=absorbed, residual=residual, known=known, directions=directions)
     if bench.plane is None or not len(directions):
         return found
-    own = balanced(found, np.zeros((0, scene_samples(found))), np.zeros((0, len(bench.plane.needed))))
-    absorbed = _orthonormal(own.slopes)
+    nothing = np.zeros((0, len(bench.plane.needed)))
+    own = balanced(found, np.zeros((0, samples_of(found))), Moves(nothing, nothing))
+    absorbed = orthonormal(own.slopes)
     return replace(found, absorbed=absorbed, residual=own.left - absorbed @ (absorbed.T @ own.left))
-
-
-def scene_samples(bench: Bench) -> int:
-    """How many of the bench's numbers are samples of traces."""
-    return bench.n - (0 if bench.plane is None else len(bench.plane.order))
 
 
 def stack(bench: Bench, model: Model, values: np.ndarray, directions: np.ndarray, linear: bool = False) -> np.ndarray:
@@ -222,8 +218,9 @@ def stack(bench: Bench, model: Model, values: np.ndarray, directions: np.ndarray
         plane = bench.plane
         assert plane is not None  # there are sweeps
         # Of its own parameters the model itself says what they do, all harmonics together.
-        moved = plane.own if linear else curve_columns(solved, Equation(model), values, directions)
-        parts.append(-plane.slopes(plane.needed, moved))
+        own = Moves(plane.own, np.zeros_like(plane.own))
+        moved = own if linear else curve_columns(solved, Equation(model), values, directions)
+        parts.append(-plane.slopes(plane.needed, np.ones_like(plane.needed), moved))
     return np.concatenate(parts, axis=1)
 
 
@@ -244,16 +241,6 @@ def by_record(bench: Bench, rows: np.ndarray) -> np.ndarray:
     """Readings (d, samples) as whitened rows of the counted ones, (d, n)."""
     pairs = zip(bench.pieces, bench.scene.tape.slices, strict=True)
     return np.concatenate([whiten(piece, rows[:, own]) for piece, own in pairs], axis=1)
-
-
-def _orthonormal(rows: np.ndarray, like: np.ndarray | None = None) -> np.ndarray:
-    """Orthonormal basis (n, q) of the span of rows (k, n), ignoring those that are negligible against `like`."""
-    lengths = np.linalg.norm(rows if like is None else like, axis=1)
-    usable = np.isfinite(lengths) & (lengths > 0)
-    if not np.any(usable):
-        return np.zeros((rows.shape[1], 0))
-    u, s, _ = np.linalg.svd((rows[usable] / lengths[usable, None]).T, full_matrices=False)
-    return u[:, s > _ABSORBED * (1.0 if like is not None else 1e-4)]
 
 
 def score(
@@ -291,9 +278,13 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     tried = []
     for k, point in enumerate(points):
         rows = slice(k * len(amplitudes), (k + 1) * len(amplitudes))
-        basis = _orthonormal(projected[rows], raw[rows])
+        basis = orthonormal(projected[rows], raw[rows])
         if basis.shape[1] and moves is not None:
-            tried.append(_balanced_point(bench, names, amplitudes, point, one_sided, raw[rows], moves[rows], rows))
+            tried.append(
+                _balanced_point(
+                    bench, names, amplitudes, point, one_sided, raw[rows], Moves(*(part[rows] for part in moves)), rows
+                )
+            )
         elif basis.shape[1]:
             found = _estimate(bench, names, amplitudes, point, projected[rows])
             sizes = [found[name] for name in one_sided]
@@ -333,10 +324,10 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
 
 def _balanced_point(
     bench: Bench, names: list[str], amplitudes: list[int], point: np.ndarray, one_sided: list[str], raw: np.ndarray,
-    moves: np.ndarray, rows: slice,
+    moves: Moves, rows: slice,
 ) -> _Point:  # fmt: skip
     """One point of an effect's grid where there are sweeps: amplitudes by the balance of the fundamental."""
-    found: Balanced = balanced(bench, raw[:, : scene_samples(bench)], moves)
+    found: Balanced = balanced(bench, raw[:, : samples_of(bench)], moves)
     own = len(bench.directions)
     values = dict(zip(names, (float(x) for x in point), strict=True))
     values |= {names[a]: float(x) for a, x in zip(amplitudes, found.step[own:], strict=True)}
@@ -344,7 +335,7 @@ def _balanced_point(
     impossible = max(sizes, default=0.0) <= 0 > min(sizes, default=0.0)
     drop = 0.0 if impossible else max(bench.chi2 - float(found.left @ found.left), 0.0)
     explained = (bench.residual - found.left)[None]  # where the effect is small, its own projected column
-    basis = _orthonormal(np.concatenate([explained, bench.project(found.slopes[own:])])[: len(raw)])
+    basis = orthonormal(np.concatenate([explained, bench.project(found.slopes[own:])])[: len(raw)])
     return _Point(drop, values, basis, rows, bench.stepped(found.step[:own]))
 
 

@@ -97,5 +97,5 @@ def curve_scales(sweeps: Sequence[Sweep], frequency: float) -> DataScales:
 
 def joined_scales(one: DataScales, other: DataScales) -> DataScales:
     """The larger of two of each; the durations of traces."""
-    larger = (max(a, b) for a, b in zip(one[:3], other[:3], strict=True))
-    return DataScales(*larger, one.period, one.duration)
+    larger = {name: max(getattr(one, name), getattr(other, name)) for name in ("displacement", "velocity", "voltage")}
+    return one._replace(**larger)

@@ -84,7 +84,7 @@ class Curves:
 
     def rows(self, logarithms: np.ndarray) -> np.ndarray:
         """Differences of the logarithm of the drive, (…, points), in noise floors, (…, count)."""
-        both = np.stack([logarithms.real, logarithms.imag], axis=-1)
+        both = np.stack([np.real(logarithms), np.imag(logarithms)], axis=-1)
         white = np.einsum("pij,...pj->...pi", self.white, both)
         return np.concatenate([white[..., 0], white[..., self.phased, 1]], axis=-1)
 
@@ -108,7 +108,7 @@ class Curves:
 
     def _whitening(self, off: np.ndarray) -> np.ndarray:
         """L⁻¹ of deviations of the logarithm, (2, points), one for each side of the amplitude's noise."""
-        both = np.stack([off.real, off.imag], axis=-1)  # (2, points, 2)
+        both = np.stack([np.real(off), np.imag(off)], axis=-1)  # (2, points, 2)
         spread = 0.5 * np.einsum("spi,spj->pij", both, both)
         spread[:, 1, 1] += np.where(self.phased, self.phase_deviation, 1.0) ** 2
         spread[~self.phased, 0, 1] = spread[~self.phased, 1, 0] = 0.0

@@ -136,10 +136,11 @@ def _reweighed(
     for _ in range(_REWEIGHED if data.curves is not None and np.isfinite(found.cost) else 0):
         assert data.curves is not None  # else there is no round
         before = data.curves.white
-        data = data._replace(curves=data.curves.weighed(static.equation, found.found.values))
+        curves = data.curves.weighed(static.equation, found.found.values)
+        data = data._replace(curves=curves)
         again = evaluate(static, data, found.unknowns)
         cost = float(again.residuals @ again.residuals)
-        settled = np.array_equal(before, data.curves.white) or abs(cost - found.cost) < _SETTLED * found.cost
+        settled = np.array_equal(before, curves.white) or abs(cost - found.cost) < _SETTLED * found.cost
         found = found._replace(cost=cost, found=again)
         if settled:
             break

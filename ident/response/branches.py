@@ -10,7 +10,7 @@ Applied Nonlinear Dynamics, 1995, §6.1.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -66,7 +66,7 @@ class Branch:
             found.append(Fold(int(k), float(self.at(k, part)[FREQUENCY]), float(amplitude)))
         return tuple(found)
 
-    def at(self, k: int, part: float) -> np.ndarray:
+    def at(self, k: Any, part: float) -> np.ndarray:
         """Unknowns between points k and k + 1, by the cubic through both and their slopes."""
         h = self.length[k + 1] - self.length[k]
         a, b = self.unknowns[k], self.unknowns[k + 1]
@@ -180,7 +180,7 @@ class _Path:
         self.stable: list[bool] = []
         self.length = 0.0
 
-    def append(self, w: np.ndarray, tangent: np.ndarray, seen: Look, j: int, seat: Seat) -> None:
+    def append(self, w: np.ndarray, tangent: np.ndarray, seen: Look, j: Any, seat: Seat) -> None:
         n = len(w) - 2
         jacobian = seen.miss_slope[:n, j].T / seat.scale[j, :n, None] + np.eye(n)
         full = np.zeros(n + 2)
@@ -224,7 +224,7 @@ def _corrected(
     """Points of the curve in the plane across the tangent at the guess; whether they were found; the look there; after
     how many rounds."""
     n, w = model.size, guess.copy()
-    rounds = np.zeros(len(w), int)
+    rounds, seen, miss = np.zeros(len(w), int), None, np.full(len(w), np.inf)
     for _ in range(_ROUNDS):
         seen = model.look(w, seat, _along(n))
         equations = seen.miss / seat.scale[:, :n]
@@ -241,6 +241,7 @@ def _corrected(
             moved = -_least(np.nan_to_num(matrix), np.nan_to_num(right)[..., None])[..., 0]
         moved = np.clip(moved, -0.5, 0.5) * left[:, None]
         w[:, _UNKNOWN(n)] += moved * seat.scale[:, _UNKNOWN(n)]
+    assert seen is not None  # there is at least one round
     return w, miss < _CLOSED, seen, rounds
 
 

@@ -167,7 +167,7 @@ def begin(model: Periodic, points: Points) -> np.ndarray:
     moved = ride(model, points.level, points.frequency, points.load, motion)
     velocity = np.real(2j * np.pi * points.frequency * motion)
     level = np.maximum(np.abs(needed), 1e-6 * points.level)
-    return np.column_stack([motion.real, velocity, moved.hidden, level, points.frequency])
+    return np.column_stack([np.real(motion), velocity, moved.hidden, level, points.frequency])
 
 
 def _gain(model: Periodic) -> float:

@@ -227,7 +227,7 @@ def ride(model: Periodic, level: np.ndarray, frequency: np.ndarray, load: np.nda
         left = count - first
         most = next((p for p in _POINTS if p >= left), _POINTS[-1])
         rows = np.minimum(np.arange(first, first + most), count - 1)
-        arrays = (level[rows], frequency[rows], load[rows], motion.real[rows], motion.imag[rows], model.angle)
+        arrays = (level[rows], frequency[rows], load[rows], np.real(motion)[rows], np.imag(motion)[rows], model.angle)
         said = along_motion(model.equation, model.equation.constants, model.values, *arrays)
         own = min(left, most)
         found.append([np.asarray(part)[..., :own] for part in said])

@@ -36,7 +36,7 @@ class Passed(NamedTuple):
 
 
 def run_along(
-    model: Periodic, branch: Branch, frequency: Sequence[float], first: float, swing: bool, scale: np.ndarray
+    model: Periodic, branch: Branch, frequency: np.ndarray, first: float, swing: bool, scale: np.ndarray
 ) -> Passed:
     """Pass frequencies (points,) in the order of a run.
 
