@@ -127,7 +127,9 @@ def _complex(folder: Path, suffix: str, curves: Sequence[Curve], unit: str, phas
     columns = (Column("f_Hz", 1, _digits(f) + 2), Column("Drive (Vpp)", 2, 6), Column("up", 1, 0),
                Column(f"Re(z) [{unit}]", _per_si(unit), size),
                Column(f"Im(z) [{unit}]", _per_si(unit), size))  # fmt: skip
-    write_csv(folder / f"response{suffix}.csv", columns, (f, level, (way + 1) / 2, response.real, response.imag))
+    write_csv(
+        folder / f"response{suffix}.csv", columns, (f, level, (way + 1) / 2, np.real(response), np.imag(response))
+    )
     return [{"file": f"response{suffix}.csv", "kind": "sweep"}]
 
 

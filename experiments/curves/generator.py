@@ -86,7 +86,7 @@ def misfit(device: Device, c: np.ndarray, s: np.ndarray) -> float:
         return p[2] / (p[0] ** 2 - both**2 + 1j * both * p[0] / p[1])
 
     def residual(p: np.ndarray) -> np.ndarray:
-        return np.concatenate([(together - linear(p)).real, (together - linear(p)).imag])
+        return np.concatenate([np.real(together - linear(p)), np.imag(together - linear(p))])
 
     scale = float(np.sqrt(np.mean(np.abs(together) ** 2)))
     start = [ratios[int(np.argmax(np.abs(parts[1])))], device.quality, device.gain]

@@ -87,9 +87,10 @@ def study(kills: int, seed: int, source: Path = DATA, effects: str = "cubic-stif
         subprocess.run(command("sample", peace, "--force"), check=True, capture_output=True)
         longest, expected = time.monotonic() - begun, content(peace / "chain.h5")
         while kills > 0:
-            kills -= disturbed(war, moments, longest, kills)
+            killed = disturbed(war, moments, longest, kills)
             assert content(war / "chain.h5") == expected, "a resumed chain is not that of the undisturbed run"
-            chains += 1
+            kills, chains = kills - killed, chains + 1
+            print(f"killed {killed} times, then the same; {kills} to go", flush=True)
             whole = (war / "chain.h5").read_bytes()
             (war / "chain.h5").unlink()
         (war / "chain.h5").write_bytes(whole[: len(whole) // 2])

@@ -6,10 +6,10 @@ import re
 from typing import NamedTuple
 
 from ident.errors import UserError
-from ident.units import Dimension, find_unit
+from ident.units import Dimension, Unit, find_unit
 
 _SENSITIVITY = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*([^\d\s(].*?)\s*/\s*(\([^()]+\)|[^/()]+)\s*")
-_GRAVITY = find_unit("g_n")  # of an accelerometer's mV/g; a gram else
+_GRAVITY = Unit("g_n", 9.80665, (1, 0, -2, 0, 0, 0, 0))  # of an accelerometer's mV/g; a gram else
 
 
 class Scale(NamedTuple):
@@ -43,5 +43,5 @@ def parse_scale(text: str, wanted: Dimension, base: str, where: str) -> Scale:
 
 
 def _unit(name: str, wanted: Dimension) -> tuple[str, float, Dimension] | None:
-    found = _GRAVITY if name == "g" and _GRAVITY is not None and wanted == _GRAVITY.dimension else find_unit(name)
+    found = _GRAVITY if name == "g" and wanted == _GRAVITY.dimension else find_unit(name)
     return None if found is None else (found.name, found.factor, found.dimension)

@@ -156,7 +156,7 @@ def _cubic(frequency: np.ndarray, centre: np.ndarray, offsets: tuple[int, ...]) 
 
 def _shares(parts: np.ndarray, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """How much of σ², r² and σ_φ² a weighted sum of relative errors has, along the response and across it."""
-    along, across = parts.real**2, parts.imag**2
+    along, across = np.real(parts) ** 2, np.imag(parts) ** 2
     constant = ((along + across) / sizes**2).sum(1)
     one = np.stack([constant, along.sum(1), across.sum(1)], 1)
     return one, np.stack([constant, across.sum(1), along.sum(1)], 1)

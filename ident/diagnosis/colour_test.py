@@ -5,21 +5,48 @@ Source: P. J. Brockwell, R. A. Davis, Time Series: Theory and Methods, 1991, §8
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy import stats
 from scipy.signal import lfilter
 
-from .score import Bench, chance
 from .whiten import prediction_filter
 
+if TYPE_CHECKING:
+    from .score import Bench
+
 _SMALL = 1.5  # χ² per sample up to which the residual may be noise of a colour that the noise floor does not have
+
+
+def chance(bench: Bench, basis: np.ndarray, tried: int) -> float:
+    """Probability of such a fall of χ² by chance, the colour of what is left taken into account.
+
+    What remains after the candidate is modelled as autoregressive noise of order 12, record by record; candidate and
+    residual are whitened with it and the F test is made there.
+    """
+    left = bench.residual - basis @ (basis.T @ bench.residual)
+    ends = [*bench.starts[1:], bench.n]
+    y, x = [], []
+    for first, last in zip(bench.starts, ends, strict=True):
+        part = left[first:last]
+        taps = prediction_filter(part[None])
+        size = float(np.std(lfilter(taps, [1.0], part))) or 1.0
+        y.append(np.asarray(lfilter(taps, [1.0], bench.residual[first:last])) / size)
+        x.append(np.asarray(lfilter(taps, [1.0], basis[first:last], axis=0)) / size)
+    target, regressors = np.concatenate(y), np.concatenate(x)
+    q, _ = np.linalg.qr(regressors)
+    drop = float(np.sum((q.T @ target) ** 2))
+    freedom = bench.n - tried - bench.absorbed.shape[1]
+    rest = (float(target @ target) - drop) / freedom
+    return float(stats.f.sf(drop / tried / max(rest, 1e-300), tried, freedom))
 
 
 def chance_of(bench: Bench, basis: np.ndarray) -> float:
     """Probability of such a fall of χ² by chance.
 
     A small misfit is first supposed to be noise throughout, and everything is whitened by its own colour; a large one
-    cannot be, and only what the functions leave is (`score.chance`).
+    cannot be, and only what the functions leave is (`chance`).
 
     **Arguments:** `basis` (n, dof), orthonormal.
     """

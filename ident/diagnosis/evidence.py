@@ -55,10 +55,11 @@ def behind(one: Weighed, other: Weighed) -> float:
 
 
 def predicts_worse(before: Fit, after: Fit) -> bool:
-    """Whether held-out records are predicted worse, by more than their independent samples leave to chance."""
+    """Whether held-out traces are predicted worse, by more than their independent samples leave to chance; where only
+    sweeps are held out, whose points are independent, nothing is left to it."""
     was, now = _missed(before), _missed(after)
     if not len(was):
-        return False
+        return True
     n = independent_samples(was)
     return not n * np.log(max(float(now @ now), 1e-300) / max(float(was @ was), 1e-300)) < _CLEARLY_WORSE
 

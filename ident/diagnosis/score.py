@@ -16,8 +16,6 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy import stats
-from scipy.signal import lfilter
 
 from ..campaign.device import Platform
 from ..effects.effect import AbstractEffect
@@ -27,11 +25,12 @@ from ..pulse import Report
 from ..response import Equation
 from .balance import Balanced, balanced, samples_of
 from .basis import orthonormal
+from .colour_test import chance
 from .columns import Terms, contributions, push_columns
 from .curve_columns import Moves, Plane, curve_columns, curve_order, plane_of
 from .side_by_side import at_once
 from .trajectory import Scene, lay_out
-from .whiten import Piece, make_piece, prediction_filter, whiten
+from .whiten import Piece, make_piece, whiten
 
 
 @dataclass(frozen=True, eq=False)
@@ -364,35 +363,6 @@ def _grid(effect: AbstractEffect, bench: Bench) -> list[np.ndarray]:
                 [float(told)] if isinstance(told, float) else [g * getattr(bench.fit.scales, p.scale) for g in grid]
             )
     return [np.array(point) for point in itertools.product(*axes)]
-
-
-def chance(bench: Bench, basis: np.ndarray, tried: int) -> float:
-    """Probability of such a fall of χ² by chance, the colour of what is left taken into account.
-
-    What remains after the candidate is modelled as autoregressive noise of order 12, record by record; candidate and
-    residual are whitened with it and the F test is made there.
-    """
-    left = bench.residual - basis @ (basis.T @ bench.residual)
-    ends = [*bench.starts[1:], bench.n]
-    y, x = [], []
-    for first, last in zip(bench.starts, ends, strict=True):
-        part = left[first:last]
-        taps = prediction_filter(part[None])
-        size = float(np.std(lfilter(taps, [1.0], part))) or 1.0
-        y.append(np.asarray(lfilter(taps, [1.0], bench.residual[first:last])) / size)
-        x.append(np.asarray(lfilter(taps, [1.0], basis[first:last], axis=0)) / size)
-    target, regressors = np.concatenate(y), np.concatenate(x)
-    q, _ = np.linalg.qr(regressors)
-    drop = float(np.sum((q.T @ target) ** 2))
-    freedom = bench.n - tried - bench.absorbed.shape[1]
-    rest = (float(target @ target) - drop) / freedom
-    return float(stats.f.sf(drop / tried / max(rest, 1e-300), tried, freedom))
-
-
-def confusability(one: Candidate, other: Candidate) -> float:
-    """Share of one candidate's signature that the other can mimic, 0 to 1."""
-    overlap = other.signature @ one.signature.T
-    return float(np.sum(overlap**2) / one.signature.shape[0])
 
 
 def significant(candidates: Sequence[Candidate], alarms: float = 0.002) -> list[Candidate]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..campaign.device import Platform
 from ..campaign.drive import drive_frequency
+from ..campaign.suspect import suspects_by_data
 from ..fit.carry_over import expected_error
 from ..fit.one_tone import gain_of
 from ..fit.result import Fit
@@ -78,7 +79,8 @@ def _heldout(fit: Fit) -> str:
 
 def sentences(fit: Fit) -> tuple[Sentence, ...]:
     """What must be known before a number of this fit is used, warnings first."""
-    found = [*_error_bars(fit), *_noise(fit), *_numerics(fit), *_physics(fit)]
+    suspects = [Sentence(f"Suspect record {one.sentence}", True) for one in suspects_by_data(fit.campaign)]
+    found = [*suspects, *_error_bars(fit), *_noise(fit), *_numerics(fit), *_physics(fit)]
     return tuple(sorted(found, key=lambda s: not s.warning))
 
 

@@ -159,8 +159,8 @@ def one_period(equation: Equation, system: System, y: Any, level: Any, frequency
 
     def advance(state: tuple, x: Any) -> tuple:
         at = stages(x)
-        shown = reading(system, parts, state, at[0][:3], 0.0 * state[1])  # sweeps are of displacements
         slope = jax.jit(lambda y, now: derivative(system, parts, y, now))  # traced once instead of four times
+        shown = reading(system, parts, state, at[0][:3], slope(state, at[0])[1])
         return runge_kutta(slope, state, at, step), shown
 
     begin = tuple(y[i] for i in range(2 + equation.stepped))

@@ -16,8 +16,8 @@ VOLT = Channel("V", 1.0)
 NEAR = np.linspace(460.0, 560.0, 81)
 
 
-def _sweep(f, level, up, response, noise: float = 1e-3, phase: bool = True, seed: int = 0) -> Sweep:
-    rng = np.random.default_rng(seed)
+def _sweep(f, level, up, response, *, noise: float = 1e-3, phase: bool = True) -> Sweep:
+    rng = np.random.default_rng(0)
     seen = response + noise * (rng.standard_normal(len(f)) + 1j * rng.standard_normal(len(f)))
     angle = np.angle(seen) if phase else None
     return Sweep("s.csv", f, level, np.abs(seen), angle, up, "fundamental", VOLT, VOLT, NoiseFloor(noise, (), "", 0.1))
@@ -25,7 +25,7 @@ def _sweep(f, level, up, response, noise: float = 1e-3, phase: bool = True, seed
 
 def _linear(spacing: float, shift: float) -> Sweep:
     f = np.arange(440.0 + shift, 560.0, spacing)
-    return _sweep(f, np.ones(len(f)), np.ones(len(f), bool), duffing(1.0, f, 0.0), 0.0)
+    return _sweep(f, np.ones(len(f)), np.ones(len(f), bool), duffing(1.0, f, 0.0), noise=0.0)
 
 
 @pytest.mark.parametrize("points, error", [(2, 0.27), (4, 0.07), (8, 0.02)])
@@ -49,7 +49,7 @@ def test_levels_peaks_and_jumps():
 
 def test_what_is_unusual_is_said():
     f = np.linspace(460.0, 560.0, 11)
-    few = judge_sweep(_sweep(f, np.ones(11), np.ones(11, bool), duffing(1.0, f, 0.0), 1e-4))
+    few = judge_sweep(_sweep(f, np.ones(11), np.ones(11, bool), duffing(1.0, f, 0.0), noise=1e-4))
     assert "points within the half-power width" in " ".join(few.remarks)
     f = np.linspace(400.0, 498.0, 60)
     cut = judge_sweep(_sweep(f, np.ones(60), np.ones(60, bool), duffing(1.0, f, 0.0)))
@@ -142,8 +142,8 @@ def test_a_new_campaign_of_curves(tmp_path):
         for way, name in ((True, "up"), (False, "down")):
             here = (level == volts) & (up == way)
             path = tmp_path / f"{volts:g}V_{name}.csv"
-            files.append(write_table(path, "f (Hz),Re (um),Im (um)",
-                                     [f[here], 0.1 * response[here].real, 0.1 * response[here].imag]))  # fmt: skip
+            parts = [0.1 * np.real(response[here]), 0.1 * np.imag(response[here])]
+            files.append(write_table(path, "f (Hz),Re (um),Im (um)", [f[here], *parts]))
     for paths, count in (([one], 3), (files, 6)):
         (tmp_path / "campaign.toml").write_text(propose(paths, tmp_path), encoding="utf-8")
         campaign = read_campaign(tmp_path)

@@ -20,11 +20,12 @@ LEVELS = (1 / 3, 5 / 9, 7 / 9, 1.0)
 
 
 @cache
-def _clean(cubic: float):
+def _clean(cubic: float) -> tuple[np.ndarray, ...]:
     return both_ways(LEVELS, FREQUENCY, cubic)
 
 
-def _sweep(cubic: float, phase: bool, constant: float, relative: float, turn: float, seed: int):
+def _sweep(cubic: float, phase: bool, noise: tuple[float, float, float], seed: int):
+    constant, relative, turn = noise
     f, level, up, clean = _clean(cubic)
     rng = np.random.default_rng(seed)
 
@@ -47,7 +48,7 @@ def _sweep(cubic: float, phase: bool, constant: float, relative: float, turn: fl
 def test_the_noise_of_curves(noise, cubic, phase):
     ratios = []
     for seed in range(6):
-        sweep, amplitude, angle = _sweep(cubic, phase, *noise, seed)
+        sweep, amplitude, angle = _sweep(cubic, phase, noise, seed)
         found = sweep_noise(sweep)
         high = amplitude >= np.quantile(amplitude, 0.9)
         ratios.append(
@@ -63,7 +64,7 @@ def test_the_noise_of_curves(noise, cubic, phase):
 
 
 def test_curves_without_noise_or_with_few_points():
-    sweep, *_ = _sweep(0.0, True, 0.0, 0.0, 0.0, 0)
+    sweep, *_ = _sweep(0.0, True, (0.0, 0.0, 0.0), 0)
     assert 0 < sweep_noise(sweep).noise.sigma < 2e-3
     few = both_ways((1.0,), np.linspace(480, 520, 6), 0.0)
     volts = Channel("V", 1.0)

@@ -147,11 +147,17 @@ def test_how_long_a_point_was_held(tmp_path):
     time = 0.25 * np.arange(len(F))
     write_table(tmp_path / "s.csv", "time (s),f (Hz),level (V),amplitude (um)", [time, F, LEVEL, 1e6 * SIZE])
     assert read_campaign(tmp_path / "s.csv").sweeps, "a table with times and amplitudes is a sweep all the same"
-    np.testing.assert_allclose(_read(tmp_path)[0].dwell, 0.25)
+    assert np.allclose(_dwell(tmp_path), 0.25)
     write_table(tmp_path / "s.csv", "f (Hz),level (V),amplitude (um)", [F, LEVEL, 1e6 * SIZE])
     assert _read(tmp_path)[0].dwell is None
-    np.testing.assert_allclose(_read(tmp_path, 'dwell = "200 ms"')[0].dwell, 0.2)
-    np.testing.assert_allclose(_read(tmp_path, 'sweep_rate = "4 Hz/s"')[0].dwell, 0.5)
+    assert np.allclose(_dwell(tmp_path, 'dwell = "200 ms"'), 0.2)
+    assert np.allclose(_dwell(tmp_path, 'sweep_rate = "4 Hz/s"'), 0.5)
+
+
+def _dwell(folder: Path, record: str = "") -> np.ndarray:
+    found = _read(folder, record)[0].dwell
+    assert found is not None
+    return found
 
 
 def test_noise_that_is_given(tmp_path):

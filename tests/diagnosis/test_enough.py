@@ -20,7 +20,7 @@ WHITE /= np.sqrt(np.mean(WHITE**2))
 def bench(error: float, reached: float | None = None, doubt: float = 0.03, freedom: int = 5) -> Any:
     """A stand-in with an error over noise, the one that its fit has `reached`, and the doubt of its noise floors."""
     records = [SimpleNamespace(noise=SimpleNamespace(relative_error=doubt))]
-    fit = SimpleNamespace(campaign=SimpleNamespace(fitted=records), freedom=freedom)
+    fit = SimpleNamespace(campaign=SimpleNamespace(fitted=records, fitted_sweeps=()), freedom=freedom)
     residual = error * WHITE
     return SimpleNamespace(chi2=N * error**2, fit_chi2=N * (reached or error) ** 2, n=N, fit=fit, residual=residual)
 

@@ -189,3 +189,13 @@ def test_one_drive_frequency_is_seen_whatever_the_waveform(make_fit):
     tones = sum(np.sin(2 * np.pi * f * t) for f in hertz * np.arange(1, 6))
     assert only_frequency(replace(record, drive=tones)) is None
     assert only_frequency(replace(record, drive=np.full(len(t), 3.0))) is None
+
+
+def test_a_record_that_is_clipped_is_named_beside_the_fit(make_fit):
+    found = make_fit()
+    first, *others = found.campaign.traces
+    limit = 0.7 * float(np.max(np.abs(first.response)))
+    clipped = replace(first, response=np.clip(first.response, -limit, limit))
+    spoilt = make_fit(campaign=replace(found.campaign, records=(clipped, *others)))
+    assert "sticks to a limit" in _warned(spoilt) and first.name in _warned(spoilt)
+    assert "Suspect" not in _said(found)
