@@ -117,7 +117,7 @@ def _dies(values: np.ndarray, rate: float) -> bool:
     """Whether a line has lost more than half of itself from the first third to the last: mains hum stays."""
     beat = values * np.exp(-1j * rate * np.arange(len(values)))
     third = len(values) // 3
-    return abs(np.mean(beat[-third:])) < 0.5 * abs(np.mean(beat[:third]))
+    return bool(abs(np.mean(beat[-third:])) < 0.5 * abs(np.mean(beat[:third])))
 
 
 def find_transient(
