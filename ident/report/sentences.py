@@ -208,6 +208,7 @@ def _physics(fit: Fit) -> list[Sentence]:
 
 def _band(fit: Fit) -> tuple[int, int]:
     frequencies = [drive_frequency(r) / (2 * math.pi) for r in fit.campaign.fitted if np.ptp(r.drive) > 0]
+    frequencies += [float(f) for sweep in fit.campaign.fitted_sweeps for f in sweep.frequency]
     return (round(min(frequencies, default=0.0)), round(max(frequencies, default=0.0)))
 
 

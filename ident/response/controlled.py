@@ -23,6 +23,7 @@ from .periodic import LEVEL, Look, Periodic, Seat, ride
 
 _ENOUGH = 1e-10  # of the amplitude: so well a period closes
 _MOST = 40  # steps of Newton's method
+_LEAST = 1 / 16  # of a step
 _FARTHEST = 0.5  # of the scale of an unknown, in one step
 _STUCK = 1e-12  # squared share below which a memory neither forgets nor moves: it stays where it is
 
@@ -137,7 +138,7 @@ def at_amplitude(model: Periodic, points: Points, start: np.ndarray | None = Non
 def _newton(model: Periodic, points: Points, w: np.ndarray, seat: Seat) -> tuple[np.ndarray, np.ndarray]:
     """The unknowns after Newton's method, and where it found a response."""
     n, left = model.size, np.arange(len(w))
-    miss = np.full(len(w), np.inf)
+    miss, share = np.full(len(w), np.inf), np.ones(len(w))
     for _ in range(_MOST):
         own, there = (
             points._replace(**{k: v[left] for k, v in points._asdict().items()}),
@@ -145,11 +146,15 @@ def _newton(model: Periodic, points: Points, w: np.ndarray, seat: Seat) -> tuple
         )
         seen = model.look(w[left], there, np.eye(n + 1, n + 2))
         equations, jacobian = _equations(seen, there, own)
-        miss[left] = np.max(np.abs(equations), axis=1)
+        now = np.max(np.abs(equations), axis=1)
+        # At the kink of a play full steps may lead to and fro for ever.
+        share[left] = np.where(now > miss[left], 0.5, 2.0) * share[left]
+        share = np.clip(share, _LEAST, 1.0)
+        miss[left] = now
         with np.errstate(invalid="ignore", over="ignore"):
             step = -_solved(np.nan_to_num(jacobian), np.nan_to_num(equations)[..., None])[..., 0]
         farthest = np.max(np.abs(step[:, [0, 1, n]]), axis=1)  # a memory may be far from where it settles
-        step *= np.minimum(1.0, _FARTHEST / np.maximum(farthest, 1e-300))[:, None]
+        step *= np.minimum(share[left], _FARTHEST / np.maximum(farthest, 1e-300))[:, None]
         more = (miss[left] > _ENOUGH) & np.isfinite(miss[left])
         w[left[more], : n + 1] += step[more] * there.scale[more, : n + 1]
         left = left[more]
@@ -186,6 +191,12 @@ def _equations(seen: Look, seat: Seat, points: Points) -> tuple[np.ndarray, np.n
 
 
 def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Least-squares solutions, (points, n, k), that leave alone what the equations do not see."""
+    """Least-squares solutions, (points, n, k), that leave alone what the equations do not see; none where a motion
+    without bound leaves no equations."""
     turned = np.swapaxes(matrix, 1, 2)
-    return np.linalg.solve(turned @ matrix + _STUCK * np.eye(matrix.shape[1]), turned @ right)
+    with np.errstate(over="ignore", invalid="ignore"):
+        square, aim = turned @ matrix, turned @ right
+    known = np.isfinite(square).all(axis=(1, 2)) & np.isfinite(aim).all(axis=(1, 2))
+    square, aim = np.where(known[:, None, None], square, 0.0), np.where(known[:, None, None], aim, 0.0)
+    largest = np.maximum(np.einsum("kii->ki", square).max(axis=1, initial=0.0), 1.0)
+    return np.linalg.solve(square + _STUCK * largest[:, None, None] * np.eye(matrix.shape[1]), aim)
