@@ -196,7 +196,7 @@ def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     turned = np.swapaxes(matrix, 1, 2)
     with np.errstate(over="ignore", invalid="ignore"):
         square, aim = turned @ matrix, turned @ right
-    known = np.isfinite(square).all(axis=(1, 2)) & np.isfinite(aim).all(axis=(1, 2))
+    known = np.all(np.isfinite(square), axis=(1, 2)) & np.all(np.isfinite(aim), axis=(1, 2))
     square, aim = np.where(known[:, None, None], square, 0.0), np.where(known[:, None, None], aim, 0.0)
     largest = np.maximum(np.einsum("kii->ki", square).max(axis=1, initial=0.0), 1.0)
     return np.linalg.solve(square + _STUCK * largest[:, None, None] * np.eye(matrix.shape[1]), aim)
