@@ -14,6 +14,9 @@ from .signal_basis import Pole, find_transient, harmonic_columns, orthonormal, t
 
 HARMONICS = 12
 LONGEST = 8192
+_SURER = 1.5  # times; doubts are themselves estimates. Of 1044 sines of the hidden-effect generator 7 had floors 7 to 89
+# times too high, few periods near a sharp resonance; with this 6 of them are within 30 %, and 7 others change, none by
+# more than 40 %
 
 
 def noise_floor(time: np.ndarray, drive: np.ndarray, response: np.ndarray, period: float | None = None) -> NoiseFloor:
@@ -39,6 +42,9 @@ def noise_floor(time: np.ndarray, drive: np.ndarray, response: np.ndarray, perio
         found = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
     elif period <= 8 * HARMONICS or _highest_harmonic(drive, period) <= HARMONICS // 3:
         found = _short_period(response[-LONGEST:], period, mains)
+        far_above = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
+        if _SURER * far_above[0].relative_error < found[0].relative_error:
+            found = far_above  # a motion beyond description adds to what is left of it, but hardly so high
     else:
         found = _repeats(response, period)
     fit, method = found
