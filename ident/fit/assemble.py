@@ -44,7 +44,7 @@ def assemble(
         tape,
         np.concatenate([np.zeros(0), *(record.response for record in records)]),
         np.concatenate([np.zeros(0), *(_weight(record, float(values[0])) for record in records)]),
-        np.array([_start_scale(record, float(values[0]), histories) for record in records]).reshape(-1, 2 + len(histories)),
+        np.array([start_scale(record, float(values[0]), histories) for record in records]).reshape(-1, 2 + len(histories)),
         values,
         bounds[:, 0],
         bounds[:, 1],
@@ -72,7 +72,7 @@ def _weight(record: Trace, frequency: float) -> np.ndarray:
     return counted / record.noise.sigma
 
 
-def _start_scale(record: Trace, frequency: float, histories: Sequence[str]) -> np.ndarray:
+def start_scale(record: Trace, frequency: float, histories: Sequence[str]) -> np.ndarray:
     """Typical displacement, velocity and hidden states, in their units, of a record that does not start at rest, else
     zero."""
     omega = 2 * np.pi * frequency

@@ -1,0 +1,83 @@
+"""What came before a record that begins in motion, as far as a candidate's memory is concerned.
+
+A memory at the first sample is whatever its history made it. For a candidate of size a with hidden states h₀ there,
+the readings change by a (c + Φ h₀), with Φ the dying response to a start of one unit, record by record; its scores are
+taken with the h₀ that suit it best, drawn from N(0, b²). What they gain is weighed against how many others would have
+been as likely: the fall of χ² counts less h₀ᵀh₀/b² + ln |1 + b² a² ΦᵀΦ|.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ..fit.assemble import start_scale
+from ..fit.problem import START_SPREAD
+from ..model import Model
+from ..response import Equation
+
+if TYPE_CHECKING:
+    from .score import Bench
+
+_ROUNDS = 6  # of the sizes with the histories held, and of the histories with the sizes held
+
+
+class Histories(NamedTuple):
+    """Changes of a candidate's rows by its hidden states at the start: `rows` (h, rows, n), each per unit of
+    `start_scale`; `spans`: where the records that begin in motion are in n."""
+
+    rows: np.ndarray
+    spans: tuple[slice, ...]
+
+    def fitted(self, bench: Bench, raw: np.ndarray, own: slice) -> tuple[np.ndarray, float]:
+        """The rows (k, n) of one point of a grid with the histories that suit it best, and what these cost in χ²."""
+        slopes = self.rows[:, own]
+        kept, best, price = bench.project(raw), raw, 0.0
+        for _ in range(_ROUNDS):
+            lengths = np.maximum(np.linalg.norm(kept, axis=1), 1e-300)
+            size = np.linalg.lstsq((kept / lengths[:, None]).T, bench.residual, rcond=1e-10)[0] / lengths
+            acting = bench.project(self._by_record(np.einsum("a,han->hn", size, slopes)))
+            prior = np.eye(len(acting)) / START_SPREAD**2
+            gram = acting @ acting.T
+            found = np.linalg.solve(gram + prior, acting @ (bench.residual - size @ bench.project(raw)))
+            best = raw.copy()
+            for record, h in zip(self.spans, found.reshape(len(self.spans), -1), strict=True):
+                best[:, record] += np.einsum("h,han->an", h, slopes[:, :, record])
+            kept = bench.project(best)
+            occam = float(np.linalg.slogdet(np.eye(len(gram)) + START_SPREAD**2 * gram)[1])
+            price = float(found @ found) / START_SPREAD**2 + occam
+        return best, price
+
+    def _by_record(self, rows: np.ndarray) -> np.ndarray:
+        """Rows (h, n) of all records as rows (records h, n) of one each."""
+        apart = np.zeros((len(self.spans), *rows.shape))
+        for k, record in enumerate(self.spans):
+            apart[k, :, record] = rows[:, record]
+        return apart.reshape(-1, rows.shape[1])
+
+
+def histories_of(
+    bench: Bench, model: Model, values: np.ndarray, directions: np.ndarray, raw: np.ndarray
+) -> Histories | None:
+    """How the rows (d, n) of a model's last effect change with its hidden states at the start of records; None if it
+    has none, or if all records start at rest."""
+    from .score import stack  # which asks here
+
+    records = bench.fit.campaign.fitted
+    moving = [i for i, record in enumerate(records) if record.start != "rest"]
+    states = len(model.effects[-1].state0())
+    if not moving or not states:
+        return None
+    equation = Equation(model)
+    units, first = equation.history_units, len(equation.history_units) - states
+    scales = np.array([start_scale(record, 1.0 / bench.fit.scales.period, units)[2:] for record in records])
+    d = len(values)
+    begun = np.zeros((states, d, *scales.shape))
+    for j in range(states):
+        begun[j, :, :, first + j] = scales[:, first + j]
+    again = lambda rows: np.tile(rows, (states, 1))
+    found = stack(bench, model, again(values), again(directions), histories=begun.reshape(states * d, *scales.shape))
+    ends = [*bench.starts[1:], bench.n]
+    spans = tuple(slice(bench.starts[i], ends[i]) for i in moving)
+    return Histories(found.reshape(states, d, -1) - raw, spans)
