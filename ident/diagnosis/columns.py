@@ -89,8 +89,8 @@ def contributions(
     """What the terms of a model change in the force on the stage and in the reading, along given motions; by chunks.
 
     **Arguments:** `values` and `directions`, (d, m): at which parameter values, and along which direction, each row is
-    taken; `moved`, the motion of the stage, and what the sensor has `seen`, per chunk; `histories`, (d, records, h) what
-    came before each record added to the hidden states (`Equation.histories`).
+    taken; `moved`, the motion of the stage, and what the sensor has `seen`, per chunk; `histories`, (d, records, h):
+    what came before each record added to the hidden states (`Equation.histories`).
 
     **Returns:** forces (d, BLOCKS, 2 BLOCK + 1), N, and readings (d, BLOCKS, BLOCK), m, per unit of the direction;
     empty where the model has none.

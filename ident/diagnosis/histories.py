@@ -2,8 +2,8 @@
 
 A memory at the first sample is whatever its history made it. For a candidate of size a with hidden states h₀ there,
 the readings change by a (c + Φ h₀), with Φ the dying response to a start of one unit, record by record; its scores are
-taken with the h₀ that suit it best, drawn from N(0, b²). What they gain is weighed against how many others would have
-been as likely: the fall of χ² counts less h₀ᵀh₀/b² + ln |1 + b² a² ΦᵀΦ|.
+taken with the h₀ that suit it best, drawn from N(0, 1) in units of `start_scale`. What they gain is weighed against how
+many others would have been as likely: the fall of χ² counts less h₀ᵀh₀ + ln |1 + a² ΦᵀΦ|.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..fit.assemble import start_scale
-from ..fit.problem import START_SPREAD
 from ..model import Model
 from ..response import Equation
 
@@ -38,15 +37,13 @@ class Histories(NamedTuple):
             lengths = np.maximum(np.linalg.norm(kept, axis=1), 1e-300)
             size = np.linalg.lstsq((kept / lengths[:, None]).T, bench.residual, rcond=1e-10)[0] / lengths
             acting = bench.project(self._by_record(np.einsum("a,han->hn", size, slopes)))
-            prior = np.eye(len(acting)) / START_SPREAD**2
-            gram = acting @ acting.T
-            found = np.linalg.solve(gram + prior, acting @ (bench.residual - size @ bench.project(raw)))
+            gram = np.eye(len(acting)) + acting @ acting.T
+            found = np.linalg.solve(gram, acting @ (bench.residual - size @ bench.project(raw)))
             best = raw.copy()
             for record, h in zip(self.spans, found.reshape(len(self.spans), -1), strict=True):
                 best[:, record] += np.einsum("h,han->an", h, slopes[:, :, record])
             kept = bench.project(best)
-            occam = float(np.linalg.slogdet(np.eye(len(gram)) + START_SPREAD**2 * gram)[1])
-            price = float(found @ found) / START_SPREAD**2 + occam
+            price = float(found @ found + np.linalg.slogdet(gram)[1])
         return best, price
 
     def _by_record(self, rows: np.ndarray) -> np.ndarray:

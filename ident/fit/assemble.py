@@ -44,7 +44,7 @@ def assemble(
         tape,
         np.concatenate([np.zeros(0), *(record.response for record in records)]),
         np.concatenate([np.zeros(0), *(_weight(record, float(values[0])) for record in records)]),
-        np.array([start_scale(record, float(values[0]), histories) for record in records]).reshape(-1, 2 + len(histories)),
+        np.array([start_scale(r, float(values[0]), histories) for r in records]).reshape(-1, 2 + len(histories)),
         values,
         bounds[:, 0],
         bounds[:, 1],

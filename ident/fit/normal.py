@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .coordinates import slopes
-from .problem import START_SPREAD, Data, Evaluation, Static, Unknowns
+from .problem import Data, Evaluation, Static, Unknowns
 
 # A hundred-thousandth of a standard error: keeps the equations solvable along directions that the data leave free, and
 # is far too weak to move any that they determine.
@@ -64,9 +64,9 @@ def normal_equations(static: Static, data: Data, vector: np.ndarray, found: Eval
 
 
 def weights(static: Static, data: Data) -> np.ndarray:
-    """1/deviation of every unknown from zero, (u,): next to nothing, but of hidden states at the start, whose size is
-    known. Displacement and velocity are held by the first samples."""
-    histories = np.full(data.start_scale.shape[1], 1.0 / START_SPREAD)
+    """1/deviation of every unknown from zero, (u,): next to nothing, but one of hidden states at the
+    start, which are about as large as their unit. Displacement and velocity are held by the first samples."""
+    histories = np.ones(data.start_scale.shape[1])
     histories[:2] = _RIDGE
     return np.concatenate([np.full(len(static.free), _RIDGE), np.tile(histories, len(moving(data)))])
 

@@ -41,8 +41,8 @@ class Data(NamedTuple):
     **Arguments:**
 
     - `tape`: the drives; `response`, (samples,) measured, m; `weight`, (samples,) 1/σ, zero where a sample is not
-      counted; `start_scale`, (records, s) the largest that displacement, velocity and hidden states are likely to be, the
-      unit of the fitted initial states, zero where a record starts at rest.
+      counted; `start_scale`, (records, s) the size of displacement, velocity and hidden states in a record: the unit of
+      the fitted initial states, and as large as these are likely to be; zero where a record starts at rest.
     - `template`: (m,) SI values of all parameters, fitted or not.
     - `lower`, `upper`: (p,) bounds of the fitted ones (see coordinates); `scale`, `anchor`: (p,) unit and origin of x.
     - `prior_mean`, `prior_weight`: (p,) SI; weight 1/deviation, 0 without a prior.
@@ -75,9 +75,6 @@ class Unknowns(NamedTuple):
     x: np.ndarray
     starts: np.ndarray
 
-
-START_SPREAD = 3.0
-"""Standard deviation of an initial state, in units of `start_scale`, before a record is seen."""
 
 _WORST = 1e8  # residual of a simulation that overflowed: finite, so that the step is rejected rather than the fit lost
 

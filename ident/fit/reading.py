@@ -11,7 +11,7 @@ from ..campaign.record import Trace
 from ..model import Model
 from ..response import lay_out
 from .assemble import assemble, begin
-from .problem import START_SPREAD, Data, Evaluation, Static, Unknowns, evaluate, readings
+from .problem import Data, Evaluation, Static, Unknowns, evaluate, readings
 
 
 def read(model: Model, values: np.ndarray, records: Sequence[Trace]) -> list[np.ndarray]:
@@ -32,7 +32,7 @@ _LEAST = 1 / 16  # of a step: a shorter one gains nothing
 def fit_starts(static: Static, data: Data, unknowns: Unknowns) -> tuple[Unknowns, Evaluation]:
     """Gauss–Newton on the initial states alone; they enter almost linearly, but where a loop remembers them: steps that
     gain nothing are halved. Never worse than where it began; the model there too."""
-    light = np.where(np.arange(data.start_scale.shape[1]) < 2, 1e-6, 1.0 / START_SPREAD)
+    light = np.where(np.arange(data.start_scale.shape[1]) < 2, 1e-6, 1.0)
     best, kept = unknowns, evaluate(static, data, unknowns)
     least, share = _cost(kept, best, light), 1.0
     for _ in range(_ROUNDS):

@@ -55,8 +55,8 @@ def linearise(found: Evaluation, data: Data, records: Sequence[Trace]) -> Linear
 
 
 def told_by_start(rows: np.ndarray) -> np.ndarray:
-    """What an initial state may add to a record, (n, q) orthonormal, from the derivatives (s, n) by it in units in which
-    it is about one; what stays below a noise floor in all the record is none of it."""
+    """What an initial state may add to a record, (n, q) orthonormal, from the derivatives (s, n) by it in units in
+    which it is about one; what stays below a noise floor in all the record is none of it."""
     u, s, _ = np.linalg.svd(rows.T, full_matrices=False)
     return u[:, s > 1.0]
 

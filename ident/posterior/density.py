@@ -1,10 +1,11 @@
 """The posterior density of a fit's unknowns, in batches: the only file that knows the arrays of a fit.
 
 The unknowns are those of the fit: fitted parameters in coordinates without bounds, in units that the records resolve.
-The initial state s of a record that does not start at rest, hidden states of memories included, is integrated out. It enters almost linearly, so that with
-w(s) = w₀ + J (s − s₀), a prior s ~ N(0, b²) and M = JᵀJ + b⁻²
+The initial state s of a record that does not start at rest, hidden states of memories included, is integrated out. It
+enters almost linearly, so that with w(s) = w₀ + J (s − s₀), a prior s ~ N(0, 1) in units of its likely size and
+M = JᵀJ + 1
 
-    χ² = w₀ᵀw₀ + s₀²/b² − gᵀM⁻¹g,   g = Jᵀw₀ + s₀/b²,   ln L gains −½ ln |M| − ln b per number
+    χ² = w₀ᵀw₀ + s₀² − gᵀM⁻¹g,   g = Jᵀw₀ + s₀,   ln L gains −½ ln |M|
 
 around the states s₀ that fit best at the centre. J is taken anew at every point, by differences over a standard error.
 """
@@ -22,7 +23,7 @@ from ..campaign.record import Trace
 from ..errors import UserError
 from ..fit.assemble import assemble, begin
 from ..fit.coordinates import to_coordinates, to_values
-from ..fit.problem import START_SPREAD, Data, Static, Unknowns, evaluate
+from ..fit.problem import Data, Static, Unknowns, evaluate
 from ..fit.reading import fit_starts
 from ..fit.result import Fit
 from ..response import lay_out, respond_many
@@ -96,10 +97,10 @@ class Density:
         return prior + float(np.sum(np.log(data.scale))), likelihood
 
     def _one(self, record: int, white: White) -> np.ndarray:
-        start_cost = float(np.sum(self.starts[record] ** 2)) / START_SPREAD**2 if self._moving(record) else 0.0
+        start_cost = float(np.sum(self.starts[record] ** 2)) if self._moving(record) else 0.0
         solved = np.linalg.solve(white.inner, white.pull[..., None])[..., 0]
         chi2 = np.sum(white.residual**2, axis=1) + start_cost - np.sum(white.pull * solved, axis=1)
-        occam = -0.5 * np.linalg.slogdet(white.inner)[1] - white.inner.shape[1] * np.log(START_SPREAD)
+        occam = -0.5 * np.linalg.slogdet(white.inner)[1]
         return log_likelihood(self.noises[record], chi2) + occam
 
     def values(self, x: np.ndarray) -> np.ndarray:
@@ -153,10 +154,10 @@ class Density:
             k = len(first)
             s = len(self.kick)
             slope, pull = np.zeros((*first.shape, s)), np.zeros((k, s))
-            inner = np.tile(np.eye(s), (k, 1, 1)) / START_SPREAD**2
+            inner = np.tile(np.eye(s), (k, 1, 1))
             if self._moving(i):
                 slope = np.stack([(other - first) / self.kick[a] for a, other in enumerate(kicked)], axis=-1)
-                pull = (first[:, None] @ slope)[:, 0] + self.starts[i] / START_SPREAD**2
+                pull = (first[:, None] @ slope)[:, 0] + self.starts[i]
                 inner = inner + np.swapaxes(slope, 1, 2) @ slope
             found.append(White(first, slope, inner, pull))
         return found
@@ -181,8 +182,8 @@ class Density:
             squares += np.sum(jx**2, axis=1)
             if self._moving(i):
                 js = whiten(noise, found.by_start[:, own])
-                inner = js @ js.T + np.eye(len(js)) / START_SPREAD**2
-                cross, pull = js @ jx.T, js @ w + starts[i] / START_SPREAD**2
+                inner = js @ js.T + np.eye(len(js))
+                cross, pull = js @ jx.T, js @ w + starts[i]
                 solved = np.linalg.solve(inner, np.column_stack([cross, pull]))
                 matrix -= weight * cross.T @ solved[:, :-1]
                 gradient -= weight * cross.T @ solved[:, -1]

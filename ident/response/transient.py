@@ -171,7 +171,8 @@ def march(
         time = block.times(2 * BLOCK + 1, 0.5)
         seen = Seen(None, None, voltage, rate, time, block.step, block.omega, numbers[3], block.moving)
         own_kick = None if kick is None else kick[k]
-        memories, forces, pushes = _before(equation, system_of(numbers), along, begin[k], own_kick, memories, first, seen)
+        system = system_of(numbers)
+        memories, forces, pushes = _before(equation, system, along, begin[k], own_kick, memories, first, seen)
 
         def beginning(numbers: Any, start: Any) -> tuple:
             return begun(system_of(numbers).at(block), parts, histories, start, voltage[0], rate[0])
