@@ -54,27 +54,22 @@ class Histories(NamedTuple):
         return apart.reshape(-1, rows.shape[1])
 
 
-def histories_of(
-    bench: Bench, model: Model, values: np.ndarray, directions: np.ndarray, raw: np.ndarray
-) -> Histories | None:
-    """How the rows (d, n) of a model's last effect change with its hidden states at the start of records; None if it
-    has none, or if all records start at rest."""
-    from .score import stack  # which asks here
-
-    records = bench.fit.campaign.fitted
-    moving = [i for i, record in enumerate(records) if record.start != "rest"]
-    states = len(model.effects[-1].state0())
-    if not moving or not states:
+def begun_apart(bench: Bench, model: Model, rows: int) -> np.ndarray | None:
+    """Histories (h, rows, records, hidden) of a model whose last effect has each of its h hidden states in turn at its
+    unit when a record begins in motion; None if it has none, or if all records start at rest."""
+    records, states = bench.fit.campaign.fitted, len(model.effects[-1].state0())
+    if not states or all(record.start == "rest" for record in records):
         return None
-    equation = Equation(model)
-    units, first = equation.history_units, len(equation.history_units) - states
+    units = Equation(model).history_units
     scales = np.array([start_scale(record, 1.0 / bench.fit.scales.period, units)[2:] for record in records])
-    d = len(values)
-    begun = np.zeros((states, d, *scales.shape))
-    for j in range(states):
-        begun[j, :, :, first + j] = scales[:, first + j]
-    again = lambda rows: np.tile(rows, (states, 1))
-    found = stack(bench, model, again(values), again(directions), histories=begun.reshape(states * d, *scales.shape))
+    found = np.zeros((states, rows, *scales.shape))
+    for j, hidden in enumerate(range(len(units) - states, len(units))):
+        found[j, :, :, hidden] = scales[:, hidden]
+    return found
+
+
+def histories(bench: Bench, changed: np.ndarray, rows: np.ndarray) -> Histories:
+    """How `rows` (d, n) change with histories `begun_apart`, with which they are `changed` (h, d, n)."""
     ends = [*bench.starts[1:], bench.n]
-    spans = tuple(slice(bench.starts[i], ends[i]) for i in moving)
-    return Histories(found.reshape(states, d, -1) - raw, spans)
+    places = zip(bench.fit.campaign.fitted, bench.starts, ends, strict=False)
+    return Histories(changed - rows, tuple(slice(a, b) for record, a, b in places if record.start != "rest"))

@@ -28,7 +28,7 @@ from .basis import orthonormal
 from .colour_test import chance
 from .columns import Terms, contributions, no_histories, push_columns
 from .curve_columns import Moves, Plane, curve_columns, curve_order, plane_of
-from .histories import histories_of
+from .histories import begun_apart, histories
 from .side_by_side import at_once
 from .trajectory import Scene, lay_out
 from .whiten import Piece, make_piece, whiten
@@ -215,19 +215,18 @@ def stack(
     values: np.ndarray,
     directions: np.ndarray,
     linear: bool = False,
-    histories: np.ndarray | None = None,
+    begun: np.ndarray | None = None,
 ) -> np.ndarray:
     """Whitened columns of all fitted records, (d, n): what moving the parameters of `model` along each direction does.
 
     `values` and `directions` are (d, m). The terms of `model` push, its linear ones only if asked for; the bench's own
-    model answers. `histories`, (d, records, h): what came before the records, if they do not begin with the drive.
+    model answers. `begun`, (d, records, h): their histories, if the records do not begin with the drive.
     """
     scene, solved, parts = bench.scene, bench.scene.solved, []
     if scene.tape.spans:
         equation = Equation(model)
-        if histories is None:
-            histories = no_histories(equation, len(values), scene.tape)
-        parts.append(_along_traces(bench, Terms(equation, linear), values, directions, histories))
+        pasts = no_histories(equation, len(values), scene.tape) if begun is None else begun
+        parts.append(_along_traces(bench, Terms(equation, linear), values, directions, pasts))
     if solved.data.curves is not None:
         plane = bench.plane
         assert plane is not None  # there are sweeps
@@ -239,11 +238,11 @@ def stack(
 
 
 def _along_traces(
-    bench: Bench, asked: Terms, values: np.ndarray, directions: np.ndarray, histories: np.ndarray
+    bench: Bench, asked: Terms, values: np.ndarray, directions: np.ndarray, pasts: np.ndarray
 ) -> np.ndarray:
     """`stack` of the traces."""
     scene = bench.scene
-    both = contributions(asked, scene.tape, values, directions, scene.moved, scene.seen, histories)
+    both = contributions(asked, scene.tape, values, directions, scene.moved, scene.seen, pasts)
     forces, shown = zip(*both, strict=True)
     rows = np.zeros((len(values), scene.tape.samples))
     if asked.push:
@@ -287,7 +286,11 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     values = np.array([np.concatenate([known, point]) for point in points for _ in amplitudes])
     directions = np.array([np.eye(values.shape[1])[first + a] for _ in points for a in amplitudes])
     raw = stack(bench, model, values, directions)
-    begun = histories_of(bench, model, values, directions, raw)
+    apart, begun = begun_apart(bench, model, len(values)), None
+    if apart is not None:
+        again, along = (np.tile(x, (len(apart), 1)) for x in (values, directions))
+        changed = stack(bench, model, again, along, begun=apart.reshape(-1, *apart.shape[2:]))
+        begun = histories(bench, changed.reshape(len(apart), *raw.shape), raw)
     moves = None if bench.plane is None else curve_columns(bench.scene.solved, Equation(model), values, directions)
     projected = bench.project(raw)
     names = [p.name for p in instance.declared()]
