@@ -151,16 +151,16 @@ def check_plausible(
         notes.append(f"{file}: {what}; is the unit of time right?")
 
 
-def clipped_fraction(signal: np.ndarray) -> float:
-    """Share of samples that stick to the largest or smallest value, as a saturated amplifier or converter leaves them.
+def clipped_samples(signal: np.ndarray) -> np.ndarray:
+    """(n,) whether a sample sticks to the largest or smallest value, as a saturated amplifier or converter leaves it.
 
     A limit counts if it is reached in at least two runs of three or more equal samples and is far more crowded than
     the values next to it (the top of a coarsely quantised sine is a few samples wide, but so are its neighbours).
     """
+    stuck = np.zeros(len(signal), dtype=bool)
     levels, counts = np.unique(signal, return_counts=True)
     if len(levels) < 8:
-        return 0.0
-    share = 0.0
+        return stuck
     for limit, own, near in ((levels[-1], counts[-1], counts[-6:-1]), (levels[0], counts[0], counts[1:6])):
         at_limit = np.concatenate(([0], (signal == limit).astype(int), [0]))
         edges = np.flatnonzero(np.diff(at_limit))
@@ -168,8 +168,13 @@ def clipped_fraction(signal: np.ndarray) -> float:
         inner = (edges[::2] > 0) & (edges[1::2] < len(signal))
         long = np.sum((lengths >= 3) & inner)
         if long >= 2 and own > 4 * np.max(near):
-            share += own / len(signal)
-    return float(share)
+            stuck |= signal == limit
+    return stuck
+
+
+def clipped_fraction(signal: np.ndarray) -> float:
+    """Share of samples that are clipped; see `clipped_samples`."""
+    return float(np.mean(clipped_samples(signal)))
 
 
 def check_response(column: Column, response: np.ndarray, notes: list[str]) -> None:
