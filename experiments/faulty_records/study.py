@@ -29,6 +29,7 @@ from experiments.hidden_effects.generator import draw  # noqa: E402
 from ident.campaign import Campaign  # noqa: E402
 from ident.campaign.outliers import find_outliers, without_outliers  # noqa: E402
 from ident.diagnosis.suspects import find_suspects  # noqa: E402
+from ident.effects.registry import registry  # noqa: E402
 from ident.fit import fit  # noqa: E402
 from ident.model import build_model  # noqa: E402
 
@@ -47,7 +48,7 @@ def run(seed: int, fault: str, hidden: bool) -> dict[str, Any]:
     campaign = _as_read(campaign_of(replace(case, records=records)))
     began = time.process_time()
     found = fit(build_model(campaign), campaign)
-    suspects = find_suspects(found)
+    suspects = find_suspects(found, registry())
     named = [s for s in suspects if s.kind in _BY_OTHERS or s.kind in EXPECTED.get(fault, ()) or fault == "none"]
     right = any(s.file == f"{faulty}.csv" and s.kind in EXPECTED.get(fault, ()) for s in named)
     return {
@@ -60,11 +61,16 @@ def run(seed: int, fault: str, hidden: bool) -> dict[str, Any]:
 
 
 def _as_read(campaign: Campaign) -> Campaign:
-    """With the outliers taken out, as reading the files would."""
+    """With outliers taken out and clipped samples masked, as reading the files would."""
+    from ident.campaign.clipping import clipped_mask
     from ident.campaign.noise import noise_floor
 
     records = []
     for trace in campaign.traces:
+        masked = clipped_mask(trace.response)
+        if masked is not None:
+            noise = noise_floor(trace.time, trace.drive, trace.response, trace.period, masked)
+            trace = replace(trace, masked=masked, noise=noise)
         outliers = find_outliers(trace.response)
         if len(outliers):
             response = without_outliers(trace.response, outliers)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .checks import clipped_fraction
+from .clipping import clipped_fraction
 from .drive import drive_frequency
 from .period import fourier_basis, least_squares
 from .record import NoiseFloor, Trace

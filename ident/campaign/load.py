@@ -16,6 +16,7 @@ from .amplitude_unit import is_amplitude_unit
 from .binary_table import READERS
 from .channel import channel_of, own_units, plausible_noise
 from .checks import check_drive, check_plausible, check_response, check_sampling, on_grid, uniform_time
+from .clipping import clipped_mask
 from .columns import match_columns, trace_roles, without_reference
 from .device import Device
 from .drive import find_period
@@ -116,6 +117,7 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
     moved = response / _PLATFORM_OMEGA ** MEASURES.index(spec.measures)
     check_plausible(time, drive, moved, columns, device, notes)
     check_response(columns["response"], response, notes)
+    masked = clipped_mask(response)
     outliers = find_outliers(response)
     if len(outliers):
         shown = ", ".join(f"{time[k]:.6g} s" for k in outliers[:5]) + (" …" if len(outliers) > 5 else "")
@@ -137,7 +139,7 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
     if spec.noise is not None:
         noise = NoiseFloor(plausible_noise(spec, float(np.std(response))), method="given in the campaign")
     else:
-        noise = noise_floor(time, drive, response, period)
+        noise = noise_floor(time, drive, response, period, masked)
     if not spec.start:
         notes.append(f"{spec.file}: start is not given; the initial state is fitted.")
     trace = Trace(
@@ -155,6 +157,7 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         period=period,
         outliers=tuple(int(k) for k in outliers),
         measures=spec.measures,
+        masked=masked,
     )
     return trace, notes
 

@@ -8,12 +8,11 @@ from typing import Any, Literal
 import numpy as np
 
 from .campaign import Campaign
-from .checks import clipped_fraction
+from .clipping import CLIPPED
 from .judge import judge
 from .record import Trace
 
 Kind = Literal["delay", "gain", "sign", "time-scale", "wrong-record", "clipping", "spikes", "drift", "duplicate"]
-_CLIPPED = 1e-3  # of the samples
 
 ADVICE: dict[Kind, str] = {
     "delay": "is its trigger that of the others? Correct the times, or leave the record out",
@@ -64,9 +63,9 @@ def suspects_by_data(campaign: Campaign) -> tuple[Suspect, ...]:
         if twin is not None:
             says = f"the response is sample by sample that of {twin.name}"
             found.append(Suspect(record.name, "duplicate", 1.0, "records", 1.0, says))
-        clipped = clipped_fraction(record.response)
-        if clipped > _CLIPPED:
-            says = f"{clipped:.1%} of the response sticks to a limit"
+        clipped = 0.0 if record.masked is None else float(np.mean(record.masked))
+        if clipped > CLIPPED:
+            says = f"{clipped:.1%} of the response sticks to a limit; those samples have no weight"
             found.append(Suspect(record.name, "clipping", 100 * clipped, "%", 0.99, says))
         if record.outliers:
             count = len(record.outliers)

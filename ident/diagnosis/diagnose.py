@@ -116,7 +116,7 @@ def diagnose(
     report("locating the misfit")
     bench = prepare(working(fitted))
     where = locate(bench)
-    suspects = find_suspects(fitted, report)
+    suspects = find_suspects(fitted, library, report)
     if any(suspect.settles for suspect in suspects):
         nothing = Discovery("ambiguous", fitted, (), (), {}, (), bench)
         return Diagnosis(nothing, where, suspects=suspects)

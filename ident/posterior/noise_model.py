@@ -28,7 +28,8 @@ class Noise(NamedTuple):
     """The noise of one record.
 
     **Arguments:** `ar` (k,); `gain`: σ over that of the innovations; `first` sample whose innovation counts, and how
-    many do, `count` (less than follow where some are masked); `freedom` ν, infinite where the floor is known; `log_sigma`, ln of the innovations' σ, SI.
+    many do, `count`, without masked ones; `freedom` ν, infinite where the floor is known; `log_sigma`, ln of the
+    innovations' σ, SI.
     """
 
     ar: np.ndarray
