@@ -55,7 +55,7 @@ def run(seed: int, fault: str, hidden: bool) -> dict[str, Any]:
         "key": f"{fault}/{int(hidden)}/{seed}", "fault": fault, "hidden": hidden, "seed": seed,
         "record": f"{faulty}.csv", "right": right, "record_named": any(s.file == f"{faulty}.csv" for s in suspects),
         "wrong": sum(s.file != f"{faulty}.csv" for s in suspects),
-        "suspects": [[s.file, s.kind, round(s.size, 4), s.probability, s.settles] for s in suspects],
+        "suspects": [[s.file, s.kind, round(s.size, 4), s.probability, s.first] for s in suspects],
         "error": round(found.fitted.error_over_noise, 3), "seconds": round(time.process_time() - began, 1),
     }  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""One record is faulty: what all records then say together.
+"""One record is faulty, or all are in one way: what all records then say together.
 
 A fault is a hypothesis like an effect: the campaign with one record read as it should have been, or without it, and
 the model fitted to all of it. What it leaves is weighed by the same evidence as what an effect leaves.
@@ -9,21 +9,23 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from ..campaign.campaign import Campaign
-from ..campaign.record import Trace
+from ..campaign.record import Sweep, Trace
 from ..fit import Fit
 from ..fit.finish import Minimum
 from ..fit.fit import minimise
 from ..fit.guess import GRID_STEP, coarse_frequency
 from ..fit.reading import read
 from ..model import Model
-from .nuisance import Nuisance, best_scale, nuisances, rms, stretched
+from .nuisance import Nuisance, best_scale, moved, nuisances, rms, stretched
 
 _SCALES = (0.5, 2.0, 0.1, 10.0, 0.9, 1.1, 0.95, 1.05, 0.98, 1.02, 0.99, 1.01)
+_DELAYS = (-10, -6, -4, -2.5, -1.5, -0.7, 0, 0.7, 1.5, 2.5, 4, 6, 10)  # samples that all records may be late
 _TRIED = 3  # explanations of a record that are fitted together with the others, the best first
 _ROUNDS = 3  # of the fault's number and the device's in turn
 _BETTER = 0.99  # of the error: less is not worth another round
@@ -32,14 +34,14 @@ OF_FREQUENCY = "% of frequency"
 
 
 class Fault(NamedTuple):
-    """A hypothesis: `record`, its place among the traces, is faulty as `told` says.
+    """A hypothesis: `record`, its place among the traces, is faulty as `told` says; all are if that is None.
 
     **Arguments:** `campaign`: the records as they should have been read; `values` (m,) SI of the model fitted to them;
     `left` (n,), what it leaves of them in noise floors, and `apart`, what a device of its own leaves of a record that
     is left out; `numbers` that were fitted in all; `worst`: error over noise of the worst record.
     """
 
-    record: int
+    record: int | None
     told: Nuisance
     campaign: Campaign
     values: np.ndarray
@@ -72,6 +74,34 @@ def faults_of(fitted: Fit, i: int) -> list[Fault]:
         numbers = len(rest.static.free) + len(own.static.free)
         found.append(Fault(i, told, others, rest.values, left, numbers, max(worst, at_own), apart))
     return found
+
+
+def common_delay(fitted: Fit) -> Fault | None:
+    """All responses come late, or early, by the same time: a lag that no record can place."""
+    model, campaign = fitted.model, fitted.campaign
+    step = min(record.step for record in campaign.fitted)
+
+    def read_so(late: float) -> Campaign:
+        return replace(campaign, records=tuple(_earlier(record, late) for record in campaign.records))
+
+    def error(late: float) -> float:
+        found = _minimum(model, read_so(late), fitted.values)
+        return np.inf if found is None else rms(residual_of(found, read_so(late))[0], 1.0)
+
+    samples = sorted(_DELAYS, key=lambda k: error(k * step))[0]
+    near = (samples - max(0.5, abs(samples) / 2), samples + max(0.5, abs(samples) / 2))
+    best: Any = minimize_scalar(lambda k: error(k * step), bounds=near, method="bounded", options={"xatol": 0.02})
+    late = float(best.x) * step
+    found = _minimum(model, read_so(late), fitted.values)
+    if found is None:
+        return None
+    left, worst = residual_of(found, read_so(late))
+    told = Nuisance("delay", late / step, "samples", rms(left, 1.0))
+    return Fault(None, told, read_so(late), found.values, left, len(found.static.free) + 1, worst)
+
+
+def _earlier(record: Trace | Sweep, late: float) -> Trace | Sweep:
+    return moved(record, late / record.step) if isinstance(record, Trace) else record
 
 
 def without(campaign: Campaign, i: int) -> Campaign:

@@ -57,7 +57,7 @@ def _gain(record: Trace, predicted: np.ndarray) -> Nuisance:
 def _delay(record: Trace, predicted: np.ndarray) -> Nuisance:
     """The response comes d samples late (negative: early)."""
     size, error = _shift(record, predicted, 0, len(predicted))
-    return Nuisance("delay", size, "samples", error, _moved(record, size))
+    return Nuisance("delay", size, "samples", error, moved(record, size))
 
 
 def _shift(record: Trace, predicted: np.ndarray, first: int, last: int) -> tuple[float, float]:
@@ -83,7 +83,7 @@ def _shift(record: Trace, predicted: np.ndarray, first: int, last: int) -> tuple
     return min(found, key=lambda one: one[1])
 
 
-def _moved(record: Trace, late: float, begin: int = 0) -> Trace:
+def moved(record: Trace, late: float, begin: int = 0) -> Trace:
     """The record with its response from sample `begin` on moved to where it belongs, if it came so many samples late.
 
     Whole samples move the response, and where it then says nothing it is masked; what is left moves the drive.
@@ -113,7 +113,7 @@ def _dropped(record: Trace, predicted: np.ndarray) -> Nuisance:
     k = int(np.argmin(before + after))
     count = max(int(np.count_nonzero(record.counted[: n - lost])), 1)
     error = float(np.sqrt((before[k] + after[k]) / count)) / sigma
-    return Nuisance("delay", -float(lost), DROPPED, error, _moved(record, -float(lost), k) if k else None)
+    return Nuisance("delay", -float(lost), DROPPED, error, moved(record, -float(lost), k) if k else None)
 
 
 def _drift(record: Trace, predicted: np.ndarray) -> Nuisance:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..campaign.record import Trace
-from ..campaign.suspect import Suspect, suspects_by_data
+from ..campaign.suspect import ALL, Suspect, suspects_by_data
 from ..effects.effect import AbstractEffect
 from ..fit import Fit, fit
 from ..fit.reading import read
@@ -22,7 +22,7 @@ from ..model import Model
 from .confirm import confirm
 from .enough import MOST_OF_IT, SHAPE
 from .evidence import Left, criteria
-from .faults import OF_FREQUENCY, Fault, explanations, faults_of
+from .faults import OF_FREQUENCY, Fault, common_delay, explanations, faults_of
 from .nuisance import DROPPED, Nuisance, rms
 from .score import prepare, score, significant
 from .shorten import is_long
@@ -59,14 +59,12 @@ def _disagree(fitted: Fit) -> bool:
     return len(errors) > 1 and max(errors) > _FAR * _FLOOR
 
 
-def cleared(suspects: tuple[Suspect, ...], final: Fit) -> tuple[Suspect, ...]:
-    """The suspects that stay when physics has been named.
-
-    If all records, held-out ones too, stand at their noise with one model, none disagrees with the others: what looked
-    so was the shape of what had been missing. What the data of a record alone tell stays.
-    """
-    agree = all(score.error_over_noise <= _FLOOR for score in final.scores)
-    return tuple(one for one in suspects if not agree or one.kind not in BY_OTHERS)
+def judged_again(suspects: tuple[Suspect, ...], final: Fit, report: Report) -> tuple[Suspect, ...]:
+    """The suspects beside the model that a walk has ended with: what looked so may have been the shape of what had
+    been missing, and what that hid may show now. What the data of a record alone tell stays."""
+    alone = tuple(one for one in suspects if one.kind not in BY_OTHERS)
+    names = {one.file for one in alone}
+    return alone + tuple(one for one in find_suspects(final, {}, report) if one.file not in names)
 
 
 class _Explained(NamedTuple):
@@ -109,6 +107,8 @@ def _most_likely(fitted: Fit, inside: Sequence[int], library: Library) -> tuple[
     """The fault that explains the records better than physics does, if one does."""
     left = _left(fitted)
     faults = [fault for i in inside for fault in faults_of(fitted, i) if _beyond_an_effect(fault, fitted.values)]
+    common = common_delay(fitted)
+    faults += [] if common is None else [common]
     weights = criteria([Left(left, fitted.freedom), *(_beside(left, fault.whole, fault.numbers) for fault in faults)])
     if not weights[0] - min(weights) > _CLEARLY:
         return None
@@ -152,12 +152,16 @@ def _counts(record: Trace) -> np.ndarray:
 
 
 def _suspect(fitted: Fit, best: Fault, sound: _Explained, faulty: _Explained) -> Suspect:
-    record, told, settles = fitted.campaign.traces[best.record], best.told, best.worst <= _FLOOR
-    words = f"{_words(told, fitted.campaign.traces)}; so read, the error over noise of all records falls from "
+    told, traces = best.told, fitted.campaign.traces
+    name = ALL if best.record is None else traces[best.record].name
+    words = f"{_words(told, traces)}; so read, the error over noise of all records falls from "
     words += f"{rms(_left(fitted), 1.0):.3g} to {rms(faulty.left, 1.0):.3g}"
-    if sound.model is not fitted.model:
+    if sound.model.names != fitted.model.names:
         words += f", with {sound.model.names[-1]} instead to {rms(sound.left, 1.0):.3g}"
-    return Suspect(record.name, told.kind, told.size, told.unit, _SURE if settles else _LIKELY, words, settles)
+    if faulty.model.names != fitted.model.names:
+        words += f", with {faulty.model.names[-1]} in the model"
+    sure = _SURE if best.worst <= _FLOOR else _LIKELY
+    return Suspect(name, told.kind, told.size, told.unit, sure, words, first=True)
 
 
 def _beyond_an_effect(fault: Fault, values: np.ndarray) -> bool:
@@ -187,10 +191,9 @@ def _held_out(fitted: Fit, known: _Explained, i: int) -> Suspect | None:
     told = next(iter(explanations(known.model, known.values, traces, i)), None)
     if told is None or told.error > _BACK * agree:
         return None
-    settles = agree <= _FLOOR
     words = f"{_words(told, traces)}; so read, it agrees with the others (error over noise {before:.3g} → "
     words += f"{told.error:.3g}, theirs {agree:.3g})"
-    return Suspect(record.name, told.kind, told.size, told.unit, _SURE if settles else _LIKELY, words, settles)
+    return Suspect(record.name, told.kind, told.size, told.unit, _SURE if agree <= _FLOOR else _LIKELY, words)
 
 
 def _words(one: Nuisance, traces: Sequence[Trace]) -> str:

@@ -53,7 +53,7 @@ def test_a_fault_is_named_with_its_size_and_no_physics_is(kind, clean):
     campaign = spoiled(clean, name, **changes)
     found = diagnose(fit(build_model(campaign), campaign), registry())
     (suspect,) = found.suspects
-    assert (suspect.file, suspect.kind) == (name, kind) and suspect.settles
+    assert (suspect.file, suspect.kind) == (name, kind) and suspect.first
     assert abs(suspect.size / size - 1) < 0.02
     assert found.discovery.steps == () and found.discovery.verdict != "identified"
     assert name in verdict_words(found) and name in advice(found)[0]
