@@ -205,7 +205,7 @@ def check_sampling(file: str, time: np.ndarray, drive: np.ndarray, period: float
 
     if np.ptp(drive) == 0:
         return
-    per_period = 2 * math.pi / drive_rate(drive)
+    per_period = 2 * math.pi / drive_rate(drive, period)
     if period is not None:
         per_period = min(per_period, period)
     if per_period < 3:
