@@ -15,6 +15,9 @@ from .signal_basis import Pole, find_transient, harmonic_columns, orthonormal, t
 
 HARMONICS = 12
 LONGEST = 8192
+_LOUD = 0.03  # of the response: a floor below is not asked whether the record's parts agree
+_SHORT = 200  # samples of a part at least: the series and the transient take some fifty numbers
+_FAR_BELOW = 0.5  # of the floor of the whole: parts that agree with it scatter by a tenth
 _CLIPPED_ERROR = 0.5  # relative, of the floor of a clipped record: found 1.0 to 2.5 times too high, once 8.5
 
 
@@ -52,7 +55,7 @@ def noise_floor(
     elif period is None:
         found = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
     elif period <= 8 * HARMONICS or _highest_harmonic(drive, period) <= HARMONICS // 3:
-        found = _short_period(response[-LONGEST:], period, mains)
+        found = _of_parts(response[-LONGEST:], period, mains, _short_period(response[-LONGEST:], period, mains))
     else:
         found = _repeats(response, period)
     fit, method = found
@@ -111,6 +114,21 @@ def _short_period(
     verb = "leaves" if words.startswith("a ") else "leave"
     method = f"what {words} {verb} beside {' and '.join(beside) or 'a constant'} ({numbers})"
     return fit, method + (f"; mains hum, {share:.0%} of its power, is part of it" if share > 0 else "")
+
+
+def _of_parts(
+    response: np.ndarray, period: float, mains: tuple[float, ...], whole: tuple[Autoregression, str]
+) -> tuple[Autoregression, str]:
+    """The floor of a record's thirds, where theirs is far below that of the whole: lost samples, or a jump, spoil the
+    series of the whole record, and would hide themselves behind the floor that they make."""
+    third = len(response) // 3
+    if whole[0].sigma < _LOUD or third < max(2.5 * period, _SHORT):
+        return whole
+    parts = [_short_period(response[k * third : (k + 1) * third], period, mains) for k in range(3)]
+    usual = sorted(parts, key=lambda part: part[0].sigma)[1]
+    if usual[0].sigma > _FAR_BELOW * whole[0].sigma:
+        return whole
+    return usual[0], f"{usual[1]}, in a third of the record; over the whole of it the response does not stay in step"
 
 
 def _apart(mains: tuple[float, ...], rate: float | None, pole: Pole | None, n: int) -> list[float]:

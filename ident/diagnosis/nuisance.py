@@ -18,6 +18,8 @@ from ..campaign.record import Trace
 from ..campaign.suspect import Kind
 
 DROPPED = "samples from some sample on"
+_DIPS = 4  # of the mismatch over delays, the deepest
+_SAME = 1.02  # of an error: within that two numbers of lost samples say the same
 _NEAR = 0.05  # of a time scale, around which a better one is looked for
 
 
@@ -56,12 +58,13 @@ def _gain(record: Trace, predicted: np.ndarray) -> Nuisance:
 
 def _delay(record: Trace, predicted: np.ndarray) -> Nuisance:
     """The response comes d samples late (negative: early)."""
-    size, error = _shift(record, predicted, 0, len(predicted))
+    size, error = min(_shifts(record, predicted, 0, len(predicted)), key=lambda one: one[1])
     return Nuisance("delay", size, "samples", error, moved(record, size))
 
 
-def _shift(record: Trace, predicted: np.ndarray, first: int, last: int) -> tuple[float, float]:
-    """By how many samples those from `first` to `last` come late, up to a tenth of the record, and what that leaves."""
+def _shifts(record: Trace, predicted: np.ndarray, first: int, last: int) -> list[tuple[float, float]]:
+    """By how many samples those from `first` to `last` may come late, up to a tenth of the record, and what that
+    leaves: of a sine such delays lie a period apart, and only the rest differs."""
     measured, n = record.response, len(record.response)
     most = max(2, n // 10)
     index = np.arange(n, dtype=float)
@@ -77,10 +80,10 @@ def _shift(record: Trace, predicted: np.ndarray, first: int, last: int) -> tuple
     whole = np.array([mismatch(delay) for delay in range(-most, most + 1)])
     dips = [k for k in range(1, len(whole) - 1) if whole[k] <= min(whole[k - 1], whole[k + 1])] or [int(whole.argmin())]
     found = []
-    for k in sorted(dips, key=lambda k: whole[k])[:4]:  # of a sine they lie a period apart, and only the rest differs
+    for k in sorted(dips, key=lambda k: whole[k])[:_DIPS]:
         best: Any = minimize_scalar(error, bounds=(k - most - 1, k - most + 1), method="bounded")
         found.append((float(best.x), float(best.fun)))
-    return min(found, key=lambda one: one[1])
+    return found
 
 
 def moved(record: Trace, late: float, begin: int = 0) -> Trace:
@@ -100,20 +103,26 @@ def moved(record: Trace, late: float, begin: int = 0) -> Trace:
 
 def _dropped(record: Trace, predicted: np.ndarray) -> Nuisance:
     """Samples are missing on the way: up to some sample the response is in time, from there on it is early."""
-    n, sigma = len(record.time), record.noise.sigma
-    size, _ = _shift(record, predicted, 2 * n // 3, n)
-    lost = round(-size)
-    if lost < 1 or lost >= n // 3:
-        return Nuisance("delay", size, DROPPED, np.inf)
-    wrong = (record.response - predicted) ** 2 * record.counted
-    right = (record.response[: n - lost] - predicted[lost:]) ** 2 * record.counted[: n - lost]
-    # the cost of a break at sample k: in time before, early from there on
-    before = np.concatenate([[0.0], np.cumsum(wrong)])[: n - lost + 1]
-    after = np.concatenate([np.cumsum(right[::-1])[::-1], [0.0]])
-    k = int(np.argmin(before + after))
-    count = max(int(np.count_nonzero(record.counted[: n - lost])), 1)
-    error = float(np.sqrt((before[k] + after[k]) / count)) / sigma
-    return Nuisance("delay", -float(lost), DROPPED, error, moved(record, -float(lost), k) if k else None)
+    n = len(record.time)
+    sizes = sorted({round(-size) for size, _ in _shifts(record, predicted, 2 * n // 3, n)})
+    tried = [_lost(record, predicted, lost) for lost in sizes if 0 < lost < n // 3]
+    best = min((one.error for one in tried), default=np.inf)
+    # fewest first: whole periods of a steady sine are not missed
+    return next((one for one in tried if one.error < _SAME * best), Nuisance("delay", 0.0, DROPPED, np.inf))
+
+
+def _lost(record: Trace, predicted: np.ndarray, lost: int) -> Nuisance:
+    """So many samples are missing, where that suits the record best."""
+    kept = len(record.time) - lost
+    in_time = (record.response - predicted) ** 2 * record.counted
+    early = (record.response[:kept] - predicted[lost:]) ** 2 * record.counted[:kept]
+    before = np.concatenate([[0.0], np.cumsum(in_time)])[: kept + 1]
+    after = np.concatenate([np.cumsum(early[::-1])[::-1], [0.0]])
+    begin = int(np.argmin(before + after))
+    error = float(np.sqrt((before[begin] + after[begin]) / max(np.count_nonzero(record.counted[:kept]), 1)))
+    if not 0 < begin < kept:
+        return Nuisance("delay", -float(lost), DROPPED, np.inf)
+    return Nuisance("delay", -float(lost), DROPPED, error / record.noise.sigma, moved(record, -float(lost), begin))
 
 
 def _drift(record: Trace, predicted: np.ndarray) -> Nuisance:

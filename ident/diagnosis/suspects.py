@@ -85,11 +85,11 @@ def _by_others(fitted: Fit, library: Library) -> list[Suspect]:
     traces = fitted.campaign.traces
     errors = [score.error_over_noise for score in fitted.trace_scores]
     worst = sorted(range(len(traces)), key=lambda i: -errors[i])
-    inside = [i for i in worst if not traces[i].holdout][:_MOST]
+    inside = [i for i in worst if not traces[i].holdout and errors[i] > _FLOOR][:_MOST]
     outside = [i for i in worst if traces[i].holdout][:_MOST]
     found: list[Suspect] = []
     known = _Explained(fitted.model, fitted.values, _left(fitted), fitted.freedom)
-    if len(inside) > 2 and known.excess > _FLOOR**2 - 1:
+    if len(fitted.campaign.fitted) > 2 and known.excess > _FLOOR**2 - 1:
         one = _most_likely(fitted, inside, library)
         if one is not None:
             found, known = [one[0]], one[1]
@@ -107,19 +107,23 @@ def _most_likely(fitted: Fit, inside: Sequence[int], library: Library) -> tuple[
     """The fault that explains the records better than physics does, if one does."""
     left = _left(fitted)
     faults = [fault for i in inside for fault in faults_of(fitted, i) if _beyond_an_effect(fault, fitted.values)]
-    common = common_delay(fitted)
-    faults += [] if common is None else [common]
+    if all(fault.worst > _FLOOR for fault in faults):
+        common = common_delay(fitted)
+        faults += [] if common is None else [common]
     weights = criteria([Left(left, fitted.freedom), *(_beside(left, fault.whole, fault.numbers) for fault in faults)])
     if not weights[0] - min(weights) > _CLEARLY:
         return None
     best = faults[int(np.argmin(weights)) - 1]
-    sound, first = _with_physics(fitted, library), max(float(np.mean(left**2)) - 1.0, 1e-9)
-    if not sound.excess > SHAPE * first:
+    scores = [s for s in fitted.trace_scores if not s.holdout]
+    own = fitted.trace_scores[best.record] if best.record is not None else fitted.fitted
+    shapes = SHAPE * own.n / sum(s.n for s in scores) * max(own.error_over_noise**2 - 1.0, 1e-9)
+    sound = _with_physics(fitted, library)
+    if not sound.excess > shapes:
         return None  # nothing is left to explain
     faulty = _with_physics(fit(fitted.model, best.campaign, initial=best.values), library)
     faulty = faulty._replace(left=np.concatenate([faulty.left, best.apart]), numbers=faulty.numbers + 1)
     weights = criteria([sound, _beside(sound.left, faulty.left, faulty.numbers)])
-    most = faulty.excess < MOST_OF_IT * sound.excess and sound.excess - faulty.excess > SHAPE * first
+    most = faulty.excess < MOST_OF_IT * sound.excess and sound.excess - faulty.excess > shapes
     if not (most and weights[0] - weights[1] > _CLEARLY):
         return None
     return _suspect(fitted, best, sound, faulty), faulty
