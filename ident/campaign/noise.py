@@ -102,7 +102,8 @@ def _short_period(
     if removed.level == 3:
         removed = _removed(response, harmonics, rate, pole, (3, 4))
     white = np.convolve(removed.residual, np.append(1.0, -np.array(removed.fit.ar)))[:n] ** 2
-    if np.mean(white[: n // 3]) > 1.5 * np.mean(white[-(n // 3) :]) and halvings and n >= 600:
+    first, middle, last = (float(np.mean(part)) for part in np.array_split(white, 3))
+    if max(first, middle) > 1.5 * last and halvings and n >= 600:  # many columns bend to what comes first
         later = _short_period(response[n // 3 :], period, mains, halvings - 1)  # a transient beyond description dies
         if later[0].sigma < removed.fit.sigma:
             return later

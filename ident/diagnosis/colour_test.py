@@ -8,9 +8,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy import stats
-from scipy.signal import lfilter
+from scipy.special import fdtrc
 
+from ..campaign.recursive import convolved
 from .whiten import prediction_filter
 
 if TYPE_CHECKING:
@@ -31,15 +31,15 @@ def chance(bench: Bench, basis: np.ndarray, tried: int) -> float:
     for first, last in zip(bench.starts, ends, strict=True):
         part = left[first:last]
         taps = prediction_filter(part[None])
-        size = float(np.std(lfilter(taps, [1.0], part))) or 1.0
-        y.append(np.asarray(lfilter(taps, [1.0], bench.residual[first:last])) / size)
-        x.append(np.asarray(lfilter(taps, [1.0], basis[first:last], axis=0)) / size)
+        size = float(np.std(convolved(taps, part))) or 1.0
+        y.append(convolved(taps, bench.residual[first:last]) / size)
+        x.append(convolved(taps, basis[first:last]) / size)
     target, regressors = np.concatenate(y), np.concatenate(x)
     q, _ = np.linalg.qr(regressors)
     drop = float(np.sum((q.T @ target) ** 2))
     freedom = bench.n - tried - bench.absorbed.shape[1]
     rest = (float(target @ target) - drop) / freedom
-    return float(stats.f.sf(drop / tried / max(rest, 1e-300), tried, freedom))
+    return float(fdtrc(tried, freedom, drop / tried / max(rest, 1e-300)))
 
 
 def chance_of(bench: Bench, basis: np.ndarray) -> float:
@@ -58,7 +58,7 @@ def chance_of(bench: Bench, basis: np.ndarray) -> float:
         part = bench.residual[first:last]
         taps = prediction_filter(part[None])
         both = np.column_stack([part, basis[first:last]])
-        white = np.asarray(lfilter(taps, [1.0], both, axis=0))
+        white = convolved(taps, both)
         white = white / (float(np.std(white[:, 0])) or 1.0)
         y.append(white[:, 0])
         x.append(white[:, 1:])
@@ -67,4 +67,4 @@ def chance_of(bench: Bench, basis: np.ndarray) -> float:
     drop = float(np.sum((q.T @ target) ** 2))
     freedom = bench.n - basis.shape[1] - bench.absorbed.shape[1]
     rest = max((float(target @ target) - drop) / freedom, 1e-300)
-    return float(stats.f.sf(drop / basis.shape[1] / rest, basis.shape[1], freedom))
+    return float(fdtrc(basis.shape[1], freedom, drop / basis.shape[1] / rest))

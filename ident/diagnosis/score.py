@@ -113,7 +113,8 @@ class Candidate(NamedTuple):
     - `values`: estimated parameters by short name (SI), the shapes at their best grid point; `errors`: of the
       amplitudes.
     - `signature`: (dof, n) orthonormal projected columns, by which candidates are compared; `near`: `values` at the
-      next best points of the grid; `beside`: the model's own parameters with the candidate at `values`.
+      next best points of the grid, and `near_signatures` there; `beside`: the model's own parameters with the candidate
+      at `values`.
     """
 
     name: str
@@ -126,6 +127,7 @@ class Candidate(NamedTuple):
     units: Mapping[str, str]
     signature: np.ndarray
     near: tuple[Mapping[str, float], ...] = ()
+    near_signatures: tuple[np.ndarray, ...] = ()
     beside: np.ndarray | None = None
 
 
@@ -308,7 +310,7 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     dof = best.basis.shape[1] + sum(p.kind == "shape" and p.fitted for p in instance.declared())
     excess = max(bench.chi2 - bench.n, 1e-9)
     p = chance(bench, best.basis, dof) if best.drop > 0 else 1.0
-    near = tuple(other.values for other in others[: _NEAR_POINTS - 1])
+    near = others[: _NEAR_POINTS - 1]
     return Candidate(
         effect.name,
         best.drop,
@@ -319,7 +321,8 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
         errors,
         units,
         best.basis.T,
-        near,
+        tuple(other.values for other in near),
+        tuple(other.basis.T for other in near),
         beside,
     )
 

@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import BSpline
-from scipy.signal import lfilter
 
+from ..campaign.recursive import recursive_filter
 from ..effects.dependence import COORDINATES
 from ..effects.effect import Scale
 from ..response.lane import Lane
@@ -147,10 +147,10 @@ def quick(time: float, period: float) -> bool:
 
 def relaxed(x: np.ndarray, step: np.ndarray, time: float) -> np.ndarray:
     """First-order lag of (lanes, points) from zero, exact for straight lines between the points."""
-    found = np.empty_like(x)
+    found = np.zeros_like(x)
     for lane, h in enumerate(step):
         decay = float(np.exp(-h / time))
         mean = time / h * (1 - decay)
-        start = np.array([-(1 - mean) * x[lane, 0]])  # so that the first value is zero
-        found[lane] = lfilter([1 - mean, mean - decay], [1.0, -decay], x[lane], zi=start)[0]
+        fed = (1 - mean) * x[lane, 1:] + (mean - decay) * x[lane, :-1]
+        found[lane, 1:] = recursive_filter(np.ones(1), np.array([1.0, -decay]), fed)
     return found

@@ -18,8 +18,8 @@ from typing import NamedTuple
 
 import jax
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.interpolate import CubicHermiteSpline
-from scipy.signal import savgol_filter
 
 from ..campaign.record import Trace
 from ..fit import Fit
@@ -123,8 +123,18 @@ def _moved(residual: np.ndarray, record: Trace, period: float) -> np.ndarray:
 
 
 def _smooth(residual: np.ndarray, step: float, period: float) -> np.ndarray:
-    """Residual and its rate, (2, n), smoothed over about a sixth of the resonance's period by local cubics."""
+    """Residual and its rate, (2, n), smoothed over about a sixth of the resonance's period by local cubics.
+
+    Source: A. Savitzky, M. J. E. Golay, 1964, Analytical Chemistry 36, 1627, doi:10.1021/ac60214a047.
+    """
     window = max(int(period / step / 6) // 2 * 2 + 1, 5)
     if len(residual) <= window:
         return np.zeros((2, len(residual)))
-    return np.array([savgol_filter(residual, window, 3, deriv=order, delta=step) for order in (0, 1)])
+    half = window // 2
+    at = np.arange(-half, half + 1)
+    cubics = np.linalg.pinv(np.vander(at, 4, increasing=True)) @ sliding_window_view(residual, window).T
+    ends = np.vander(at, 4, increasing=True)  # what the first and the last cubic say of the ends
+    value = np.concatenate([ends[:half] @ cubics[:, 0], cubics[0], ends[half + 1 :] @ cubics[:, -1]])
+    slopes = np.vander(at, 3, increasing=True) * [1, 2, 3]
+    rate = np.concatenate([slopes[:half] @ cubics[1:, 0], cubics[1], slopes[half + 1 :] @ cubics[1:, -1]])
+    return np.array([value, rate / step])

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import solve_toeplitz
-from scipy.signal import lfilter
 
 from ..campaign.record import Trace
+from ..campaign.recursive import convolved, recursive_filter
 
 MAINS = (50.0, 60.0)  # Hz; hum is a nuisance of the laboratory, never a property of the device
 _ORDER = 12
@@ -56,7 +56,7 @@ def whiten(piece: Piece, rows: np.ndarray) -> np.ndarray:
 
 def _filter(piece: Piece, rows: np.ndarray) -> np.ndarray:
     rows = rows[:, piece.counted]
-    white = (rows if len(piece.filter) == 1 else np.asarray(lfilter(piece.filter, [1.0], rows, axis=1))) / piece.scale
+    white = (rows if len(piece.filter) == 1 else convolved(piece.filter, rows.T).T) / piece.scale
     return white if piece.masked is None else np.where(piece.masked, 0.0, white)
 
 
@@ -64,7 +64,7 @@ def _innovation(ar: np.ndarray) -> float:
     """Standard deviation of the white noise that drives an autoregression of unit variance."""
     if not len(ar):
         return 1.0
-    impulse = lfilter([1.0], np.concatenate([[1.0], -ar]), np.eye(1, 20_000)[0])
+    impulse = recursive_filter(np.ones(1), np.concatenate([[1.0], -ar]), np.eye(1, 20_000)[0])
     return float(1.0 / np.linalg.norm(impulse))
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy import stats
+from scipy.special import chdtrc, chndtr
 
 
 class Correlation(NamedTuple):
@@ -46,7 +46,7 @@ def whiteness(white: Sequence[np.ndarray], orders: Sequence[int]) -> Correlation
         pooled[:last] += n * rho
         n_all += n
     slight = n_all * _SLIGHT**2  # one lag as large as that in every record
-    p = float(stats.ncx2.sf(q, freedom, slight))
+    p = 1.0 - float(chndtr(q, freedom, slight))
     return Correlation(np.arange(1, _LJUNG_BOX + 1), pooled / n_all, 2.58 / np.sqrt(n_all), p)
 
 
@@ -72,7 +72,7 @@ def drive_correlation(
         chi2 += float(np.sum((turn[:, kept].T @ (rows @ e)) ** 2 / powers[kept]))
         freedom += int(kept.sum())
         n_all += n
-    p = float(stats.chi2.sf(chi2, freedom)) if freedom else 1.0
+    p = float(chdtrc(freedom, chi2)) if freedom else 1.0
     return Correlation(lags, values / max(n_all, 1), 2.58 / np.sqrt(max(n_all, 1)), p)
 
 

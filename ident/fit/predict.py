@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtri
 
 from ..campaign.campaign import Campaign
 from ..campaign.drive_alone import drive_alone
@@ -47,7 +47,7 @@ class Prediction(NamedTuple):
     def band(self, level: float = 0.9, *, noise: bool = True) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper end, (n,) each, between which a measurement (or without `noise` the model) lies with a
         probability of `level`, if the model is right."""
-        half = norm.ppf(0.5 + level / 2) * np.sqrt(self.error**2 + (self.noise**2 if noise else 0.0))
+        half = ndtri(0.5 + level / 2) * np.sqrt(self.error**2 + (self.noise**2 if noise else 0.0))
         return self.reading - half, self.reading + half
 
     def to_dataframe(self) -> DataFrame:
