@@ -49,12 +49,20 @@ def verdict(fit: Fit) -> str:
         text = f"{model} does not describe {records}: the error is {ratio_text(ratio)} times the noise floor"
         text += f" (worst in {worst.name}, {ratio_text(worst.error_over_noise)})." if n > 1 else "."
         text += " Something is missing from it; `ident diagnose` looks for it."
-    text += _heldout(fit)
+    text += _heldout(fit) + _not_counted(fit)
     if ratio <= GOOD:
         fitted = [e for e in fit.estimates if e.fitted]
         known = sum(not e.flags for e in fitted)
         text += f" {known} of {len(fitted)} fitted parameters are determined and differ from zero."
     return text if fit.converged else text + " The fit did not converge; its numbers are provisional."
+
+
+def _not_counted(fit: Fit) -> str:
+    clipped = [(r.name, r.masked) for r in fit.campaign.traces if r.masked is not None and np.any(r.masked)]
+    if not clipped:
+        return ""
+    share = listed([f"{np.mean(masked):.1%} of {name}" for name, masked in clipped])
+    return f" Clipped samples were not counted, {share}: where the response is largest, nothing judges the model."
 
 
 def _heldout(fit: Fit) -> str:
