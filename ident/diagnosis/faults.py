@@ -56,12 +56,13 @@ class Fault(NamedTuple):
         return np.concatenate([self.left, self.apart])
 
 
-def faults_of(fitted: Fit, i: int) -> list[Fault]:
-    """Ways in which one record may be faulty, each fitted together with the other records."""
+def faults_of(fitted: Fit, i: int, most: float = np.inf) -> list[Fault]:
+    """Ways in which one record may be faulty, each fitted together with the other records; none if one of those stands
+    above `most` noise floors without it."""
     model, campaign, record = fitted.model, fitted.campaign, fitted.campaign.traces[i]
     others = without(campaign, i)
     rest = _told_by(fitted, others)
-    if rest is None:
+    if rest is None or residual_of(rest, others)[1] > most:
         return []
     own = _minimum(model, _only(campaign, record), None)  # a device of its own: another load, or another device
     ratio = 1.0 if own is None else float(own.values[0]) / float(rest.values[0])

@@ -9,6 +9,7 @@ of one record takes it away. Held-out records are judged by what the fitted ones
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -52,6 +53,26 @@ def find_suspects(fitted: Fit, library: Library, report: Report = lambda _: None
         return tuple(found)
     report("do the records agree with one another?")
     return tuple(found + _by_others(fitted, library))
+
+
+@lru_cache(maxsize=8)  # the terminal and the page ask
+def alone_off(fitted: Fit) -> tuple[Suspect, ...]:
+    """The record that alone keeps a model from the noise, if reading it otherwise brings all of them there: what a fit
+    can say without asking what effects would do."""
+    if is_long(fitted.campaign) or not _disagree(fitted) or len(fitted.campaign.fitted) < 3:
+        return ()
+    traces = fitted.campaign.traces
+    off = [i for i, s in enumerate(fitted.trace_scores) if not s.holdout and s.error_over_noise > _FAR * _FLOOR]
+    found = [fault for i in off[:_MOST] for fault in faults_of(fitted, i, _FLOOR)]
+    settled = [one for one in found if one.worst <= _FLOOR and _beyond_an_effect(one, fitted.values)]
+    if not settled:
+        return ()
+    best = min(settled, key=lambda one: rms(one.whole, 1.0))
+    assert best.record is not None
+    words = f"{_words(best.told, traces)}; so read, all records stand at their noise. `ident diagnose` weighs that "
+    words += "against effects"
+    told = best.told
+    return (Suspect(traces[best.record].name, told.kind, told.size, told.unit, _LIKELY, words),)
 
 
 def _disagree(fitted: Fit) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 from ..campaign.device import Platform
 from ..campaign.drive import drive_frequency
 from ..campaign.suspect import suspects_by_data
+from ..diagnosis.suspects import alone_off
 from ..fit.carry_over import expected_error
 from ..fit.one_tone import gain_of
 from ..fit.result import Fit
@@ -87,9 +88,10 @@ def _heldout(fit: Fit) -> str:
 
 def sentences(fit: Fit) -> tuple[Sentence, ...]:
     """What must be known before a number of this fit is used, warnings first."""
-    suspects = [Sentence(f"Suspect record {one.sentence}", True) for one in suspects_by_data(fit.campaign)]
-    found = [*suspects, *_error_bars(fit), *_noise(fit), *_numerics(fit), *_physics(fit)]
-    return tuple(sorted(found, key=lambda s: not s.warning))
+    found = (*suspects_by_data(fit.campaign), *alone_off(fit))
+    suspects = [Sentence(f"Suspect record {one.sentence}", True) for one in found]
+    told = [*suspects, *_error_bars(fit), *_noise(fit), *_numerics(fit), *_physics(fit)]
+    return tuple(sorted(told, key=lambda s: not s.warning))
 
 
 def _error_bars(fit: Fit) -> list[Sentence]:

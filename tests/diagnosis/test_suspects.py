@@ -15,7 +15,7 @@ from ident.diagnosis.diagnose import diagnose
 from ident.diagnosis.document import diagnosis_dict
 from ident.diagnosis.nuisance import nuisances
 from ident.diagnosis.score import prepare
-from ident.diagnosis.suspects import find_suspects
+from ident.diagnosis.suspects import alone_off, find_suspects
 from ident.effects.registry import registry
 from ident.fit import fit
 from ident.model import build_model
@@ -60,6 +60,8 @@ def test_a_fault_is_named_with_its_size_and_no_physics_is(kind, clean):
     assert abs(suspect.size / size - 1) < 0.02
     assert found.discovery.steps == () and found.discovery.verdict != "identified"
     assert name in verdict_words(found) and name in advice(found)[0]
+    (beforehand,) = alone_off(fit(build_model(campaign), campaign))
+    assert (beforehand.file, beforehand.kind) == (name, kind)
     (told,) = diagnosis_dict(found)["records"]
     assert (told["file"], told["suspect"]) == (name, kind) and told["probability"] > 0.9
 
@@ -76,7 +78,8 @@ def test_the_response_of_a_held_out_record_from_another_is_named(clean):
 @pytest.mark.parametrize("name", ["platform_clean", "mystery_platform", "platform_fe"])
 def test_sound_records_are_not_suspected_whatever_the_model_lacks(name):
     campaign = read_campaign(DATA / name)
-    assert find_suspects(fit(build_model(campaign, ()), campaign), registry()) == ()
+    found = fit(build_model(campaign, ()), campaign)
+    assert find_suspects(found, registry()) == () and alone_off(found) == ()
 
 
 def test_what_the_data_alone_tell(clean):
