@@ -12,7 +12,7 @@ from scipy.signal import resample_poly, welch
 MANY = 100_000  # samples of a record: fewer are read in a moment and fitted in seconds as they are
 PER_PERIOD = 40  # samples that are kept of the fastest motion: the solver takes about as many steps
 _SEGMENT = 65_536  # samples of a spectrum
-_NOISE = 2.0  # times the median of the upper half of a spectrum, which is noise: less is none of the motion
+_NOISE = 30.0  # times the median of the upper half of a spectrum, which is noise: chance reaches that once in 10⁹
 _MOTION, _DRIVE = 1e-8, 1e-2  # of the power: what is faster of the response, of the drive, leaves the fit as it is
 
 
