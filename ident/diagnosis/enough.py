@@ -10,7 +10,7 @@ from .evidence import Left, behind
 from .score import Bench
 
 ANOTHER_LAW = 0.001  # of the first excess: structured misfit beyond which a name is in doubt; see `lacking`
-SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
+_SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
 _WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
 MOST_OF_IT = 0.5  # of what is left: a wrong noise floor leaves nothing that one effect explains to this degree
 _LEAST = 0.2  # of what is left: where every effect promises less, the library lacks the one that is missing
@@ -55,7 +55,7 @@ def worth_a_name(drop: float, first: Bench) -> bool:
     No law has exactly the device's shape, so something always remains significant; to add it would name physics that
     is not there.
     """
-    return drop > SHAPE * (first.chi2 - first.n)
+    return drop > _SHAPE * (first.chi2 - first.n)
 
 
 def not_worth_adding(bench: Bench, best: float, first: Bench) -> bool:

@@ -78,31 +78,39 @@ def faults_of(fitted: Fit, i: int, most: float = np.inf) -> list[Fault]:
 
 
 def common_delay(fitted: Fit) -> Fault | None:
-    """All responses come late, or early, by the same time: a lag that no record can place."""
+    """All responses come late, or early, alike: a lag that no record can place. A filter's is the same time in every
+    record, a converter's the same number of samples."""
+    steps = {record.step for record in fitted.campaign.fitted}
+    alike = [_common_delay(fitted, None)] + [_common_delay(fitted, min(steps))] * (len(steps) > 1)
+    return min(filter(None, alike), key=lambda fault: rms(fault.left, 1.0), default=None)
+
+
+def _common_delay(fitted: Fit, step: float | None) -> Fault | None:
+    """All responses come late by the same number of samples, of `step` s if that is not each record's own."""
     model, campaign = fitted.model, fitted.campaign
-    step = min(record.step for record in campaign.fitted)
+
+    def earlier(record: Trace | Sweep, late: float) -> Trace | Sweep:
+        own = late * step / record.step if step and isinstance(record, Trace) else late
+        return moved(record, own) if isinstance(record, Trace) else record
 
     def read_so(late: float) -> Campaign:
-        return replace(campaign, records=tuple(_earlier(record, late) for record in campaign.records))
+        return replace(campaign, records=tuple(earlier(record, late) for record in campaign.records))
 
     def error(late: float) -> float:
         found = _minimum(model, read_so(late), fitted.values)
         return np.inf if found is None else rms(residual_of(found, read_so(late))[0], 1.0)
 
-    samples = sorted(_DELAYS, key=lambda k: error(k * step))[0]
-    near = (samples - max(0.5, abs(samples) / 2), samples + max(0.5, abs(samples) / 2))
-    best: Any = minimize_scalar(lambda k: error(k * step), bounds=near, method="bounded", options={"xatol": 0.02})
-    late = float(best.x) * step
+    coarse = min(_DELAYS, key=error)
+    reach = max(0.75, abs(coarse) / 2)
+    bounds, options = (coarse - reach, coarse + reach), {"xatol": 2e-4}
+    best: Any = minimize_scalar(error, bounds=bounds, method="bounded", options=options)
+    late = float(best.x)
     found = _minimum(model, read_so(late), fitted.values)
     if found is None:
         return None
     left, worst = residual_of(found, read_so(late))
-    told = Nuisance("delay", late / step, "samples", rms(left, 1.0))
+    told = Nuisance("delay", late, "samples", rms(left, 1.0))
     return Fault(None, told, read_so(late), found.values, left, len(found.static.free) + 1, worst)
-
-
-def _earlier(record: Trace | Sweep, late: float) -> Trace | Sweep:
-    return moved(record, late / record.step) if isinstance(record, Trace) else record
 
 
 def without(campaign: Campaign, i: int) -> Campaign:

@@ -21,7 +21,7 @@ from ..fit import Fit, fit
 from ..fit.reading import read
 from ..model import Model
 from .confirm import confirm
-from .enough import MOST_OF_IT, SHAPE
+from .enough import ANOTHER_LAW, MOST_OF_IT
 from .evidence import Left, criteria
 from .faults import OF_FREQUENCY, Fault, common_delay, explanations, faults_of
 from .nuisance import DROPPED, Nuisance, rms
@@ -137,7 +137,7 @@ def _most_likely(fitted: Fit, inside: Sequence[int], library: Library) -> tuple[
     best = faults[int(np.argmin(weights)) - 1]
     scores = [s for s in fitted.trace_scores if not s.holdout]
     own = fitted.trace_scores[best.record] if best.record is not None else fitted.fitted
-    shapes = SHAPE * own.n / sum(s.n for s in scores) * max(own.error_over_noise**2 - 1.0, 1e-9)
+    shapes = ANOTHER_LAW * own.n / sum(s.n for s in scores) * max(own.error_over_noise**2 - 1.0, 1e-9)
     sound = _with_physics(fitted, library)
     if not sound.excess > shapes:
         return None  # nothing is left to explain
