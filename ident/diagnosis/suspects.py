@@ -89,12 +89,14 @@ def judged_again(suspects: tuple[Suspect, ...], final: Fit, report: Report) -> t
 
 
 class _Explained(NamedTuple):
-    """What a model, with one effect more if that helps, says of records; `left` (n,) in white noise floors."""
+    """What a model, with one effect more if that helps, says of records; `left` (n,) in white noise floors; `traces`: as
+    the held-out ones among them are to be read."""
 
     model: Model
     values: np.ndarray
     left: np.ndarray
     numbers: int
+    traces: Sequence[Trace] = ()
 
     @property
     def excess(self) -> float:
@@ -109,12 +111,14 @@ def _by_others(fitted: Fit, library: Library) -> list[Suspect]:
     inside = [i for i in worst if not traces[i].holdout and errors[i] > _FLOOR][:_MOST]
     outside = [i for i in worst if traces[i].holdout][:_MOST]
     found: list[Suspect] = []
-    known = _Explained(fitted.model, fitted.values, _left(fitted), fitted.freedom)
+    known = _Explained(fitted.model, fitted.values, _left(fitted), fitted.freedom, traces)
     if len(fitted.campaign.fitted) > 2 and known.excess > _FLOOR**2 - 1:
         one = _most_likely(fitted, inside, library)
         if one is not None:
-            found, known = [one[0]], one[1]
-    return found + [s for i in outside if (s := _held_out(fitted, known, i)) is not None]
+            suspect, known = one
+            found = [suspect]
+            traces = known.traces
+    return found + [s for i in outside if (s := _held_out(traces, known, i)) is not None]
 
 
 def _left(fitted: Fit) -> np.ndarray:
@@ -147,7 +151,8 @@ def _most_likely(fitted: Fit, inside: Sequence[int], library: Library) -> tuple[
     most = faulty.excess < MOST_OF_IT * sound.excess and sound.excess - faulty.excess > shapes
     if not (most and weights[0] - weights[1] > _CLEARLY):
         return None
-    return _suspect(fitted, best, sound, faulty), faulty
+    read_so = best.campaign if best.record is None else fitted.campaign
+    return _suspect(fitted, best, sound, faulty), faulty._replace(traces=read_so.traces)
 
 
 def _beside(left: np.ndarray, other: np.ndarray, numbers: int) -> Left:
@@ -202,11 +207,10 @@ def _beyond_an_effect(fault: Fault, values: np.ndarray) -> bool:
     return told.unit != OF_FREQUENCY or abs(told.size) > 100 * half_width
 
 
-def _held_out(fitted: Fit, known: _Explained, i: int) -> Suspect | None:
+def _held_out(traces: Sequence[Trace], known: _Explained, i: int) -> Suspect | None:
     """What is wrong with a held-out record that is predicted far worse than the fitted ones agree, if one number tells
     it."""
-    traces, agree = fitted.campaign.traces, max(1.0, rms(known.left, 1.0))
-    record = traces[i]
+    agree, record = max(1.0, rms(known.left, 1.0)), traces[i]
     reading = read(known.model, known.values, [record])[0]
     if not np.all(np.isfinite(reading)):
         return None
