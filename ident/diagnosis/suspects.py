@@ -89,8 +89,8 @@ def judged_again(suspects: tuple[Suspect, ...], final: Fit, report: Report) -> t
 
 
 class _Explained(NamedTuple):
-    """What a model, with one effect more if that helps, says of records; `left` (n,) in white noise floors; `traces`: as
-    the held-out ones among them are to be read."""
+    """What a model, with one effect more if that helps, says of records; `left` (n,) in white noise floors; `traces`:
+    as the held-out ones among them are to be read."""
 
     model: Model
     values: np.ndarray
