@@ -64,7 +64,9 @@ class Bench:
 
     @property
     def n(self) -> int:
-        return len(self.residual)
+        """How many samples count."""
+        silent = sum(np.count_nonzero(piece.masked) for piece in self.pieces if piece.masked is not None)
+        return len(self.residual) - int(silent)
 
     @property
     def chi2(self) -> float:
