@@ -25,7 +25,7 @@ from ..programs import program
 from .lane import Numbers
 from .memory import Seen, memory_along
 from .runge_kutta import runge_kutta, stages, steps_of
-from .system import Equation, System, assemble, derivative, reading, slices
+from .system import Equation, System, assemble, derivative, reading, slices, tangents
 
 LEVEL, FREQUENCY = -2, -1  # places of U and f in the unknowns w = (y, U, f) of a point
 _POINTS = (8, 32, 128)  # looked at side by side: so many programs, and no more
@@ -33,14 +33,13 @@ _WIDTHS = (4, 8, 16)  # directions of one look
 _STEPS = (64, 96, 128, 192, 256)  # of the solver per period
 
 
-def steps_per_period(quality: float, finest: int, allowed: float) -> int:
+def steps_per_period(finest: int, allowed: float) -> int:
     """Solver steps per period with which the method's error moves the response by less than `allowed` of itself.
 
-    The phase error of Runge–Kutta steps is (ωh)⁴/120 per radian, near resonance 2Q times that in the response;
-    `finest`: what the sharpest effect of the model needs.
+    What `undispersed` leaves of it is θ⁴/40, whatever the quality and the nonlinearity; `finest`: what the sharpest
+    effect of the model needs.
     """
-    largest = (120 * allowed / max(2 * quality, 2.0)) ** 0.25
-    needed = max(2 * math.pi / largest, finest)
+    needed = max(2 * math.pi / (40 * allowed) ** 0.25, finest)
     return next((n for n in _STEPS if n >= needed), _STEPS[-1])
 
 
@@ -66,6 +65,20 @@ class Look(NamedTuple):
     miss_slope: np.ndarray
     tone_slope: np.ndarray
     swing_slope: np.ndarray
+
+    def put(self, rows: np.ndarray, other: Look) -> None:
+        """Take over some points from another look along the same directions."""
+        for part, new in zip(self[:3], other[:3], strict=True):
+            part[rows] = new
+        for part, new in zip(self[3:], other[3:], strict=True):
+            part[:, rows] = new
+
+
+def empty_look(points: int, n: int, directions: int) -> Look:
+    """A look that has seen nothing yet."""
+    one, along = (points,), (directions, points)
+    return Look(np.zeros((points, n)), np.zeros(one, complex), np.zeros(one),
+                np.zeros((directions, points, n)), np.zeros(along, complex), np.zeros(along))  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,9 +126,9 @@ class Periodic:
             own = min(left, most)
             found.append([np.asarray(part)[..., :own] for part in said])
             first += own
-        miss, shown, slope, shown_slope = (np.concatenate(part, axis=-1) for part in zip(*found, strict=True))
-        tone, tone_slope = shown[0] + 1j * shown[1], shown_slope[:, 0] + 1j * shown_slope[:, 1]
-        return Look(miss.T, tone, shown[2], np.moveaxis(slope, 1, 2)[:d], tone_slope[:d], shown_slope[:d, 2])
+        miss, slope, shown, shown_slope = (np.concatenate(part, axis=-1) for part in zip(*found, strict=True))
+        tone, tone_slope = shown[0] + 1j * shown[1], shown_slope[0] + 1j * shown_slope[1]
+        return Look(miss.T, tone, shown[2], np.moveaxis(slope, 0, 2)[:d], tone_slope[:d], shown_slope[2, :d])
 
 
 def motion_parts(equation: Equation) -> tuple[tuple[slice | None, ...], tuple[slice, ...]]:
@@ -137,6 +150,14 @@ def bound(equation: Equation, constants: Numbers, values: Numbers, load: Any, fr
     return system._replace(mass=system.mass + load, omega=2 * math.pi * frequency)
 
 
+def undispersed(system: System, step: Any) -> System:
+    """The system that the solver, in steps h, integrates as the given one: what steps of fourth order do to an
+    oscillation of frequency ω, θ = ωh, is to slow it by θ⁴/120 and to damp it by ω θ⁵/144, and is taken off."""
+    theta = system.omega * step
+    mass = system.mass / (1 + theta**4 / 60)
+    return system._replace(mass=mass, damping=system.damping - mass * system.omega * theta**5 / 72)
+
+
 def one_period(equation: Equation, system: System, y: Any, level: Any, frequency: Any, angle: Any) -> tuple[Any, Any]:
     """The state after a period, (n,), and the readings at the beginning of each step, (steps,).
 
@@ -144,6 +165,7 @@ def one_period(equation: Equation, system: System, y: Any, level: Any, frequency
     """
     parts, places = motion_parts(equation)
     step = 2.0 / (frequency * (angle.shape[0] - 1))
+    system = undispersed(system, step)
     voltage, rate = level * jnp.cos(angle), -level * system.omega * jnp.sin(angle)
     still = 0.0 * angle
     seen = Seen(still, still, voltage, rate, still, step, system.omega, system.gain, 0.0)
@@ -155,10 +177,11 @@ def one_period(equation: Equation, system: System, y: Any, level: Any, frequency
         acting = lambda h, u, r, effect=effect: effect.drive(tuple(h), system.drive(u, r), 0.0)
         forces.append(jax.vmap(acting, in_axes=(1, 0, 0))(jnp.stack(path), voltage, rate))
         remembered[i] = end
-    grids = (voltage, rate, still, *((sum(forces),) if forces else ()))
+    # Cosine and sine are those of all points: only a remembered force has to be kept for each.
+    grids = (jnp.cos(angle), jnp.sin(angle), *((sum(forces),) if forces else ()))
 
     def advance(state: tuple, x: Any) -> tuple:
-        at = stages(x)
+        at = [(level * cosine, -level * system.omega * sine, 0.0, *push) for cosine, sine, *push in stages(x)]
         slope = jax.jit(lambda y, now: derivative(system, parts, y, now))  # traced once instead of four times
         shown = reading(system, parts, state, at[0][:3], slope(state, at[0])[1])
         return runge_kutta(slope, state, at, step), shown
@@ -168,18 +191,28 @@ def one_period(equation: Equation, system: System, y: Any, level: Any, frequency
     return jnp.stack([*after, *(h for end in remembered.values() for h in end)]), shown
 
 
-def tones(shown: Array, angle: Any) -> Array:
-    """Real and imaginary part of the fundamental relative to cos ωt, and half the peak-to-peak value; (3,)."""
-    n = shown.shape[0]
+def tones(shown: Array, slopes: Array, angle: Any) -> tuple[Array, Array]:
+    """Real and imaginary part of the fundamental relative to cos ωt, and half the peak-to-peak value, (3, points), of
+    readings (steps, points); and their derivatives (3, d, points) by the readings' (steps, d, points)."""
     at = angle[:-1:2]
-    real, imaginary = 2.0 / n * jnp.sum(shown * jnp.cos(at)), -2.0 / n * jnp.sum(shown * jnp.sin(at))
-    return jnp.stack([real, imaginary, 0.5 * (_peak(shown) + _peak(-shown))])
+    weights = 2.0 / len(at) * jnp.stack([jnp.cos(at), -jnp.sin(at)])
+    (top, top_slope), (bottom, bottom_slope) = _peak(shown, slopes), _peak(-shown, -slopes)
+    both = jnp.concatenate([jnp.tensordot(weights, shown, 1), 0.5 * (top + bottom)[None]])
+    swing = 0.5 * (top_slope + bottom_slope)
+    return both, jnp.concatenate([jnp.tensordot(weights, slopes, 1), swing[None]])
 
 
-def _peak(shown: Array) -> Array:
-    """The highest point of a periodic curve, by the parabola through the highest sample and its neighbours."""
-    k = jnp.argmax(shown)
-    before, here, after = jnp.roll(shown, 1)[k], shown[k], jnp.roll(shown, -1)[k]
+def _peak(shown: Array, slopes: Array) -> tuple[Array, Array]:
+    """The highest points of periodic curves, by the parabola through the highest sample and its neighbours, (points,);
+    and their derivatives (d, points)."""
+    highest = jnp.argmax(shown, axis=0)
+    rows = [(highest + i) % shown.shape[0] for i in (-1, 0, 1)]
+    near = [jnp.take_along_axis(shown, row[None], 0)[0] for row in rows]
+    near_slopes = [jnp.take_along_axis(slopes, row[None, None], 0)[0] for row in rows]
+    return tangents(_vertex, tuple(near), tuple(near_slopes))
+
+
+def _vertex(before: Any, here: Any, after: Any) -> Any:
     bend = before - 2 * here + after
     return here - (after - before) ** 2 / (8 * jnp.where(bend < 0, bend, -jnp.inf))
 
@@ -191,19 +224,18 @@ def look(
 ) -> tuple:  # fmt: skip
     """`Periodic.look` of one set of points, points last."""
 
+    # The points are the last axis of everything, tangents too: they fill the processor's vector units.
     def one(values: Any, w: Any, load: Any) -> tuple:
         level, frequency = w[LEVEL], w[FREQUENCY]
         system = bound(equation, constants, values, load, frequency)
-        end, shown = one_period(equation, system, w[:LEVEL], level, frequency, angle)
-        return end - w[:LEVEL], tones(shown, angle)
+        return one_period(equation, system, w[:LEVEL], level, frequency, angle)
 
-    def point(w: Any, load: Any, scale: Any) -> tuple:
-        there = lambda values, w: one(values, w, load)
-        ahead = lambda change, kick: jax.jvp(there, (values, w), (change, kick * scale))
-        return jax.vmap(ahead, out_axes=(None, 0))(by_values, along)
-
-    (miss, shown), (slope, shown_slope) = jax.vmap(point, out_axes=-1)(unknowns, load, scale)
-    return miss, shown, slope, shown_slope
+    points, kicks = jnp.asarray(unknowns).T, jnp.asarray(scale).T
+    there = lambda values, w: jax.vmap(one, in_axes=(None, -1, -1), out_axes=-1)(values, w, load)
+    ahead = lambda change, kick: jax.jvp(there, (values, points), (change, kick[:, None] * kicks))
+    (end, shown), (slope, shown_slope) = jax.vmap(ahead, out_axes=(None, 1))(by_values, along)
+    own = jnp.asarray(along)[:, :LEVEL].T[..., None] * kicks[:LEVEL, None]
+    return end - points[:LEVEL], slope - own, *tones(shown, shown_slope, angle)
 
 
 class Ride(NamedTuple):
