@@ -28,9 +28,8 @@ from ..response import Equation
 from ..response.controlled import Controlled
 from ..response.lane import Numbers
 from ..response.memory import Seen, memory_along
-from ..response.periodic import bound
+from ..response.periodic import batches, bound, joined
 
-_POINTS = (32, 128)  # looked at side by side
 _STUCK = 1e-12  # as in `response.controlled`
 _STEPS = 128  # of a period
 _ROUNDING = 1e-9  # of a force: a smaller fundamental is none
@@ -96,13 +95,10 @@ def curve_columns(solved: Solved, equation: Equation, values: np.ndarray, direct
     drives, shares = [], []
     for value, direction in zip(values, directions, strict=True):
         found = []
-        for first in range(0, len(points.level), _POINTS[-1]):
-            left = min(len(points.level) - first, _POINTS[-1])
-            most = next(p for p in _POINTS if p >= left)
-            own = np.minimum(np.arange(first, first + most), first + left - 1)
+        for own in batches(len(points.level)):
             said = terms_along(equation, equation.constants, value, direction, *(x[own] for x in at), angle)
-            found.append(np.asarray(said)[:, :left])
-        real = np.concatenate(found, axis=1)
+            found.append((said,))
+        (real,) = joined(found, len(points.level))
         push, driven, shown = real[::2] + 1j * real[1::2]
         offset = -shown / steady.tone
         change = -push / (gain * steady.level) + stretch * offset.real + 1j * offset.imag

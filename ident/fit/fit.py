@@ -120,13 +120,20 @@ def minimise(
         pulse = Pulse(report, stage)
         watch = lambda cost, pulse=pulse: pulse.beat(f"error over noise {per_sample(cost):.3g}")
         found = solve.least_squares(static, there, begin(data, static), robust, most, begun, watch)
-        found = _reweighed(static, *found, robust, most, watch)
         solutions.append((per_sample(first), *found))
         if not starts and not told and per_sample(solutions[-1][2].cost) < _AT_THE_FLOOR:
             break
-    _, data, best = min(solutions, key=lambda s: s[2].cost if np.isfinite(s[2].cost) else np.inf)
+    # All starts had the same weights; those of the best one's model are its own.
+    chosen = min(range(len(solutions)), key=lambda i: _finite(solutions[i][2].cost))
+    first, data, best = solutions[chosen]
+    data, best = _reweighed(static, data, best, robust, most, watch)
+    solutions[chosen] = (first, data, best)
     table = tuple(Start(first, per_sample(s.cost), s.steps, s.converged) for first, _, s in solutions)
     return Minimum(static, data, best, table, scales)
+
+
+def _finite(cost: float) -> float:
+    return cost if np.isfinite(cost) else np.inf
 
 
 def _reweighed(

@@ -28,9 +28,9 @@ from .runge_kutta import runge_kutta, stages, steps_of
 from .system import Equation, System, assemble, derivative, reading, slices, tangents
 
 LEVEL, FREQUENCY = -2, -1  # places of U and f in the unknowns w = (y, U, f) of a point
-_POINTS = (8, 32, 128)  # looked at side by side: so many programs, and no more
-_WIDTHS = (4, 8, 16)  # directions of one look
-_STEPS = (64, 96, 128, 192, 256)  # of the solver per period
+POINTS = 64  # looked at side by side: one program for any number of them
+_WIDTHS = (8, 16)  # directions of one look
+_STEPS = (64, 96, 128, 256)  # of the solver per period
 
 
 def steps_per_period(finest: int, allowed: float) -> int:
@@ -41,6 +41,16 @@ def steps_per_period(finest: int, allowed: float) -> int:
     """
     needed = max(2 * math.pi / (40 * allowed) ** 0.25, finest)
     return next((n for n in _STEPS if n >= needed), _STEPS[-1])
+
+
+def batches(count: int) -> list[np.ndarray]:
+    """Points as a program takes them, the last one again where there are too few."""
+    return [np.minimum(np.arange(first, first + POINTS), count - 1) for first in range(0, count, POINTS)]
+
+
+def joined(found: list[tuple], count: int) -> list[np.ndarray]:
+    """What a program said of all batches, points last."""
+    return [np.concatenate(part, axis=-1)[..., :count] for part in zip(*found, strict=True)]
 
 
 class Seat(NamedTuple):
@@ -112,21 +122,15 @@ class Periodic:
             half = _WIDTHS[-1]
             parts = [self.look(unknowns, seat, along[:half], by_values[:half]),
                      self.look(unknowns, seat, along[half:], by_values[half:])]  # fmt: skip
-            joined = (np.concatenate([part[k] for part in parts]) for k in range(3, 6))
-            return Look(*parts[0][:3], *joined)
+            slopes = (np.concatenate([part[k] for part in parts]) for k in range(3, 6))
+            return Look(*parts[0][:3], *slopes)
         fill = lambda rows: np.concatenate([rows, np.zeros((width - d, rows.shape[1]))])
         along, by_values = fill(along), fill(by_values)
-        count, found, first = len(unknowns), [], 0
-        while first < count:
-            left = count - first
-            most = next((p for p in _POINTS if p >= left), _POINTS[-1])
-            rows = np.minimum(np.arange(first, first + most), count - 1)
+        found = []
+        for rows in batches(len(unknowns)):
             arrays = (self.values, by_values, unknowns[rows], along, seat.load[rows], seat.scale[rows], self.angle)
-            said = look(self.equation, self.equation.constants, *arrays)
-            own = min(left, most)
-            found.append([np.asarray(part)[..., :own] for part in said])
-            first += own
-        miss, slope, shown, shown_slope = (np.concatenate(part, axis=-1) for part in zip(*found, strict=True))
+            found.append(look(self.equation, self.equation.constants, *arrays))
+        miss, slope, shown, shown_slope = joined(found, len(unknowns))
         tone, tone_slope = shown[0] + 1j * shown[1], shown_slope[0] + 1j * shown_slope[1]
         return Look(miss.T, tone, shown[2], np.moveaxis(slope, 0, 2)[:d], tone_slope[:d], shown_slope[2, :d])
 
@@ -254,17 +258,11 @@ def ride(model: Periodic, level: np.ndarray, frequency: np.ndarray, load: np.nda
     **Returns:** hidden states at t = 0, (points, n − 2), two periods after they began; and the fundamental of M z̈ −
     F(z, ż, hidden) with the voltage at zero, N.
     """
-    count, found, first = len(level), [], 0
-    while first < count:
-        left = count - first
-        most = next((p for p in _POINTS if p >= left), _POINTS[-1])
-        rows = np.minimum(np.arange(first, first + most), count - 1)
+    found = []
+    for rows in batches(len(level)):
         arrays = (level[rows], frequency[rows], load[rows], np.real(motion)[rows], np.imag(motion)[rows], model.angle)
-        said = along_motion(model.equation, model.equation.constants, model.values, *arrays)
-        own = min(left, most)
-        found.append([np.asarray(part)[..., :own] for part in said])
-        first += own
-    hidden, real, imaginary = (np.concatenate(part, axis=-1) for part in zip(*found, strict=True))
+        found.append(along_motion(model.equation, model.equation.constants, model.values, *arrays))
+    hidden, real, imaginary = joined(found, len(level))
     return Ride(hidden.T, real + 1j * imaginary)
 
 
