@@ -184,8 +184,7 @@ def _newton(model: Periodic, points: Points, start: np.ndarray, seat: Seat) -> _
         step *= np.where(close, 1.0, np.minimum(share[left], _FARTHEST / np.maximum(farthest, 1e-300)))[:, None]
         on = np.isfinite(now)
         w[left[on], : n + 1] += step[on] * there.scale[on, : n + 1]
-        tone = seen.tone + np.einsum("kp,pk->p", seen.tone_slope, step)
-        search.look.put(left, seen._replace(tone=np.where(close, tone, seen.tone)))
+        search.look.put(left, seen.moved(step))
         search.found[left] = close & (w[left, LEVEL] > 0)
         left = left[on & ~close]
         if not len(left):

@@ -76,6 +76,11 @@ class Look(NamedTuple):
     tone_slope: np.ndarray
     swing_slope: np.ndarray
 
+    def moved(self, step: np.ndarray) -> Look:
+        """What it shows after steps (points, d) along its directions, to first order."""
+        tone = self.tone + np.einsum("pk,kp->p", step, self.tone_slope)
+        return self._replace(tone=tone, swing=self.swing + np.einsum("pk,kp->p", step, self.swing_slope))
+
     def put(self, rows: np.ndarray, other: Look) -> None:
         """Take over some points from another look along the same directions."""
         for part, new in zip(self[:3], other[:3], strict=True):
