@@ -73,8 +73,7 @@ class Controlled:
 
     def moves(self, directions: np.ndarray) -> Moved:
         """Derivatives along directions (d, m) of the values."""
-        n = self.model.size
-        found = self.model.look(self.unknowns, self.seat, np.zeros((len(directions), n + 2)), directions)
+        found = self.model.look_by_values(self.unknowns, self.seat, directions)
         return self._answer(*self._asked(found))
 
     def slopes(self, directions: np.ndarray) -> np.ndarray:

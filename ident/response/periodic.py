@@ -21,7 +21,7 @@ import numpy as np
 from jax import Array, lax
 
 from ..effects.effect import State
-from ..programs import program
+from ..programs import Program, program
 from .lane import Numbers
 from .memory import Seen, memory_along
 from .runge_kutta import runge_kutta, stages, steps_of
@@ -29,7 +29,7 @@ from .system import Equation, System, assemble, derivative, reading, slices, tan
 
 LEVEL, FREQUENCY = -2, -1  # places of U and f in the unknowns w = (y, U, f) of a point
 POINTS = 64  # looked at side by side: one program for any number of them
-_WIDTHS = (8, 16)  # directions of one look
+_WIDTHS = (4, 8, 16)  # directions of one look
 _STEPS = (64, 96, 128, 256)  # of the solver per period
 
 
@@ -114,27 +114,26 @@ class Periodic:
         """(2 steps + 1,) rad of the half-step grid."""
         return np.pi / self.steps * np.arange(2 * self.steps + 1)
 
-    def look(self, unknowns: np.ndarray, seat: Seat, along: np.ndarray, by_values: np.ndarray | None = None) -> Look:
-        """One period from `unknowns` (points, n + 2).
+    def look(self, unknowns: np.ndarray, seat: Seat, along: np.ndarray) -> Look:
+        """One period from `unknowns` (points, n + 2), and how it changes along directions (d, n + 2) of them, in units
+        of the seat's scale."""
+        return self._seen(by_unknowns, unknowns, seat, along)
 
-        **Arguments:** `along`: (d, n + 2) directions of the unknowns, in units of the seat's scale; `by_values`: (d, m)
-        directions of the values, zero if not given.
-        """
-        d, m = len(along), len(self.values)
-        by_values = np.zeros((d, m)) if by_values is None else by_values
-        width = next((w for w in _WIDTHS if w >= d), None)
-        if width is None:  # more directions than one program takes
-            half = _WIDTHS[-1]
-            parts = [self.look(unknowns, seat, along[:half], by_values[:half]),
-                     self.look(unknowns, seat, along[half:], by_values[half:])]  # fmt: skip
-            slopes = (np.concatenate([part[k] for part in parts]) for k in range(3, 6))
-            return Look(*parts[0][:3], *slopes)
-        fill = lambda rows: np.concatenate([rows, np.zeros((width - d, rows.shape[1]))])
-        along, by_values = fill(along), fill(by_values)
+    def look_by_values(self, unknowns: np.ndarray, seat: Seat, directions: np.ndarray) -> Look:
+        """The same along directions (d, m) of the values."""
+        return self._seen(by_values, unknowns, seat, directions)
+
+    def _seen(self, program: Program, unknowns: np.ndarray, seat: Seat, along: np.ndarray) -> Look:
+        d = len(along)
+        width = next((w for w in _WIDTHS if w >= d), _WIDTHS[-1])
+        if d > width:  # more directions than one program takes
+            parts = [self._seen(program, unknowns, seat, part) for part in (along[:width], along[width:])]
+            return Look(*parts[0][:3], *(np.concatenate([part[k] for part in parts]) for k in range(3, 6)))
+        along = np.concatenate([along, np.zeros((width - d, along.shape[1]))])
         found = []
         for rows in batches(len(unknowns)):
-            arrays = (self.values, by_values, unknowns[rows], along, seat.load[rows], seat.scale[rows], self.angle)
-            found.append(look(self.equation, self.equation.constants, *arrays))
+            arrays = (self.values, unknowns[rows], along, seat.load[rows], seat.scale[rows], self.angle)
+            found.append(program(self.equation, self.equation.constants, *arrays))
         miss, slope, shown, shown_slope = joined(found, len(unknowns))
         tone, tone_slope = shown[0] + 1j * shown[1], shown_slope[0] + 1j * shown_slope[1]
         return Look(miss.T, tone, shown[2], np.moveaxis(slope, 0, 2)[:d], tone_slope[:d], shown_slope[2, :d])
@@ -227,24 +226,43 @@ def _vertex(before: Any, here: Any, after: Any) -> Any:
 
 
 @program
-def look(
-    equation: Equation, constants: Numbers, values: Numbers, by_values: Numbers, unknowns: Numbers, along: Numbers,
-    load: Numbers, scale: Numbers, angle: Numbers,
+def by_unknowns(
+    equation: Equation, constants: Numbers, values: Numbers, unknowns: Numbers, along: Numbers, load: Numbers,
+    scale: Numbers, angle: Numbers,
 ) -> tuple:  # fmt: skip
     """`Periodic.look` of one set of points, points last."""
+    kicks = jnp.asarray(scale).T
+    there = lambda w: _all_points(equation, constants, values, w, load, angle)
+    points = jnp.asarray(unknowns).T
+    ahead = lambda kick: jax.jvp(there, (points,), (kick[:, None] * kicks,))
+    (end, shown), (slope, shown_slope) = jax.vmap(ahead, out_axes=(None, 1))(along)
+    own = jnp.asarray(along)[:, :LEVEL].T[..., None] * kicks[:LEVEL, None]
+    return end - points[:LEVEL], slope - own, *tones(shown, shown_slope, angle)
 
-    # The points are the last axis of everything, tangents too: they fill the processor's vector units.
-    def one(values: Any, w: Any, load: Any) -> tuple:
+
+@program
+def by_values(
+    equation: Equation, constants: Numbers, values: Numbers, unknowns: Numbers, directions: Numbers, load: Numbers,
+    scale: Numbers, angle: Numbers,
+) -> tuple:  # fmt: skip
+    """`Periodic.look_by_values` of one set of points, points last."""
+    points = jnp.asarray(unknowns).T
+    there = lambda values: _all_points(equation, constants, values, points, load, angle)
+    ahead = lambda change: jax.jvp(there, (values,), (change,))
+    (end, shown), (slope, shown_slope) = jax.vmap(ahead, out_axes=(None, 1))(directions)
+    return end - points[:LEVEL], slope, *tones(shown, shown_slope, angle)
+
+
+def _all_points(equation: Equation, constants: Numbers, values: Any, unknowns: Any, load: Any, angle: Any) -> tuple:
+    """State after a period and readings of points (n + 2, points). They are the last axis of everything, tangents too:
+    so they fill the processor's vector units."""
+
+    def one(w: Any, load: Any) -> tuple:
         level, frequency = w[LEVEL], w[FREQUENCY]
         system = bound(equation, constants, values, load, frequency)
         return one_period(equation, system, w[:LEVEL], level, frequency, angle)
 
-    points, kicks = jnp.asarray(unknowns).T, jnp.asarray(scale).T
-    there = lambda values, w: jax.vmap(one, in_axes=(None, -1, -1), out_axes=-1)(values, w, load)
-    ahead = lambda change, kick: jax.jvp(there, (values, points), (change, kick[:, None] * kicks))
-    (end, shown), (slope, shown_slope) = jax.vmap(ahead, out_axes=(None, 1))(by_values, along)
-    own = jnp.asarray(along)[:, :LEVEL].T[..., None] * kicks[:LEVEL, None]
-    return end - points[:LEVEL], slope - own, *tones(shown, shown_slope, angle)
+    return jax.vmap(one, in_axes=-1, out_axes=-1)(unknowns, load)
 
 
 class Ride(NamedTuple):
