@@ -74,7 +74,7 @@ class Branch:
         return (1 + 2 * t) * (1 - t) ** 2 * a + t * (1 - t) ** 2 * u + t**2 * (3 - 2 * t) * b - t**2 * (1 - t) * v
 
     def crossings(self, frequencies: np.ndarray) -> list[list[tuple[int, float]]]:
-        """Where the curve passes each of some frequencies: after which points, and which part of the way to the next."""
+        """Where the curve passes each of some frequencies: after which points, and what part of the way to the next."""
         f = self.frequency
         before, after = f[:-1] - frequencies[:, None], f[1:] - frequencies[:, None]
         # A point that is hit ends the stretch before it and does not begin the next.
@@ -100,7 +100,7 @@ def _turning(h: float, a: float, b: float, u: float, v: float) -> float:
 
 def follow(model: Periodic, levels: np.ndarray, loads: np.ndarray, bands: np.ndarray,
            sizes: np.ndarray) -> list[Branch]:  # fmt: skip
-    """The curves of a model at some levels (k,), V, under loads (k,), kg, each through a band of frequencies (k, 2), Hz.
+    """The curves of a model at levels (k,), V, under loads (k,), kg, each through a band of frequencies (k, 2), Hz.
 
     **Arguments:** `sizes`: (k,) the largest amplitudes to expect, m, which scale the length.
     """
