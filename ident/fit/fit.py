@@ -139,7 +139,7 @@ def _finite(cost: float) -> float:
 def _reweighed(
     static: Static, data: Data, found: solve.Solution, robust: bool, most: int, watch: Callable[[float], None]
 ) -> tuple[Data, solve.Solution]:
-    """A solution with the noise of the curves carried through the model as it is there."""
+    """A solution with the noise of the curves carried through the model as it is there; `most` steps in all."""
     for _ in range(_REWEIGHED if data.curves is not None and np.isfinite(found.cost) else 0):
         assert data.curves is not None  # else there is no round
         before = data.curves.white
@@ -149,9 +149,9 @@ def _reweighed(
         cost = float(again.residuals @ again.residuals)
         settled = np.array_equal(before, curves.white) or abs(cost - found.cost) < _SETTLED * found.cost
         found = found._replace(cost=cost, found=again)
-        if settled:
+        if settled or found.steps >= most:
             break
-        data, better = solve.least_squares(static, data, found.unknowns, robust, most, again, watch)
+        data, better = solve.least_squares(static, data, found.unknowns, robust, most - found.steps, again, watch)
         found = better._replace(steps=found.steps + better.steps)
     return data, found
 
