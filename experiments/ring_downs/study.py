@@ -25,7 +25,8 @@ from ident import runtime
 runtime.configure()
 
 from ident.campaign import read_campaign  # noqa: E402  (JAX must be configured first)
-from ident.diagnosis.discover import Discovery, discover  # noqa: E402
+from ident.diagnosis.discover import discover  # noqa: E402
+from ident.diagnosis.steps import Discovery  # noqa: E402
 from ident.effects.registry import built_in  # noqa: E402
 from ident.fit.start_model import start_model  # noqa: E402
 

@@ -14,6 +14,9 @@ from .signal_basis import Pole, find_transient, harmonic_columns, orthonormal, t
 
 HARMONICS = 12
 LONGEST = 8192
+_SURER = 1.5  # times; doubts are themselves estimates. Of 1044 sines of the hidden-effect generator 7 had floors 7 to 89
+# times too high, few periods near a sharp resonance; with this 6 of them are within 30 %, and 7 others change, none by
+# more than 40 %
 
 
 def noise_floor(time: np.ndarray, drive: np.ndarray, response: np.ndarray, period: float | None = None) -> NoiseFloor:
@@ -39,6 +42,9 @@ def noise_floor(time: np.ndarray, drive: np.ndarray, response: np.ndarray, perio
         found = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
     elif period <= 8 * HARMONICS or _highest_harmonic(drive, period) <= HARMONICS // 3:
         found = _short_period(response[-LONGEST:], period, mains)
+        far_above = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
+        if _SURER * far_above[0].relative_error < found[0].relative_error:
+            found = far_above  # a motion beyond description adds to what is left of it, but hardly so high
     else:
         found = _repeats(response, period)
     fit, method = found
@@ -85,7 +91,8 @@ def _short_period(
     if removed.level == 3:
         removed = _removed(response, harmonics, rate, pole, (3, 4))
     white = np.convolve(removed.residual, np.append(1.0, -np.array(removed.fit.ar)))[:n] ** 2
-    if np.mean(white[: n // 3]) > 1.5 * np.mean(white[-(n // 3) :]) and halvings and n >= 600:
+    first, middle, last = (float(np.mean(part)) for part in np.array_split(white, 3))
+    if max(first, middle) > 1.5 * last and halvings and n >= 600:  # many columns bend to what comes first
         later = _short_period(response[n // 3 :], period, mains, halvings - 1)  # a transient beyond description dies
         if later[0].sigma < removed.fit.sigma:
             return later

@@ -12,7 +12,7 @@ from .output import progress, say, say_fit, say_json, say_sheet
 
 if TYPE_CHECKING:
     from ident.diagnosis.diagnose import Diagnosis
-    from ident.diagnosis.discover import Step
+    from ident.diagnosis.steps import Step
     from ident.fit import Fit
 
 

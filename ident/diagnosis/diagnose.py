@@ -15,7 +15,7 @@ from ..effects.registry import registry
 from ..fit import Fit, fit_data
 from ..fit.fit_data import Effects
 from .beyond import free_name, go_beyond
-from .discover import Discovery, Keep, Step, Verdict, continue_from
+from .discover import Keep, continue_from
 from .effect_file import write_effect
 from .enough import adequate
 from .experiments import NextExperiment, next_experiments, rank_experiments
@@ -23,6 +23,7 @@ from .locate import Where, locate
 from .prune import hurts
 from .score import Bench, prepare
 from .shorten import is_long, working
+from .steps import Discovery, Step, Verdict
 from .suspects import BY_OTHERS, cleared, find_suspects
 from .ties import Unseen, unseen
 from .unknown import Unknown, find_unknown

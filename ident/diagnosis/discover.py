@@ -10,7 +10,6 @@ sure: with the true effect absent from the library an impostor still lowers the 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -26,15 +25,16 @@ from .evidence import behind, criteria
 from .lacking import lacking
 from .lone_record import prepare_at_best
 from .parts import Parts
-from .prune import Pruned, hurts, prune
+from .prune import Pruned, confirmed, hurts, prune
 from .refits import by_refits
 from .score import Bench, Candidate, prepare, score, significant
 from .shorten import is_long, working
 from .side_by_side import at_once
+from .steps import Discovery, Step, Verdict
 from .ties import TieSet, tie_set
+from .together import both, hidden_by_each_other
 from .trajectory import Diverged
 
-Verdict = Literal["adequate", "identified", "ambiguous", "not-in-library"]
 Library = Mapping[str, type[AbstractEffect]]
 Report = Callable[[str], None]
 Keep = Callable[["Fit", "Sequence[Step]"], None]
@@ -47,48 +47,6 @@ _BETRAYED = 0.1  # the same for any of them: then at once
 _NEAR = 0.1  # of the excess: candidates this near the best are confirmed too
 _REFITTED_TIES = 12  # of the names that tie by their scores; a record that says little leaves more than that
 _TIED_CRITERION = 10.0  # difference of the information criterion below which data do not choose
-
-
-class Step(NamedTuple):
-    """One addition: what, how much it was predicted and confirmed to gain, what it ties with, and the fit after it.
-
-    `reasons`: why it ties, in words; `tied`: the candidates that do, as scored on `bench`, the fit before; `instead`:
-    where an effect and a few simpler ones do as well.
-    """
-
-    added: str
-    predicted_gain: float
-    confirmed_gain: float
-    tie_set: tuple[str, ...]
-    role: Literal["effect", "shape-refinement"]
-    fit: Fit
-    reasons: tuple[str, ...] = ()
-    tied: tuple[Candidate, ...] = ()
-    bench: Bench | None = None
-    instead: Parts | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Discovery:
-    """The whole walk.
-
-    **Arguments:** `start`: the fit it began with; `steps`: in order; `ranking`: candidates at the start, best first,
-    and `confirmed`: gain of those that were refitted; `remaining`: significant candidates at the end; `bench`: of the
-    end; `lacking`: share of the first excess that the named effects leave although it has a structure.
-    """
-
-    verdict: Verdict
-    start: Fit
-    steps: tuple[Step, ...]
-    ranking: tuple[Candidate, ...]
-    confirmed: Mapping[str, float]
-    remaining: tuple[Candidate, ...]
-    bench: Bench
-    lacking: float = 0.0
-
-    @property
-    def final(self) -> Fit:
-        return self.steps[-1].fit if self.steps else self.start
 
 
 def discover(
@@ -122,18 +80,22 @@ def continue_from(
             candidates = by_refits(bench, candidates, library, report)
         ranking = ranking or tuple(candidates)
         real = significant(candidates)
-        if not real or len(steps) >= most or not_worth_adding(bench, max(c.drop for c in real), first):
+        if not real or len(steps) >= most:
             break
-        found = _best_step(current, bench, real, library, first, gains if not steps else {}, report)
+        if not_worth_adding(bench, max(c.drop for c in real), first) and not hidden_by_each_other(
+            bench, candidates, None, first
+        ):
+            break
+        found = _best_step(current, bench, candidates, library, first, gains if not steps else {}, report)
         if found is None:
             break
-        step, bench = found
-        steps.append(step)
-        current = step.fit
-        report(f"added {step.added}: error over noise {current.fitted.error_over_noise:.3g}")
+        more, bench = found
+        for step in more:
+            steps.append(step)
+            report(f"added {step.added}: error over noise {step.fit.fitted.error_over_noise:.3g}")
+        current = steps[-1].fit
         keep(start, steps)
-    while steps and hurts(steps[-2].fit if len(steps) > 1 else start, steps[-1].fit):
-        steps.pop()
+    steps = _without_refuted(start, steps, bench)
     alike: tuple[Parts, ...] = ()
     if steps:
         needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report)
@@ -147,12 +109,29 @@ def continue_from(
     if (steps[-1].fit if steps else start) is not current:
         bench = prepare(working(steps[-1].fit if steps else start))
         candidates = score(bench, library)
-    steps = [_tied_at_the_end(step, steps[-1].fit, start, library, report) for step in steps[:-1]] + steps[-1:]
+    blurred = [step for step in steps if step is not steps[-1] or step.partner]
+    steps = [_tied_at_the_end(s, steps[-1].fit, start, library, report) if s in blurred else s for s in steps]
     steps = [_beside_parts(step, alike) for step in steps]
     remaining = tuple(significant(candidates))
     lacks = lacking(_after_effects(steps, bench), first, report) if steps else 0.0
     verdict = _verdict(steps, bench, first, lacks, contradicted(steps[-1].fit if steps else start))
     return Discovery(verdict, start, tuple(steps), ranking, gains, remaining, bench, lacks)
+
+
+def _without_refuted(start: Fit, steps: list[Step], bench: Bench) -> list[Step]:
+    """The steps without those at the end that held-out records refute; `bench`: after the last.
+
+    Where the noise floor is not reached the model still lacks something, and one more law may bend to mimic a part of
+    that: after the first, a name then counts if it predicts other records better.
+    """
+    kept, left = list(steps), bench
+    while kept:
+        before, after = kept[-2].fit if len(kept) > 1 else start, kept[-1].fit
+        mimics = len(kept) > 1 and not adequate(left) and not confirmed(before, after)
+        if not (mimics or hurts(before, after)):
+            break
+        left = kept.pop().bench or left
+    return kept
 
 
 def _after_effects(steps: list[Step], bench: Bench) -> Bench:
@@ -215,21 +194,46 @@ def _role(bench: Bench, found: Confirmed, first: Bench) -> Literal["effect", "sh
 def _best_step(
     current: Fit,
     bench: Bench,
-    real: list[Candidate],
+    candidates: list[Candidate],
     library: Library,
     first: Bench,
     gains: dict[str, float],
     report: Report,
-) -> tuple[Step, Bench] | None:
-    """Confirm the best candidates by refits and take the one that the criterion prefers, or of those between which it
-    does not choose one that held-out data do not contradict; the bench of the fit with it too."""
+) -> tuple[list[Step], Bench] | None:
+    """Confirm the best candidates by refits and take the best one, or two that hide each other; the bench of the fit
+    with them too."""
+    real = significant(candidates)
     tried = _tried(bench, real, library, report)
     gains.update({found.candidate.name: found.gain for found in tried})
-    if not_worth_adding(bench, _best_drop(tried, bench), first):
+    best = None if not_worth_adding(bench, _best_drop(tried, bench), first) else _best(tried, bench, current, first)
+    single = best and (best.confirmed.candidate.name, best.left)
+    if names := hidden_by_each_other(bench, candidates, single, first):
+        report(f"trying {' and '.join(names)} together")
+        if two := both(current, bench, names, library, best and best.left):
+            return two
+    if best is None:
         return None
-    first_choice: tuple[Confirmed, Step, Bench] | None = None
+    found = best.confirmed
+    name, predicted = found.candidate.name, found.candidate.predicted_gain
+    ties, tied = _weighed_ties(bench, found, real, library, tried)
+    return [Step(name, predicted, found.gain, ties.names, best.role, best.fit, ties.reasons, tied, bench)], best.left
+
+
+class _Best(NamedTuple):
+    """The effect to add: its refit, what it is, the fit on all records, and the bench of that."""
+
+    confirmed: Confirmed
+    role: Literal["effect", "shape-refinement"]
+    fit: Fit
+    left: Bench
+
+
+def _best(tried: list[Confirmed], bench: Bench, current: Fit, first: Bench) -> _Best | None:
+    """The refit that the criterion prefers, or of those between which it does not choose one that held-out data do not
+    contradict."""
+    first_choice: _Best | None = None
     for found, after in _accepted(tried, bench, current):
-        if first_choice is not None and behind(found, first_choice[0]) > _TIED_CRITERION:
+        if first_choice is not None and behind(found, first_choice.confirmed) > _TIED_CRITERION:
             break
         shown = working(after)
         if not np.isfinite(after.fitted.error_over_noise) or not np.isfinite(shown.fitted.error_over_noise):
@@ -242,13 +246,11 @@ def _best_step(
             continue
         if (role == "shape-refinement" or adequate(left)) and hurts(current, after):
             continue
-        name, predicted = found.candidate.name, found.candidate.predicted_gain
-        ties, tied = _weighed_ties(bench, found, real, library, tried)
-        step = Step(name, predicted, found.gain, ties.names, role, after, ties.reasons, tied, bench)
+        choice = _Best(found, role, after, left)
         if not hurts(current, after):
-            return step, left
-        first_choice = first_choice or (found, step, left)  # unless the held-out records choose a rival
-    return None if first_choice is None else first_choice[1:]
+            return choice
+        first_choice = first_choice or choice  # unless the held-out records choose a rival
+    return first_choice
 
 
 def _accepted(tried: list[Confirmed], bench: Bench, current: Fit) -> Iterator[tuple[Confirmed, Fit]]:

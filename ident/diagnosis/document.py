@@ -8,7 +8,7 @@ from typing import Any
 from ..fit import Fit
 from .change import lineage_entry
 from .diagnose import Diagnosis
-from .discover import Discovery, Step
+from .steps import Discovery, Step
 
 FORMAT = 1
 _LISTED = 12  # candidates of the ranking worth a reader's time

@@ -26,8 +26,9 @@ from ..response import Equation
 from .balance import Balanced, balanced, samples_of
 from .basis import orthonormal
 from .colour_test import chance
-from .columns import Terms, contributions, push_columns
+from .columns import Terms, contributions, no_histories, push_columns
 from .curve_columns import Moves, Plane, curve_columns, curve_order, plane_of
+from .histories import begun_apart, histories
 from .side_by_side import at_once
 from .trajectory import Scene, lay_out
 from .whiten import Piece, make_piece, whiten
@@ -111,7 +112,8 @@ class Candidate(NamedTuple):
     - `values`: estimated parameters by short name (SI), the shapes at their best grid point; `errors`: of the
       amplitudes.
     - `signature`: (dof, n) orthonormal projected columns, by which candidates are compared; `near`: `values` at the
-      next best points of the grid; `beside`: the model's own parameters with the candidate at `values`.
+      next best points of the grid, and `near_signatures` there; `beside`: the model's own parameters with the candidate
+      at `values`.
     """
 
     name: str
@@ -124,6 +126,7 @@ class Candidate(NamedTuple):
     units: Mapping[str, str]
     signature: np.ndarray
     near: tuple[Mapping[str, float], ...] = ()
+    near_signatures: tuple[np.ndarray, ...] = ()
     beside: np.ndarray | None = None
 
 
@@ -178,7 +181,8 @@ def prepare(fit: Fit, believed: bool = False) -> Bench:
     directions = np.eye(len(fit.values))[free] * np.where(fit.values[free] == 0, 1.0, fit.values[free])[:, None]
     if curves is not None:
         bench = replace(bench, plane=plane_of(solved, directions))
-    along_measured = stack(bench, fit.model, np.tile(fit.values, (len(free), 1)), directions, linear=True)
+    past = np.tile(scene.histories, (len(free), 1, 1))
+    along_measured = stack(bench, fit.model, np.tile(fit.values, (len(free), 1)), directions, True, past)
     measured = _without(bench, along_measured, directions)
     if believed or not records or bench.fit_chi2 - measured.chi2 < _CREDIBLE * max(bench.fit_chi2 - bench.n, bench.n):
         return measured
@@ -205,15 +209,24 @@ def _without(bench: Bench, known: np.ndarray, directions: np.ndarray) -> Bench:
     return replace(found, absorbed=absorbed, residual=own.left - absorbed @ (absorbed.T @ own.left))
 
 
-def stack(bench: Bench, model: Model, values: np.ndarray, directions: np.ndarray, linear: bool = False) -> np.ndarray:
+def stack(
+    bench: Bench,
+    model: Model,
+    values: np.ndarray,
+    directions: np.ndarray,
+    linear: bool = False,
+    begun: np.ndarray | None = None,
+) -> np.ndarray:
     """Whitened columns of all fitted records, (d, n): what moving the parameters of `model` along each direction does.
 
     `values` and `directions` are (d, m). The terms of `model` push, its linear ones only if asked for; the bench's own
-    model answers.
+    model answers. `begun`, (d, records, h): their histories, if the records do not begin with the drive.
     """
     scene, solved, parts = bench.scene, bench.scene.solved, []
     if scene.tape.spans:
-        parts.append(_along_traces(bench, Terms(Equation(model), linear), values, directions))
+        equation = Equation(model)
+        pasts = no_histories(equation, len(values), scene.tape) if begun is None else begun
+        parts.append(_along_traces(bench, Terms(equation, linear), values, directions, pasts))
     if solved.data.curves is not None:
         plane = bench.plane
         assert plane is not None  # there are sweeps
@@ -224,10 +237,12 @@ def stack(bench: Bench, model: Model, values: np.ndarray, directions: np.ndarray
     return np.concatenate(parts, axis=1)
 
 
-def _along_traces(bench: Bench, asked: Terms, values: np.ndarray, directions: np.ndarray) -> np.ndarray:
+def _along_traces(
+    bench: Bench, asked: Terms, values: np.ndarray, directions: np.ndarray, pasts: np.ndarray
+) -> np.ndarray:
     """`stack` of the traces."""
     scene = bench.scene
-    both = contributions(asked, scene.tape, values, directions, scene.moved, scene.seen)
+    both = contributions(asked, scene.tape, values, directions, scene.moved, scene.seen, pasts)
     forces, shown = zip(*both, strict=True)
     rows = np.zeros((len(values), scene.tape.samples))
     if asked.push:
@@ -271,6 +286,11 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     values = np.array([np.concatenate([known, point]) for point in points for _ in amplitudes])
     directions = np.array([np.eye(values.shape[1])[first + a] for _ in points for a in amplitudes])
     raw = stack(bench, model, values, directions)
+    apart, begun = begun_apart(bench, model, len(values)), None
+    if apart is not None:
+        again, along = (np.tile(x, (len(apart), 1)) for x in (values, directions))
+        changed = stack(bench, model, again, along, begun=apart.reshape(-1, *apart.shape[2:]))
+        begun = histories(bench, changed.reshape(len(apart), *raw.shape), raw)
     moves = None if bench.plane is None else curve_columns(bench.scene.solved, Equation(model), values, directions)
     projected = bench.project(raw)
     names = [p.name for p in instance.declared()]
@@ -278,6 +298,10 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     tried = []
     for k, point in enumerate(points):
         rows = slice(k * len(amplitudes), (k + 1) * len(amplitudes))
+        price = 0.0
+        if begun is not None:
+            raw[rows], price = begun.fitted(bench, raw[rows], rows)
+            projected[rows] = bench.project(raw[rows])
         basis = orthonormal(projected[rows], raw[rows])
         if basis.shape[1] and moves is not None:
             tried.append(
@@ -289,7 +313,7 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
             found = _estimate(bench, names, amplitudes, point, projected[rows])
             sizes = [found[name] for name in one_sided]
             impossible = bench.credible and max(sizes, default=0.0) <= 0 > min(sizes, default=0.0)
-            drop = 0.0 if impossible else float(np.sum((basis.T @ bench.residual) ** 2))
+            drop = 0.0 if impossible else max(float(np.sum((basis.T @ bench.residual) ** 2)) - price, 0.0)
             tried.append(_Point(drop, found, basis, rows))
     if not tried:
         return None
@@ -306,7 +330,7 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     dof = best.basis.shape[1] + sum(p.kind == "shape" and p.fitted for p in instance.declared())
     excess = max(bench.chi2 - bench.n, 1e-9)
     p = chance(bench, best.basis, dof) if best.drop > 0 else 1.0
-    near = tuple(other.values for other in others[: _NEAR_POINTS - 1])
+    near = others[: _NEAR_POINTS - 1]
     return Candidate(
         effect.name,
         best.drop,
@@ -317,7 +341,8 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
         errors,
         units,
         best.basis.T,
-        near,
+        tuple(other.values for other in near),
+        tuple(other.basis.T for other in near),
         beside,
     )
 

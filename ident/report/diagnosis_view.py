@@ -5,9 +5,9 @@ from __future__ import annotations
 from ..campaign.device import Device
 from ..diagnosis.beyond import NAME
 from ..diagnosis.diagnose import Diagnosis
-from ..diagnosis.discover import Discovery, Step
 from ..diagnosis.enough import ANOTHER_LAW, adequate, contradicted
 from ..diagnosis.score import Candidate
+from ..diagnosis.steps import Discovery, Step
 from ..diagnosis.suspects import BY_OTHERS
 from ..fit import Fit
 from .data_judgement import one_frequency
@@ -135,7 +135,7 @@ def _size(candidate: Candidate, fitted: Fit) -> str:
 def advice(found: Diagnosis) -> list[str]:
     """What ties, what is unknown, and what to measure next, one sentence each."""
     sentences = [f"Suspect record: {suspect.sentence}" for suspect in found.suspects]
-    sentences += _scored_from(found.discovery)
+    sentences += [*_scored_from(found.discovery), *_together(found.discovery)]
     sentences += [reason for step in found.discovery.steps if step.role == "effect" for reason in step.reasons]
     for experiment in found.next_experiments[:1]:
         pair = " from ".join(" or ".join(group) for group in experiment.groups)
@@ -162,6 +162,20 @@ def _scored_from(loop: Discovery) -> list[str]:
         f"No values of the first model come near all records; effects were scored from those that describe "
         f"{alone.name} alone (error over noise {ratio_text(alone.error_over_noise)} there)."
     ]
+
+
+def _together(loop: Discovery) -> list[str]:
+    """Which effects were added at once, and why the table of single ones does not show them."""
+    said, before = [], loop.start
+    for one, other in zip(loop.steps, loop.steps[1:], strict=False):
+        if one.partner == other.added:
+            first, last = before.fitted.error_over_noise, other.fit.fitted.error_over_noise
+            said.append(
+                f"{one.added} and {other.added} each hide what the other does, so neither stands out alone: together "
+                f"they lower error over noise from {ratio_text(first)} to {ratio_text(last)}."
+            )
+        before = one.fit
+    return said
 
 
 def _not_identified(final: Fit) -> list[str]:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from experiments.hidden_effects.campaigns import campaign_of, poor_case
 from ident.diagnosis.diagnose import measure_next
-from ident.diagnosis.discover import Discovery, discover
+from ident.diagnosis.discover import discover
 from ident.diagnosis.score import prepare, score
+from ident.diagnosis.steps import Discovery
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.model import Model

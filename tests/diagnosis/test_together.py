@@ -1,0 +1,63 @@
+"""Two effects of which each hides what the other does."""
+
+from __future__ import annotations
+
+import itertools
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from experiments.hidden_effects.campaigns import campaign_of
+from experiments.hidden_effects.generator import draw
+from ident.diagnosis.discover import discover
+from ident.diagnosis.pairs import best_pair
+from ident.diagnosis.score import Candidate
+from ident.effects.registry import built_in
+from ident.model import Model
+
+
+def test_the_best_pair_is_that_of_all_regressions() -> None:
+    random = np.random.default_rng(7)
+    residual = random.normal(size=400)
+    columns = [random.normal(size=(1 + k % 3, 400)) + 0.3 * residual for k in range(6)]
+    columns[4] = columns[3] + 0.05 * random.normal(size=columns[3].shape)  # nearly the same direction
+    columns[3][0] += 0.2 * residual
+    bench = SimpleNamespace(n=400, residual=residual, numbers=3)
+    candidates = [_candidate(str(k), rows, residual) for k, rows in enumerate(columns)]
+    left = {}
+    for i, j in itertools.combinations(range(6), 2):
+        both = np.concatenate([columns[i], columns[j]])
+        fitted = both.T @ np.linalg.lstsq(both.T, residual, rcond=None)[0]
+        left[i, j] = float(np.sum((residual - fitted) ** 2)) + len(both) * np.log(400)
+    found = best_pair(bench, candidates)  # pyright: ignore[reportArgumentType]  (only what it reads)
+    assert found is not None
+    names = tuple(sorted(int(name) for name in found.names))
+    assert names == min(left, key=lambda pair: left[pair])
+    numbers = found.numbers - 3
+    assert float(found.left @ found.left) + numbers * np.log(400) == pytest.approx(left[names])
+    with_five = best_pair(bench, candidates, "5")  # pyright: ignore[reportArgumentType]
+    assert with_five is not None and "5" in with_five.names
+
+
+def _candidate(name: str, rows: np.ndarray, residual: np.ndarray) -> Candidate:
+    signature = np.linalg.qr(rows.T)[0].T
+    drop = float(np.sum((signature @ residual) ** 2))
+    return Candidate(name, drop, 0.0, len(rows), 0.0, {}, {}, {}, signature)
+
+
+@pytest.mark.parametrize(
+    ("seed", "hidden", "records", "length"),
+    [
+        # Alone they explain 2 % and 1 % of what they explain together; quadratic stiffness 27 %.
+        (9402, ("voltage-stiffness", "electrostriction"), 6, 1224),
+        # A Bouc-Wen loop explains more than either, and both together all.
+        (9304, ("squeeze-film-damping", "cubic-stiffness"), 7, 1200),
+    ],
+)
+def test_effects_that_hide_each_other_are_found(seed: int, hidden: tuple[str, ...], records: int, length: int) -> None:
+    case = draw(seed, hidden, size=0.03, noise=0.003, records=records, length=length, starts="mixed")
+    campaign = campaign_of(case)
+    found = discover(Model(campaign.device), campaign, built_in())
+    assert {step.added for step in found.steps if step.role == "effect"} == set(hidden)
+    assert found.final.fitted.error_over_noise < 1.1
