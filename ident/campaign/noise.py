@@ -14,7 +14,9 @@ from .signal_basis import Pole, find_transient, harmonic_columns, orthonormal, t
 
 HARMONICS = 12
 LONGEST = 8192
-_SURER = 1.5  # times; doubts are themselves estimates. Of 1044 sines of the hidden-effect generator 7 had floors 7 to 89
+_SURER = (
+    1.5  # times; doubts are themselves estimates. Of 1044 sines of the hidden-effect generator 7 had floors 7 to 89
+)
 # times too high, few periods near a sharp resonance; with this 6 of them are within 30 %, and 7 others change, none by
 # more than 40 %
 

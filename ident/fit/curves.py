@@ -123,14 +123,27 @@ class Curves:
     def weighed(self, equation: Equation, values: np.ndarray) -> Curves:
         """The same with the noise carried through the model at these values."""
         here = self.solve(equation, values)
+        amplitude = self.points.amplitude
         off = []
-        for side in (1.0, -1.0):
-            amplitude = np.maximum(self.points.amplitude + side * self.deviation, 0.1 * self.points.amplitude)
-            there = at_amplitude(here.model, self.points._replace(amplitude=amplitude), here.unknowns)
+        for there in self.beside(here):
             good = there.converged & here.converged
-            ratio = np.where(good, there.needed / here.needed, amplitude / self.points.amplitude)
-            off.append(np.log(ratio))
-        return replace(self, white=self._whitening(np.array(off)))
+            off.append(np.log(np.where(good, there.needed / here.needed, there.points.amplitude / amplitude)))
+        return self.with_deviations(np.array(off))
+
+    def beside(self, here: Controlled) -> tuple[Controlled, Controlled]:
+        """The model's steady responses with amplitudes that are larger, and smaller, by the noise."""
+        above, below = (
+            np.maximum(self.points.amplitude + side * self.deviation, 0.1 * self.points.amplitude)
+            for side in (1.0, -1.0)
+        )
+        there = lambda amplitude: at_amplitude(
+            here.model, self.points._replace(amplitude=amplitude), here.unknowns.copy()
+        )
+        return there(above), there(below)
+
+    def with_deviations(self, off: np.ndarray) -> Curves:
+        """The same if the noise of the amplitude changes the logarithm of the drive by (2, points), on its two sides."""
+        return replace(self, white=self._whitening(off))
 
     def _whitening(self, off: np.ndarray) -> np.ndarray:
         """L⁻¹ of deviations of the logarithm, (2, points), one for each side of the amplitude's noise."""
