@@ -205,8 +205,8 @@ def _without(bench: Bench, known: np.ndarray, directions: np.ndarray) -> Bench:
     found = replace(bench, absorbed=absorbed, residual=residual, known=known, directions=directions)
     if bench.plane is None or not len(directions):
         return found
-    nothing = np.zeros((0, len(bench.plane.needed)))
-    own = balanced(found, np.zeros((0, samples_of(found))), Moves(nothing, nothing))
+    nothing = Moves(*(part[:0] for part in bench.plane.own))
+    own = balanced(found, np.zeros((0, samples_of(found))), nothing)
     absorbed = orthonormal(own.slopes)
     return replace(found, absorbed=absorbed, residual=own.left - absorbed @ (absorbed.T @ own.left))
 
@@ -233,8 +233,7 @@ def stack(
         plane = bench.plane
         assert plane is not None  # there are sweeps
         # Of its own parameters the model itself says what they do, all harmonics together.
-        own = Moves(plane.own, np.zeros_like(plane.own))
-        moved = own if linear else curve_columns(solved, Equation(model), values, directions)
+        moved = plane.own if linear else curve_columns(plane, Equation(model), values, directions)
         parts.append(-plane.slopes(plane.needed, np.ones_like(plane.needed), moved))
     return np.concatenate(parts, axis=1)
 
@@ -293,7 +292,7 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
         again, along = (np.tile(x, (len(apart), 1)) for x in (values, directions))
         changed = stack(bench, model, again, along, begun=apart.reshape(-1, *apart.shape[2:]))
         begun = histories(bench, changed.reshape(len(apart), *raw.shape), raw)
-    moves = None if bench.plane is None else curve_columns(bench.scene.solved, Equation(model), values, directions)
+    moves = None if bench.plane is None else curve_columns(bench.plane, Equation(model), values, directions)
     projected = bench.project(raw)
     names = [p.name for p in instance.declared()]
     one_sided = [p.name for p in instance.declared() if p.one_sided]

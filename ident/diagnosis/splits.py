@@ -36,7 +36,7 @@ def split_starts(bench: Bench, model: Model, base: np.ndarray) -> list[np.ndarra
     effect, scales = model.effects[-1], bench.fit.scales
     declared = effect.declared()
     size = next((i for i, p in enumerate(declared) if p.kind == "amplitude" and p.fitted), None)
-    if size is None:
+    if size is None or not bench.scene.tape.spans:  # what a memory looks like is seen on the motion of traces
         return []
     axes = [(0.0,) if p.kind == "amplitude" else [g * getattr(scales, p.scale) for g in p.grid] for p in declared]
     points = np.array([np.concatenate([base, point]) for point in itertools.product(*axes)])
