@@ -29,10 +29,11 @@ class Histories(NamedTuple):
     rows: np.ndarray
     spans: tuple[slice, ...]
 
-    def fitted(self, bench: Bench, raw: np.ndarray, own: slice) -> tuple[np.ndarray, float]:
-        """The rows (k, n) of one point of a grid with the histories that suit it best, and what these cost in χ²."""
+    def fitted(self, bench: Bench, raw: np.ndarray, own: slice) -> tuple[np.ndarray, float, float]:
+        """The rows (k, n) of one point of a grid with the histories that suit it best; what these cost in χ², and how
+        many numbers they are, as far as the records tell them."""
         slopes = self.rows[:, own]
-        kept, best, price = bench.project(raw), raw, 0.0
+        kept, best, price, told = bench.project(raw), raw, 0.0, 0.0
         for _ in range(_ROUNDS):
             lengths = np.maximum(np.linalg.norm(kept, axis=1), 1e-300)
             size = np.linalg.lstsq((kept / lengths[:, None]).T, bench.residual, rcond=1e-10)[0] / lengths
@@ -44,7 +45,8 @@ class Histories(NamedTuple):
                 best[:, record] += np.einsum("h,han->an", h, slopes[:, :, record])
             kept = bench.project(best)
             price = float(found @ found + np.linalg.slogdet(gram)[1])
-        return best, price
+            told = len(gram) - float(np.trace(np.linalg.inv(gram)))
+        return best, price, told
 
     def _by_record(self, rows: np.ndarray) -> np.ndarray:
         """Rows (h, n) of all records as rows (records h, n) of one each."""
