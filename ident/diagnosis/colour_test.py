@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _SMALL = 1.5  # χ² per sample up to which the residual may be noise of a colour that the noise floor does not have
 
 
-def chance(bench: Bench, basis: np.ndarray, tried: float) -> float:
+def chance(bench: Bench, basis: np.ndarray, tried: int) -> float:
     """Probability of such a fall of χ² by chance, the colour of what is left taken into account.
 
     What remains after the candidate is modelled as autoregressive noise of order 12, record by record; candidate and

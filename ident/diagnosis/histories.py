@@ -15,6 +15,7 @@ import numpy as np
 from ..fit.assemble import start_scale
 from ..model import Model
 from ..response import Equation
+from .basis import orthonormal
 
 if TYPE_CHECKING:
     from .score import Bench
@@ -29,11 +30,10 @@ class Histories(NamedTuple):
     rows: np.ndarray
     spans: tuple[slice, ...]
 
-    def fitted(self, bench: Bench, raw: np.ndarray, own: slice) -> tuple[np.ndarray, float, float]:
-        """The rows (k, n) of one point of a grid with the histories that suit it best; what these cost in χ², and how
-        many numbers they are, as far as the records tell them."""
+    def fitted(self, bench: Bench, raw: np.ndarray, own: slice) -> tuple[np.ndarray, float]:
+        """The rows (k, n) of one point of a grid with the histories that suit it best, and what these cost in χ²."""
         slopes = self.rows[:, own]
-        kept, best, price, told = bench.project(raw), raw, 0.0, 0.0
+        kept, best, price = bench.project(raw), raw, 0.0
         for _ in range(_ROUNDS):
             lengths = np.maximum(np.linalg.norm(kept, axis=1), 1e-300)
             size = np.linalg.lstsq((kept / lengths[:, None]).T, bench.residual, rcond=1e-10)[0] / lengths
@@ -45,8 +45,14 @@ class Histories(NamedTuple):
                 best[:, record] += np.einsum("h,han->an", h, slopes[:, :, record])
             kept = bench.project(best)
             price = float(found @ found + np.linalg.slogdet(gram)[1])
-            told = len(gram) - float(np.trace(np.linalg.inv(gram)))
-        return best, price, told
+        return best, price
+
+    def beyond(self, bench: Bench, raw: np.ndarray, size: np.ndarray, own: slice) -> np.ndarray:
+        """What the rows (k, n) of one point, with amplitudes `size` (k,), do beyond any history that the effect could
+        have had; (n, q) orthonormal. Only that is evidence: a memory that rings down by itself fits many a nuisance."""
+        dying = orthonormal(bench.project(self._by_record(np.einsum("a,han->hn", size, self.rows[:, own]))))
+        kept = bench.project(raw)
+        return orthonormal(kept - (kept @ dying) @ dying.T, raw)
 
     def _by_record(self, rows: np.ndarray) -> np.ndarray:
         """Rows (h, n) of all records as rows (records h, n) of one each."""
