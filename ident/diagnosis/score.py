@@ -300,9 +300,8 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     tried = []
     for k, point in enumerate(points):
         rows = slice(k * len(amplitudes), (k + 1) * len(amplitudes))
-        price, seen = 0.0, raw[rows]
+        price, seen = 0.0, raw[rows].copy()
         if begun is not None:
-            seen = raw[rows].copy()
             raw[rows], price = begun.fitted(bench, seen, rows)
             projected[rows] = bench.project(raw[rows])
         basis = orthonormal(projected[rows], raw[rows])
@@ -317,9 +316,8 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
             sizes = [found[name] for name in one_sided]
             impossible = bench.credible and max(sizes, default=0.0) <= 0 > min(sizes, default=0.0)
             drop = 0.0 if impossible else max(float(np.sum((basis.T @ bench.residual) ** 2)) - price, 0.0)
-            beyond = basis
-            if begun is not None:
-                beyond = begun.beyond(bench, seen, np.array([found[names[a]] for a in amplitudes]), rows)
+            size = np.array([found[names[a]] for a in amplitudes])
+            beyond = basis if begun is None else begun.beyond(bench, seen, size, rows)
             tried.append(_Point(drop, found, basis, beyond, rows))
     if not tried:
         return None
