@@ -25,6 +25,7 @@ from .enough import ANOTHER_LAW, MOST_OF_IT
 from .evidence import Left, criteria
 from .faults import OF_FREQUENCY, Fault, common_delay, explanations, faults_of
 from .nuisance import DROPPED, Nuisance, rms
+from .refits import FEW
 from .score import prepare, score, significant
 from .shorten import is_long
 from .side_by_side import at_once
@@ -172,7 +173,7 @@ def _with_physics(before: Fit, library: Library) -> _Explained:
     tried = [alone._replace(left=bench.left[counts])]
     if bench.chi2 > _FLOOR**2 * bench.n:
         real = significant(score(bench, library))[:_EFFECTS]
-        found = at_once(lambda one: confirm(bench, library[one.name], one), real)
+        found = at_once(lambda one: confirm(bench, library[one.name], one, FEW), real)
         tried += [_Explained(c.model, c.values, c.left[counts], c.numbers) for c in found if c.possible]
     return tried[int(np.argmin(criteria(tried)))]
 
