@@ -27,13 +27,15 @@ from .generator import Case, NoiseKind, draw, measure_again
 from .laws import LAWS
 from .mimics import left_by
 
-Part = Literal["single", "pairs", "nulls", "outside", "poor"]
+Part = Literal["single", "pairs", "nulls", "outside", "poor", "cut"]
 
 INSIDE = tuple(law.name for law in LAWS if law.in_library)
 OUTSIDE = tuple(law.name for law in LAWS if not law.in_library)
 # Size 0.5 % under noise of 1 % is left out: such an effect is below the noise.
 LEVELS = ((0.02, 0.001), (0.02, 0.01), (0.08, 0.001), (0.08, 0.01), (0.005, 0.001))
 OUTSIDE_LEVELS = ((0.02, 0.003), (0.08, 0.01))
+MEMORIES = ("viscoelastic-support", "creep", "bouc-wen", "prandtl-ishlinskii", "bouc-wen-drive", "second-mode",
+            "drive-lag", "sensor-lag")  # fmt: skip
 NULL_NOISE = (0.001, 0.003, 0.01, 0.03)
 NULL_KINDS: tuple[NoiseKind, ...] = ("white", "ar", "hum")
 _FINER = 20  # steps of the played waveform per sample
@@ -107,8 +109,15 @@ def _poor(seeds: Sequence[int], effects: Any, levels: Any) -> Iterator[Task]:
         yield Task("poor", seed, (name,), size, noise)
 
 
+def _cut(seeds: Sequence[int], effects: Any, levels: Any) -> Iterator[Task]:
+    """Effects with memory, half of the records cut out of a running motion."""
+    for seed, (size, noise), name in itertools.product(seeds, levels or ((0.02, 0.003),), effects or MEMORIES):
+        yield Task("cut", seed, (name,), size, noise, starts="mixed")
+
+
 _MAKERS: dict[Part, Callable[..., Iterator[Task]]] = {
     "single": _single, "pairs": _pairs, "nulls": _nulls, "outside": _outside, "poor": _poor,
+    "cut": _cut,
 }  # fmt: skip
 
 

@@ -37,6 +37,7 @@ PARTS: dict[Part, range] = {
     "nulls": range(5000, 5500),
     "outside": range(5000, 5005),
     "poor": range(5000, 5002),
+    "cut": range(5000, 5002),
 }
 """Parts and the seeds of the report."""
 

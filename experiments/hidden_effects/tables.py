@@ -242,6 +242,7 @@ def _list(rows: Sequence[Row], fine: Callable[[Row], bool]) -> None:
 
 _SHOWN: dict[str, Callable[[Sequence[Row]], None]] = {
     "single": _single, "pairs": _pairs, "nulls": _nulls, "outside": _outside, "poor": _poor,
+    "cut": _single,
 }  # fmt: skip
 
 Target = tuple[str, float, str, float]
@@ -261,6 +262,10 @@ _TARGETS: dict[str, Callable[[Sequence[Row]], list[Target]]] = {
     "single": lambda rows: [
         ("class top-1", share(visible(rows), lambda row: top(row, 1)), ">=", 0.97),
         ("class top-3", share(visible(rows), lambda row: top(row, 3)), ">=", 0.99),
+        *_median_and_p90(visible(rows)),
+    ],
+    "cut": lambda rows: [
+        ("class top-1", share(visible(rows), lambda row: top(row, 1)), ">=", 0.95),
         *_median_and_p90(visible(rows)),
     ],
     "pairs": lambda rows: [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import tempfile
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,8 @@ class Device:
 
     - `folder`, `files`: where the tables are; `campaign`: what a user would type, knowing columns and units.
     - `baseline`: held-out error, percent of the signal, of the plain SciPy fit that goes with the set.
-    - `start`, `final`: limits of the held-out error per cent, of the linear start and of the last model.
+    - `start`, `final`: limits of the held-out error per cent, of the linear start and of the last model; `records`: of
+      single records with the last model.
     - `form`: the linear model that must be chosen; `first`: the effect that must be named first; `never`: those that
       must not be named; `verdicts`: those that may be given.
     """
@@ -31,6 +33,7 @@ class Device:
     baseline: float
     start: float
     final: float | None = None
+    records: Mapping[str, float] = field(default_factory=dict)
     form: str = "oscillator"
     first: str = ""
     never: frozenset[str] = field(default_factory=frozenset)
@@ -66,5 +69,9 @@ class Device:
         assert verdict in self.verdicts, verdict
         if self.final is not None:
             assert walked[-1][1] <= self.final, walked
+        errors = {record["file"]: 100 * record["error_over_signal"] for record in run["records"]}
+        for name, limit in self.records.items():
+            print(f"  {name:<24} {errors[name]:8.3g} %")
+            assert errors[name] <= limit, (name, errors[name])
         if self.first:
             assert names[0] == self.first, names

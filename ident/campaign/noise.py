@@ -15,6 +15,9 @@ from .signal_basis import Pole, find_transient, harmonic_columns, orthonormal, t
 
 HARMONICS = 12
 LONGEST = 8192
+_SURER = 1.5
+"""Times: doubts are themselves estimates. Of 1044 sines of the hidden-effect generator 7 had floors 7 to 89 times too
+high, few periods near a sharp resonance; with this 6 of them are within 40 %, and 7 others change, none by more."""
 _LOUD = 0.03  # of the response: a floor below is not asked whether the record's parts agree
 _SHORT = 200  # samples of a part at least: the series and the transient take some fifty numbers
 _FAR_BELOW = 0.5  # of the floor of the whole: parts that agree with it scatter by a tenth
@@ -56,6 +59,9 @@ def noise_floor(
         found = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
     elif period <= 8 * HARMONICS or _highest_harmonic(drive, period) <= HARMONICS // 3:
         found = _of_parts(response[-LONGEST:], period, mains, _short_period(response[-LONGEST:], period, mains))
+        far_above = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
+        if _SURER * far_above[0].relative_error < found[0].relative_error:
+            found = far_above  # a motion beyond description adds to what is left of it, but hardly so high
     else:
         found = _repeats(response, period)
     fit, method = found

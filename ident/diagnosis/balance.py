@@ -2,7 +2,7 @@
 
 The drive that is needed is linear in the amplitudes, but its modulus is not: where phases were not measured, a spring
 that turns the drive by a right angle changes nothing to first order and much to second. The few numbers are therefore
-searched, which takes a millisecond; traces beside the sweeps count as linear.
+searched, which takes milliseconds. Weights are those of the model where a search ends, as in a fit; traces beside the sweeps count as linear.
 
 Source: G. A. F. Seber, C. J. Wild, Nonlinear Regression, 1989, §14.2 (Levenberg and Marquardt).
 """
@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .curve_columns import Moves
+from .curve_columns import Moves, Plane
 
 if TYPE_CHECKING:
     from .score import Bench
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 _ROUNDS = 60
 _STARTS = (0.0, 0.3, -0.3)  # of the drive that was there, as size of the effect
 _SMALL = 1e-9  # fall of χ², as a share, that ends a search
+_REWEIGHED, _SETTLED = 3, 0.01  # times that weights are renewed, at most; fall of χ² by that, as a share, that ends it
 
 
 class Balanced(NamedTuple):
@@ -42,26 +43,53 @@ def balanced(bench: Bench, samples: np.ndarray, moves: Moves) -> Balanced:
     plane, own = bench.plane, len(bench.directions)
     assert plane is not None  # there are sweeps
     first = samples.shape[1]
-    drives = np.concatenate([plane.own, moves.drives])
-    shares = np.concatenate([np.zeros_like(plane.own), moves.shares])
+    both = Moves(*(np.concatenate(pair) for pair in zip(plane.own, moves, strict=True)))
     rows = np.concatenate([bench.known[:, :first], samples])
-    largest = np.max(np.abs(drives), axis=1) / np.median(plane.curves.points.level) + np.max(np.abs(shares), axis=1)
+    largest = np.max(np.abs(both.drives), axis=1) / np.median(plane.curves.points.level)
+    largest = largest + np.max(np.abs(both.shares), axis=1)
     usable = np.isfinite(largest) & ((largest > 0) | (np.abs(rows).max(axis=1, initial=0.0) > 0))
     scale = np.where(usable, 1.0 / np.where(largest > 0, largest, 1.0), 0.0)
-    both, rows = Moves(drives * scale[:, None], shares * scale[:, None]), rows * scale[:, None]
+    both = Moves(*(np.nan_to_num(part) * scale.reshape(-1, *[1] * (part.ndim - 1)) for part in both))
+    rows = rows * scale[:, None]
+    needed = np.stack([one.needed for one in plane.steady])
 
-    def at(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        needed, given = plane.needed + x @ both.drives, 1.0 + x @ both.shares
-        left = np.concatenate([bench.left[:first] - x @ rows, plane.left(needed, given)])
-        return left, np.concatenate([rows, -plane.slopes(needed, given, both)], axis=1)
+    def at(x: np.ndarray, plane: Plane) -> tuple[np.ndarray, np.ndarray]:
+        drives, given = needed[0] + x @ both.drives, 1.0 + x @ both.shares
+        left = np.concatenate([bench.left[:first] - x @ rows, plane.left(drives, given)])
+        return left, np.concatenate([rows, -plane.slopes(drives, given, both)], axis=1)
 
-    found = []
+    def weighed(x: np.ndarray) -> _End:
+        """With the noise carried through the model as it is there."""
+        with np.errstate(all="ignore"):
+            there = plane.weighed(needed[0] + x @ both.drives, needed[1:] + np.einsum("d,dsp->sp", x, both.beside))
+            return _End(x, there, *at(x, there))
+
+    ends = []
     for size in _STARTS[: 1 if not len(moves.drives) else None]:
-        x = np.zeros(len(drives))
+        x = np.zeros(len(both.drives))
         x[own:] = size
-        found.append(_searched(at, x))
-    step, left, slopes = min(found, key=lambda one: float(one[1] @ one[1]))
-    return Balanced(step * scale, left, slopes)
+        ends.append(weighed(_searched(lambda x: at(x, plane), x)))
+    best = min(ends, key=_End.cost)
+    for _ in range(_REWEIGHED):
+        other = weighed(_searched(lambda x, there=best.plane: at(x, there), best.x))
+        if not other.cost() < best.cost() * (1 - _SETTLED):
+            break
+        best = other
+    return Balanced(best.x * scale, best.left, best.slopes)
+
+
+class _End(NamedTuple):
+    """Where a search ended: `x`, the plane with the weights there, and what is left there, with its slopes."""
+
+    x: np.ndarray
+    plane: Plane
+    left: np.ndarray
+    slopes: np.ndarray
+
+    def cost(self) -> float:
+        """χ²; infinite where it is no number."""
+        cost = float(self.left @ self.left)
+        return cost if np.isfinite(cost) else np.inf
 
 
 def samples_of(bench: Bench) -> int:
@@ -69,7 +97,8 @@ def samples_of(bench: Bench) -> int:
     return bench.n - (0 if bench.plane is None else len(bench.plane.order))
 
 
-def _searched(at: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]], x: np.ndarray) -> Balanced:
+def _searched(at: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]], x: np.ndarray) -> np.ndarray:
+    """Where Levenberg's and Marquardt's search from x ends."""
     left, slopes = at(x)
     damping, cost = 1e-3, float(left @ left)
     for _ in range(_ROUNDS):
@@ -88,4 +117,4 @@ def _searched(at: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]], x: np.n
         x, (left, slopes), cost, damping = x + move, tried, new, damping / 5
         if small:
             break
-    return Balanced(x, left, slopes)
+    return x

@@ -84,11 +84,13 @@ def contributions(
     directions: np.ndarray,
     moved: Sequence[Motion],
     seen: Sequence[Motion],
+    histories: np.ndarray,
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """What the terms of a model change in the force on the stage and in the reading, along given motions; by chunks.
 
     **Arguments:** `values` and `directions`, (d, m): at which parameter values, and along which direction, each row is
-    taken; `moved`, the motion of the stage, and what the sensor has `seen`, per chunk.
+    taken; `moved`, the motion of the stage, and what the sensor has `seen`, per chunk; `histories`, (d, records, h):
+    what came before each record added to the hidden states (`Equation.histories`).
 
     **Returns:** forces (d, BLOCKS, 2 BLOCK + 1), N, and readings (d, BLOCKS, BLOCK), m, per unit of the direction;
     empty where the model has none.
@@ -97,44 +99,62 @@ def contributions(
     more = -d % _SETS
     values = np.concatenate([values, np.repeat(values[-1:], more, axis=0)])
     directions = np.concatenate([directions, np.zeros((more, directions.shape[1]))])
-    equation = asked.equation
+    histories = np.concatenate([histories, np.repeat(histories[-1:], more, axis=0)])
+    equation, pasts = asked.equation, _by_block(tape, histories)
     carry = tuple(
         tuple((np.zeros((len(values), len(e.state0()))),) * 2 for e in equation.model.effects) for _ in range(2)
     )
-    for chunk, path, own in zip(tape.chunks, moved, seen, strict=True):
-        carry, force, shown = terms(asked, equation.constants, values, directions, path, own, carry, chunk)
+    for chunk, path, own, past in zip(tape.chunks, moved, seen, pasts, strict=True):
+        carry, force, shown = terms(asked, equation.constants, values, directions, path, own, past, carry, chunk)
         yield np.asarray(force)[:d], np.asarray(shown)[:d]
+
+
+def no_histories(equation: Equation, rows: int, tape: Tape) -> np.ndarray:
+    """Histories of records that begin with the drive, (rows, records, h)."""
+    return np.zeros((rows, len(tape.spans), len(equation.history_units)))
+
+
+def _by_block(tape: Tape, histories: np.ndarray) -> list[np.ndarray]:
+    """Histories (d, records, h) at the blocks of each record, (d, BLOCKS, h) a chunk."""
+    d, records, h = histories.shape
+    flat = np.moveaxis(histories, 1, 0).reshape(records, d * h)
+    return [np.moveaxis(part.reshape(BLOCKS, d, h), 1, 0) for part in tape.begun(flat)]
 
 
 @program
 def terms(
-    asked: Terms, constants: Numbers, values: Numbers, directions: Numbers, moved: Motion, seen: Motion,
+    asked: Terms, constants: Numbers, values: Numbers, directions: Numbers, moved: Motion, seen: Motion, pasts: Numbers,
     carry: tuple, chunk: Chunk,
 ) -> tuple:  # fmt: skip
-    """One chunk of `contributions`; `carry`: hidden states and their derivatives, on the path of the stage and on what
-    the sensor has seen, per effect."""
+    """One chunk of `contributions`; `pasts`: the histories of its blocks; `carry`: hidden states and their derivatives,
+    on the path of the stage and on what the sensor has seen, per effect."""
+    parts = asked.equation.histories
 
-    def acting(values: Any, hidden: tuple) -> tuple:
+    def acting(values: Any, past: Any, hidden: tuple) -> tuple:
         system = assemble(asked.equation, constants, values)
         ends, force, shown = list(hidden), jnp.zeros((0, 0)), jnp.zeros((0, 0))
         if asked.push:
-            ends[0], paths = _memories(system, moved, hidden[0], chunk)
+            ends[0], paths = _memories(system, parts, moved, past, hidden[0], chunk)
             force = _at_points(_force, system, moved, paths, chunk, 1)
         if asked.show:
-            ends[1], paths = _memories(system, seen, hidden[1], chunk)
+            ends[1], paths = _memories(system, parts, seen, past, hidden[1], chunk)
             shown = _at_points(_shown, system, seen, paths, chunk, 2)
         return force, shown, tuple(ends)
 
-    def along(values: Any, direction: Any, carry: tuple) -> tuple:
+    def along(values: Any, direction: Any, past: Any, carry: tuple) -> tuple:
         hidden, change = (tuple(tuple(pair[k] for pair in side) for side in carry) for k in range(2))
-        (_, _, ends), (force, shown, dends) = jax.jvp(acting, (values, hidden), (direction, change))
+        at = lambda values, hidden: acting(values, past, hidden)
+        (_, _, ends), (force, shown, dends) = jax.jvp(at, (values, hidden), (direction, change))
         return tuple(tuple(zip(a, b, strict=True)) for a, b in zip(ends, dends, strict=True)), force, shown
 
-    return jax.vmap(along)(values, directions, carry)
+    return jax.vmap(along)(values, directions, pasts, carry)
 
 
-def _memories(system: System, motion: Motion, hidden: tuple, chunk: Chunk) -> tuple[tuple, tuple]:
-    """Hidden states of each effect at the end of a chunk, (h,), and along a motion in it, (BLOCKS, h, points)."""
+def _memories(
+    system: System, parts: tuple[slice, ...], motion: Motion, pasts: Any, hidden: tuple, chunk: Chunk
+) -> tuple[tuple, tuple]:
+    """Hidden states of each effect at the end of a chunk, (h,), and along a motion in it, (BLOCKS, h, points); `pasts`,
+    (BLOCKS, h), what the history of each block's record added to those with which it begins, by `parts`."""
     points = 2 * BLOCK + 1
     if not any(h.shape[0] for h in hidden):
         return hidden, tuple(jnp.zeros((BLOCKS, 0, points)) for _ in hidden)
@@ -144,7 +164,7 @@ def _memories(system: System, motion: Motion, hidden: tuple, chunk: Chunk) -> tu
         block = Block(*(field[k] for field in chunk[2:8]))
         here = system.at(block)
         ends, found = [], []
-        for effect, h, path in zip(here.effects, hidden, paths, strict=True):
+        for effect, part, h, path in zip(here.effects, parts, hidden, paths, strict=True):
             if not h.shape[0]:
                 ends.append(h)
                 found.append(path)
@@ -152,6 +172,7 @@ def _memories(system: System, motion: Motion, hidden: tuple, chunk: Chunk) -> tu
             seen = Seen(motion.z[k], motion.v[k], chunk.voltage[k], chunk.rate[k], block.times(points, 0.5),
                         block.step, block.omega, here.gain, block.moving)  # fmt: skip
             fresh = jnp.stack([jnp.asarray(x, float) for x in effect.begun(seen.first)])
+            fresh = fresh + pasts[k, part.start - 2 : part.stop - 2]
             end, along = memory_along(effect, tuple(jnp.where(chunk.first[k] > 0, fresh, h)), seen)
             ends.append(jnp.stack(end))
             found.append(lax.dynamic_update_index_in_dim(path, jnp.stack(along), k, 0))
@@ -198,14 +219,16 @@ def _shown(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any
     return shown
 
 
-def linearised(equation: Equation, tape: Tape, values: np.ndarray, moved: Sequence[Motion]) -> tuple[Dynamics, ...]:
-    """A model linearised along a motion, hidden states held; per chunk."""
+def linearised(
+    equation: Equation, tape: Tape, values: np.ndarray, moved: Sequence[Motion], histories: np.ndarray
+) -> tuple[Dynamics, ...]:
+    """A model linearised along a motion, hidden states held; per chunk. `histories`, (records, h)."""
     acting = [e for e in equation.model.effects if e.overrides("force") or e.overrides("sensor")]
     carry = tuple(np.zeros(len(effect.state0())) for effect in equation.model.effects)
     found = []
-    for chunk, motion in zip(tape.chunks, moved, strict=True):
+    for chunk, motion, past in zip(tape.chunks, moved, _by_block(tape, histories[None]), strict=True):
         if acting:
-            carry, *parts = slopes(equation, equation.constants, values, motion, carry, chunk)
+            carry, *parts = slopes(equation, equation.constants, values, motion, past[0], carry, chunk)
         else:  # nothing to differentiate
             parts = _linear(equation, values, chunk)
         found.append(Dynamics(*parts))
@@ -237,11 +260,11 @@ def _of_motion(chunk: Chunk, stiffness: Any, damping: Any, by_z: Any, by_v: Any)
 
 @program
 def slopes(
-    equation: Equation, constants: Numbers, values: Numbers, motion: Motion, carry: tuple, chunk: Chunk
+    equation: Equation, constants: Numbers, values: Numbers, motion: Motion, pasts: Numbers, carry: tuple, chunk: Chunk
 ) -> tuple:
     """One chunk of `linearised`: the carry, and what `Dynamics` holds."""
     system = assemble(equation, constants, values)
-    carry, paths = _memories(system, motion, carry, chunk)
+    carry, paths = _memories(system, equation.histories, motion, pasts, carry, chunk)
 
     def by_state(function: Any) -> Any:
         one = lambda system, z, v, h, u, r, t: jax.jacfwd(lambda a, b: function(system, a, b, h, u, r, t), (0, 1))(z, v)

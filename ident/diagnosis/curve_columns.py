@@ -13,7 +13,7 @@ Source: as of `columns`; W. Krack, J. Gross, Harmonic Balance for Nonlinear Vibr
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import jax
@@ -28,9 +28,8 @@ from ..response import Equation
 from ..response.controlled import Controlled
 from ..response.lane import Numbers
 from ..response.memory import Seen, memory_along
-from ..response.periodic import bound
+from ..response.periodic import batches, bound, joined
 
-_POINTS = (32, 128)  # looked at side by side
 _STUCK = 1e-12  # as in `response.controlled`
 _STEPS = 128  # of a period
 _ROUNDING = 1e-9  # of a force: a smaller fundamental is none
@@ -44,11 +43,13 @@ def curve_order(solved: Solved) -> np.ndarray:
 
 
 class Moves(NamedTuple):
-    """What units of some parameters do, (d, points) complex: to the `drives` that are needed, V, and to the `shares` of
-    the drive that the actuator gives."""
+    """What units of some parameters do, complex: to the `drives` that are needed, (d, points) V, and to the `shares` of
+    the drive that the actuator gives; `beside`, (d, 2, points): to the drives at amplitudes larger and smaller by the
+    noise."""
 
     drives: np.ndarray
     shares: np.ndarray
+    beside: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,14 +58,27 @@ class Plane:
 
         numbers = rows(ln((Û + Σ x_j Û_j)/(1 + Σ x_j κ_j)/U))
 
-    **Arguments:** `needed` Û, (points,), and `own` Û_j, (k, points), by the model's own parameters, complex, relative
-    to the response, V. What the actuator adds, κ_j, turns with the drive.
+    What the noise does to them moves too: a drive that did not depend on the amplitude would say nothing of it, however
+    well it agreed with the one that was measured.
+
+    **Arguments:** `steady`: the model's responses with the measured amplitudes, and with those larger and smaller by
+    the noise; `own`: what the model's own parameters do. What the actuator adds, κ_j, turns with the drive.
     """
 
     curves: Curves
     order: np.ndarray
-    needed: np.ndarray
-    own: np.ndarray
+    steady: tuple[Controlled, Controlled, Controlled]
+    own: Moves
+
+    @property
+    def needed(self) -> np.ndarray:
+        """(points,) the drive that the model needs, complex, relative to the response, V."""
+        return self.steady[0].needed
+
+    def weighed(self, drives: np.ndarray, beside: np.ndarray) -> Plane:
+        """The same with the noise carried through a model that needs `drives` (points,), and `beside` (2, points) at
+        the amplitudes beside."""
+        return replace(self, curves=self.curves.with_deviations(np.log(beside / drives)))
 
     def left(self, drives: np.ndarray, shares: np.ndarray) -> np.ndarray:
         """(count,) measured − model in noise floors, if the model needs `drives` (points,) of an actuator that gives
@@ -81,14 +95,25 @@ class Plane:
 
 def plane_of(solved: Solved, directions: np.ndarray) -> Plane:
     """The plane of a fit whose own parameters move along directions (k, m)."""
-    curves, steady = _known(solved)
-    return Plane(curves, curve_order(solved), steady.needed, steady.slopes(directions))
+    curves, steady = solved.data.curves, solved.found.steady
+    assert curves is not None and steady is not None
+    three = (steady, *curves.beside(steady))
+    drives, *beside = (one.slopes(directions) for one in three)
+    own = Moves(drives, np.zeros_like(drives), np.stack(beside, axis=1))
+    return Plane(curves, curve_order(solved), three, own)
 
 
-def curve_columns(solved: Solved, equation: Equation, values: np.ndarray, directions: np.ndarray) -> Moves:
+def curve_columns(plane: Plane, equation: Equation, values: np.ndarray, directions: np.ndarray) -> Moves:
     """What the terms of a model do to the points of a fit; `values` and `directions` (d, m) of each row."""
-    curves, steady = _known(solved)
-    points = curves.points
+    (drives, shares), *beside = (_columns(one, equation, values, directions) for one in plane.steady)
+    return Moves(drives, shares, np.stack([one for one, _ in beside], axis=1))
+
+
+def _columns(
+    steady: Controlled, equation: Equation, values: np.ndarray, directions: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Drives and shares of `Moves` at one amplitude of each point."""
+    points = steady.points
     gain = float(steady.model.values[2] * steady.model.equation.constants[1])
     stretch = steady.by_amplitude * points.amplitude / steady.needed
     angle = np.pi / _STEPS * np.arange(2 * _STEPS + 1)
@@ -96,25 +121,16 @@ def curve_columns(solved: Solved, equation: Equation, values: np.ndarray, direct
     drives, shares = [], []
     for value, direction in zip(values, directions, strict=True):
         found = []
-        for first in range(0, len(points.level), _POINTS[-1]):
-            left = min(len(points.level) - first, _POINTS[-1])
-            most = next(p for p in _POINTS if p >= left)
-            own = np.minimum(np.arange(first, first + most), first + left - 1)
+        for own in batches(len(points.level)):
             said = terms_along(equation, equation.constants, value, direction, *(x[own] for x in at), angle)
-            found.append(np.asarray(said)[:, :left])
-        real = np.concatenate(found, axis=1)
+            found.append((said,))
+        (real,) = joined(found, len(points.level))
         push, driven, shown = real[::2] + 1j * real[1::2]
         offset = -shown / steady.tone
         change = -push / (gain * steady.level) + stretch * offset.real + 1j * offset.imag
         drives.append(steady.needed * change)
         shares.append(driven / (gain * steady.level))
-    return Moves(np.array(drives), np.array(shares))
-
-
-def _known(solved: Solved) -> tuple[Curves, Controlled]:
-    curves, steady = solved.data.curves, solved.found.steady
-    assert curves is not None and steady is not None
-    return curves, steady
+    return np.array(drives), np.array(shares)
 
 
 @program

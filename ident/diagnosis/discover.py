@@ -25,7 +25,7 @@ from .evidence import behind, criteria
 from .lacking import lacking
 from .lone_record import prepare_at_best
 from .parts import Parts
-from .prune import Pruned, hurts, prune
+from .prune import Pruned, confirmed, hurts, prune
 from .refits import by_refits
 from .score import Bench, Candidate, prepare, score, significant
 from .shorten import is_long, working
@@ -95,8 +95,7 @@ def continue_from(
             report(f"added {step.added}: error over noise {step.fit.fitted.error_over_noise:.3g}")
         current = steps[-1].fit
         keep(start, steps)
-    while steps and hurts(steps[-2].fit if len(steps) > 1 else start, steps[-1].fit):
-        steps.pop()
+    steps = _without_refuted(start, steps, bench)
     alike: tuple[Parts, ...] = ()
     if steps:
         needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report)
@@ -117,6 +116,22 @@ def continue_from(
     lacks = lacking(_after_effects(steps, bench), first, report) if steps else 0.0
     verdict = _verdict(steps, bench, first, lacks, contradicted(steps[-1].fit if steps else start))
     return Discovery(verdict, start, tuple(steps), ranking, gains, remaining, bench, lacks)
+
+
+def _without_refuted(start: Fit, steps: list[Step], bench: Bench) -> list[Step]:
+    """The steps without those at the end that held-out records refute; `bench`: after the last.
+
+    Where the noise floor is not reached the model still lacks something, and one more law may bend to mimic a part of
+    that: after the first, a name then counts if it predicts other records better.
+    """
+    kept, left = list(steps), bench
+    while kept:
+        before, after = kept[-2].fit if len(kept) > 1 else start, kept[-1].fit
+        mimics = len(kept) > 1 and not adequate(left) and not confirmed(before, after)
+        if not (mimics or hurts(before, after)):
+            break
+        left = kept.pop().bench or left
+    return kept
 
 
 def _after_effects(steps: list[Step], bench: Bench) -> Bench:

@@ -26,8 +26,10 @@ _CHANCE = 1e-3
 def lacking(bench: Bench, first: Bench, report: Callable[[str], None] = lambda _: None) -> float:
     """Share of the first excess that functions of the device's coordinates still find in what the effects leave.
 
-    0 if it is little, or likely by chance (coloured noise allowed for).
+    0 if it is little, or likely by chance (coloured noise allowed for); and of sweeps, whose points are no motion.
     """
+    if not bench.scene.tape.spans:
+        return 0.0
     excess = max(first.chi2 - first.n, 1e-9)
     report("does what is left have a structure?")
     stage = set_stage(bench)

@@ -44,6 +44,13 @@ def hurts(before: Fit, after: Fit) -> bool:
     return predicts_worse(before, after)
 
 
+def confirmed(before: Fit, after: Fit) -> bool:
+    """Whether held-out records are predicted better, or there are none."""
+    if before.holdout is None or after.holdout is None:
+        return True
+    return after.holdout.error_over_noise < before.holdout.error_over_noise
+
+
 def _hurts_more(before: Fit, after: Fit) -> bool:
     """Whether held-out records lose more by another law than the fitted ones gain.
 

@@ -26,8 +26,9 @@ from ..response import Equation
 from .balance import Balanced, balanced, samples_of
 from .basis import orthonormal
 from .colour_test import chance
-from .columns import Terms, contributions, push_columns
+from .columns import Terms, contributions, no_histories, push_columns
 from .curve_columns import Moves, Plane, curve_columns, curve_order, plane_of
+from .histories import begun_apart, histories
 from .side_by_side import at_once
 from .trajectory import Scene, lay_out
 from .whiten import Piece, make_piece, whiten
@@ -133,12 +134,13 @@ class Candidate(NamedTuple):
 
 class _Point(NamedTuple):
     """One point of an effect's grid: fall of χ², 0 if a sign cannot be (friction that drives); parameters; orthonormal
-    columns (n, q); where its columns are among those of all points; the model's own parameters beside it, if they were
-    found on the way."""
+    columns (n, q), and those that no history of the records could give; where its columns are among those of all
+    points; the model's own parameters beside it, if they were found on the way."""
 
     drop: float
     values: Mapping[str, float]
     basis: np.ndarray
+    beyond: np.ndarray
     rows: slice
     beside: np.ndarray | None = None
 
@@ -182,7 +184,8 @@ def prepare(fit: Fit, believed: bool = False) -> Bench:
     directions = np.eye(len(fit.values))[free] * np.where(fit.values[free] == 0, 1.0, fit.values[free])[:, None]
     if curves is not None:
         bench = replace(bench, plane=plane_of(solved, directions))
-    along_measured = stack(bench, fit.model, np.tile(fit.values, (len(free), 1)), directions, linear=True)
+    past = np.tile(scene.histories, (len(free), 1, 1))
+    along_measured = stack(bench, fit.model, np.tile(fit.values, (len(free), 1)), directions, True, past)
     measured = _without(bench, along_measured, directions)
     if believed or not records or bench.fit_chi2 - measured.chi2 < _CREDIBLE * max(bench.fit_chi2 - bench.n, bench.n):
         return measured
@@ -203,35 +206,45 @@ def _without(bench: Bench, known: np.ndarray, directions: np.ndarray) -> Bench:
     found = replace(bench, absorbed=absorbed, residual=residual, known=known, directions=directions)
     if bench.plane is None or not len(directions):
         return found
-    nothing = np.zeros((0, len(bench.plane.needed)))
-    own = balanced(found, np.zeros((0, samples_of(found))), Moves(nothing, nothing))
+    nothing = Moves(*(part[:0] for part in bench.plane.own))
+    own = balanced(found, np.zeros((0, samples_of(found))), nothing)
     absorbed = orthonormal(own.slopes)
     return replace(found, absorbed=absorbed, residual=own.left - absorbed @ (absorbed.T @ own.left))
 
 
-def stack(bench: Bench, model: Model, values: np.ndarray, directions: np.ndarray, linear: bool = False) -> np.ndarray:
+def stack(
+    bench: Bench,
+    model: Model,
+    values: np.ndarray,
+    directions: np.ndarray,
+    linear: bool = False,
+    begun: np.ndarray | None = None,
+) -> np.ndarray:
     """Whitened columns of all fitted records, (d, n): what moving the parameters of `model` along each direction does.
 
     `values` and `directions` are (d, m). The terms of `model` push, its linear ones only if asked for; the bench's own
-    model answers.
+    model answers. `begun`, (d, records, h): their histories, if the records do not begin with the drive.
     """
     scene, solved, parts = bench.scene, bench.scene.solved, []
     if scene.tape.spans:
-        parts.append(_along_traces(bench, Terms(Equation(model), linear), values, directions))
+        equation = Equation(model)
+        pasts = no_histories(equation, len(values), scene.tape) if begun is None else begun
+        parts.append(_along_traces(bench, Terms(equation, linear), values, directions, pasts))
     if solved.data.curves is not None:
         plane = bench.plane
         assert plane is not None  # there are sweeps
         # Of its own parameters the model itself says what they do, all harmonics together.
-        own = Moves(plane.own, np.zeros_like(plane.own))
-        moved = own if linear else curve_columns(solved, Equation(model), values, directions)
+        moved = plane.own if linear else curve_columns(plane, Equation(model), values, directions)
         parts.append(-plane.slopes(plane.needed, np.ones_like(plane.needed), moved))
     return np.concatenate(parts, axis=1)
 
 
-def _along_traces(bench: Bench, asked: Terms, values: np.ndarray, directions: np.ndarray) -> np.ndarray:
+def _along_traces(
+    bench: Bench, asked: Terms, values: np.ndarray, directions: np.ndarray, pasts: np.ndarray
+) -> np.ndarray:
     """`stack` of the traces."""
     scene = bench.scene
-    both = contributions(asked, scene.tape, values, directions, scene.moved, scene.seen)
+    both = contributions(asked, scene.tape, values, directions, scene.moved, scene.seen, pasts)
     forces, shown = zip(*both, strict=True)
     rows = np.zeros((len(values), scene.tape.samples))
     if asked.push:
@@ -275,13 +288,23 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     values = np.array([np.concatenate([known, point]) for point in points for _ in amplitudes])
     directions = np.array([np.eye(values.shape[1])[first + a] for _ in points for a in amplitudes])
     raw = stack(bench, model, values, directions)
-    moves = None if bench.plane is None else curve_columns(bench.scene.solved, Equation(model), values, directions)
+    apart, begun = begun_apart(bench, model, len(values)), None
+    if apart is not None:
+        again, along = (np.tile(x, (len(apart), 1)) for x in (values, directions))
+        changed = stack(bench, model, again, along, begun=apart.reshape(-1, *apart.shape[2:]))
+        begun = histories(bench, changed.reshape(len(apart), *raw.shape), raw)
+    moves = None if bench.plane is None else curve_columns(bench.plane, Equation(model), values, directions)
     projected = bench.project(raw)
     names = [p.name for p in instance.declared()]
     one_sided = [p.name for p in instance.declared() if p.one_sided]
     tried = []
     for k, point in enumerate(points):
         rows = slice(k * len(amplitudes), (k + 1) * len(amplitudes))
+        price, seen = 0.0, raw[rows]
+        if begun is not None:
+            seen = raw[rows].copy()
+            raw[rows], price = begun.fitted(bench, seen, rows)
+            projected[rows] = bench.project(raw[rows])
         basis = orthonormal(projected[rows], raw[rows])
         if basis.shape[1] and moves is not None:
             tried.append(
@@ -293,8 +316,11 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
             found = _estimate(bench, names, amplitudes, point, projected[rows])
             sizes = [found[name] for name in one_sided]
             impossible = bench.credible and max(sizes, default=0.0) <= 0 > min(sizes, default=0.0)
-            drop = 0.0 if impossible else float(np.sum((basis.T @ bench.residual) ** 2))
-            tried.append(_Point(drop, found, basis, rows))
+            drop = 0.0 if impossible else max(float(np.sum((basis.T @ bench.residual) ** 2)) - price, 0.0)
+            beyond = basis
+            if begun is not None:
+                beyond = begun.beyond(bench, seen, np.array([found[names[a]] for a in amplitudes]), rows)
+            tried.append(_Point(drop, found, basis, beyond, rows))
     if not tried:
         return None
     best, *others = sorted(tried, key=lambda tried: -tried.drop)
@@ -309,7 +335,7 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     units = {p.name: p.unit for p in instance.declared()}
     dof = best.basis.shape[1] + sum(p.kind == "shape" and p.fitted for p in instance.declared())
     excess = max(bench.chi2 - bench.n, 1e-9)
-    p = chance(bench, best.basis, dof) if best.drop > 0 else 1.0
+    p = chance(bench, best.beyond, dof) if best.drop > 0 and best.beyond.shape[1] else 1.0
     near = others[: _NEAR_POINTS - 1]
     return Candidate(
         effect.name,
@@ -341,7 +367,7 @@ def _balanced_point(
     drop = 0.0 if impossible else max(bench.chi2 - float(found.left @ found.left), 0.0)
     explained = (bench.residual - found.left)[None]  # where the effect is small, its own projected column
     basis = orthonormal(np.concatenate([explained, bench.project(found.slopes[own:])])[: len(raw)])
-    return _Point(drop, values, basis, rows, bench.stepped(found.step[:own]))
+    return _Point(drop, values, basis, basis, rows, bench.stepped(found.step[:own]))
 
 
 def _estimate(

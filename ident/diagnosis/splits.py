@@ -14,7 +14,7 @@ import numpy as np
 from ..fit.fit import minimise
 from ..model import Model
 from ..response import Equation
-from .columns import Terms, contributions
+from .columns import Terms, contributions, no_histories
 from .score import Bench
 
 _SHARES = (0.3, 0.6)  # of the stiffness, taken over
@@ -36,7 +36,7 @@ def split_starts(bench: Bench, model: Model, base: np.ndarray) -> list[np.ndarra
     effect, scales = model.effects[-1], bench.fit.scales
     declared = effect.declared()
     size = next((i for i, p in enumerate(declared) if p.kind == "amplitude" and p.fitted), None)
-    if size is None:
+    if size is None or not bench.scene.tape.spans:  # what a memory looks like is seen on the motion of traces
         return []
     axes = [(0.0,) if p.kind == "amplitude" else [g * getattr(scales, p.scale) for g in p.grid] for p in declared]
     points = np.array([np.concatenate([base, point]) for point in itertools.product(*axes)])
@@ -65,7 +65,9 @@ def _likeness(bench: Bench, model: Model, values: np.ndarray, size: int) -> list
     scene = bench.scene
     along = np.tile(np.eye(values.shape[1])[size], (len(values), 1))
     gram, right = np.zeros((2, 2)), np.zeros((2, len(values)))
-    pushed = contributions(Terms(Equation(model), False), scene.tape, values, along, scene.moved, scene.seen)
+    equation = Equation(model)
+    rest = no_histories(equation, len(values), scene.tape)
+    pushed = contributions(Terms(equation, False), scene.tape, values, along, scene.moved, scene.seen, rest)
     for (force, _), motion in zip(pushed, scene.moved, strict=True):
         moved = np.stack([np.ravel(motion.z), np.ravel(motion.v)])
         gram += moved @ moved.T

@@ -61,6 +61,13 @@ class Scene:
         return self.solved.data.tape
 
     @cached_property
+    def histories(self) -> np.ndarray:
+        """What the fit says that came before the records: additions to the hidden states of its model, (records, h)."""
+        solved = self.solved
+        found = (solved.unknowns.starts * solved.data.start_scale)[:, 2:]
+        return found if found.shape[1] else np.zeros((len(found), len(solved.static.equation.history_units)))
+
+    @cached_property
     def moved(self) -> tuple[Motion, ...]:
         """The corrected trajectories as programs take them."""
         return _motions(self.tape, self.paths)
@@ -73,7 +80,8 @@ class Scene:
     @cached_property
     def dynamics(self) -> tuple[Dynamics, ...]:
         """The model linearised along the corrected trajectories."""
-        return linearised(self.solved.static.equation, self.tape, self.solved.found.values, self.moved)
+        solved = self.solved
+        return linearised(solved.static.equation, self.tape, solved.found.values, self.moved, self.histories)
 
 
 def _motions(tape: Tape, paths: tuple[Path, ...]) -> tuple[Motion, ...]:

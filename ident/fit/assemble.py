@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
 from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
+from ..effects.dimensions import exponents
 from ..model import Model, ModelParameter
 from ..response import Equation, Tape
 from .coordinates import to_coordinates
@@ -36,12 +38,13 @@ def assemble(
     free = () if held else tuple(fitted)
     bounds = np.array([bounds_of(parameters[i], float(values[i]), scales) for i in free]).reshape(-1, 2)
     priors = [campaign.priors.get(parameters[i].name) for i in free]
-    values = np.asarray(values, float)
+    values, equation = np.asarray(values, float), Equation(model)
+    histories = equation.history_units if any(record.start != "rest" for record in records) else ()
     data = Data(
         tape,
         np.concatenate([np.zeros(0), *(record.response for record in records)]),
         np.concatenate([np.zeros(0), *(_weight(record, float(values[0])) for record in records)]),
-        np.array([_start_scale(record, float(values[0])) for record in records]).reshape(-1, 2),
+        np.array([start_scale(r, float(values[0]), histories) for r in records]).reshape(-1, 2 + len(histories)),
         values,
         bounds[:, 0],
         bounds[:, 1],
@@ -52,7 +55,7 @@ def assemble(
         curves,
     )
     moving = bool(np.any(data.start_scale))
-    static = Static(Equation(model), free, moving, len(fitted) + 2 * moving)
+    static = Static(equation, free, moving, len(fitted) + (2 + len(histories)) * moving)
     return static, at_values(data, static, values)
 
 
@@ -69,11 +72,14 @@ def _weight(record: Trace, frequency: float) -> np.ndarray:
     return (counted if record.masked is None else counted & ~record.masked) / record.noise.sigma
 
 
-def _start_scale(record: Trace, frequency: float) -> np.ndarray:
-    """Typical displacement and velocity of a record that does not start at rest, else zero."""
+def start_scale(record: Trace, frequency: float, histories: Sequence[str]) -> np.ndarray:
+    """Typical displacement, velocity and hidden states, in their units, of a record that does not start at rest, else
+    zero."""
     omega = 2 * np.pi * frequency
     amplitude = (float(np.max(np.abs(record.response))) or 1.0) / omega**record.order
-    return (record.start != "rest") * amplitude * np.array([1.0, omega])
+    sizes = {"m": amplitude, "V": float(np.max(np.abs(record.drive))) or 1.0, "s": 1.0 / omega}
+    hidden = [math.prod(sizes.get(base, 1.0) ** power for base, power in exponents(unit).items()) for unit in histories]
+    return (record.start != "rest") * np.array([amplitude, amplitude * omega, *hidden])
 
 
 def bounds_of(parameter: ModelParameter, value: float, scales: DataScales | None) -> tuple[float, float]:
@@ -102,10 +108,10 @@ def begin(data: Data, static: Static) -> Unknowns:
     omega = 2 * np.pi * float(data.template[0])
     starts = [_measured_start(data.response[own], lane.step * span.substeps, int(lane.order), omega)
               for own, lane, span in zip(data.tape.slices, data.tape.lanes, data.tape.spans, strict=True)]  # fmt: skip
+    found = np.zeros_like(data.start_scale)
+    found[:, :2] = np.array(starts).reshape(-1, 2)
     scale = np.where(data.start_scale > 0, data.start_scale, 1.0)
-    return Unknowns(
-        np.zeros(len(static.free)), np.where(data.start_scale > 0, np.array(starts).reshape(-1, 2) / scale, 0.0)
-    )
+    return Unknowns(np.zeros(len(static.free)), np.where(data.start_scale > 0, found / scale, 0.0))
 
 
 def _measured_start(response: np.ndarray, step: float, order: int, omega: float) -> np.ndarray:

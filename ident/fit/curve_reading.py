@@ -44,27 +44,48 @@ class RunReading(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
+class Followed:
+    """The curves of a model at the levels of some sweeps, followed when they are asked for, all side by side."""
+
+    sweeps: tuple[Sweep, ...]
+    model: Periodic
+
+    @cached_property
+    def branches(self) -> dict[tuple[str, float], Branch]:
+        """By name of the sweep and level."""
+        asked, bands, sizes, loads = [], [], [], []
+        for sweep in self.sweeps:
+            low, high = float(np.min(sweep.frequency)), float(np.max(sweep.frequency))
+            more = _AROUND * (high - low)
+            for level in sorted({run.level for run in sweep.runs}):
+                asked.append((sweep.name, level))
+                bands.append((max(low - more, 0.5 * low), high + more))
+                sizes.append(max(float(np.max(sweep.amplitude[r.rows])) for r in sweep.runs if r.level == level))
+                loads.append(sweep.load)
+        levels = np.array([level for _, level in asked])
+        found = follow(self.model, levels, np.array(loads), np.array(bands), np.array(sizes))
+        return dict(zip(asked, found, strict=True))
+
+
+@dataclass(frozen=True, eq=False)
 class CurveReading:
     """A model's reading of a sweep: `rows` are its residuals in noise floors as the fit counts them; `unsolved`, how
-    many of its points have no response of the measured amplitude."""
+    many of its points have no response of the measured amplitude; `followed`: its curves, among those of others."""
 
     sweep: Sweep
-    model: Periodic
+    followed: Followed
     rows: np.ndarray
     unsolved: int
+
+    @property
+    def model(self) -> Periodic:
+        return self.followed.model
 
     @cached_property
     def runs(self) -> tuple[RunReading, ...]:
         """Every run of the sweep over the model's curves."""
-        sweep, runs = self.sweep, self.sweep.runs
-        levels = sorted({run.level for run in runs})
-        low, high = float(np.min(sweep.frequency)), float(np.max(sweep.frequency))
-        more = _AROUND * (high - low)
-        sizes = np.array([max(float(np.max(sweep.amplitude[r.rows])) for r in runs if r.level == v) for v in levels])
-        loads = np.full(len(levels), sweep.load)
-        branches = follow(self.model, np.array(levels), loads, (max(low - more, 0.5 * low), high + more), sizes)
-        by_level = dict(zip(levels, branches, strict=True))
-        return tuple(self._run(run, by_level[run.level]) for run in runs)
+        branches = self.followed.branches
+        return tuple(self._run(run, branches[self.sweep.name, run.level]) for run in self.sweep.runs)
 
     @property
     def reading(self) -> np.ndarray:
@@ -146,7 +167,8 @@ def read_curves(model: Model, values: np.ndarray, sweeps: Sequence[Sweep]) -> tu
 
 def told(curves: Curves, model: Periodic, rows: np.ndarray, solved: np.ndarray) -> tuple[CurveReading, ...]:
     """Readings of sweeps whose residuals, (count,), are known."""
+    followed = Followed(curves.sweeps, model)
     return tuple(
-        CurveReading(sweep, model, rows[curves.places(own)], int(np.count_nonzero(~solved[own])))
+        CurveReading(sweep, followed, rows[curves.places(own)], int(np.count_nonzero(~solved[own])))
         for sweep, own in zip(curves.sweeps, curves.slices, strict=True)
     )

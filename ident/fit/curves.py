@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,10 +28,33 @@ from ..campaign.record import Sweep
 from ..response import Equation
 from ..response.controlled import Controlled, Points, at_amplitude
 from ..response.periodic import Periodic, steps_per_period
-from .curve_guess import guess_curves
 
 _SHARE = 0.1  # of the noise floor of all points together: so far the solver's step may move the response
+_REACH = 0.5  # of the scale of an unknown: as far as a slope is followed
 _FINEST, _COARSEST = 1e-6, 1e-3  # of the response, whatever the noise
+
+
+class Known(NamedTuple):
+    """Steady responses of a model at some values, and how they move: `by` (d, points, n + 1) along `directions` (d,
+    m)."""
+
+    found: Controlled
+    directions: np.ndarray | None = None
+    by: np.ndarray | None = None
+
+    def moved_to(self, model: Periodic) -> np.ndarray:
+        """Where the unknowns, (points, n + 2), are to first order at the values of another model; as they are, if that
+        is further than a slope reaches."""
+        unknowns = self.found.unknowns.copy()
+        if self.directions is None or self.by is None:
+            return unknowns
+        change = model.values - self.found.model.values
+        share = np.linalg.lstsq(self.directions.T, change, rcond=None)[0]
+        step, scale = np.einsum("d,dpk->pk", share, self.by), self.found.seat.scale
+        n = step.shape[1] - 1
+        farthest = np.max(np.abs(step / scale[:, : n + 1])[:, [0, 1, n]], axis=1)
+        unknowns[:, : n + 1] += np.where(farthest < _REACH, 1.0, 0.0)[:, None] * step
+        return unknowns
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +63,7 @@ class Curves:
 
     **Arguments:** `points`: as the solver takes them; `measured`: (points,) amplitude, m; `phase`: (points,) rad, NaN
     where none was measured; `deviation`, `phase_deviation`: (points,); `steps` of the solver per period; `white`:
-    (points, 2, 2) L⁻¹; `slices`: the points of each sweep; `known`: steady responses found last, by equation.
+    (points, 2, 2) L⁻¹; `slices`: the points of each sweep; `known`: what was found last, by equation.
     """
 
     sweeps: tuple[Sweep, ...]
@@ -51,7 +75,7 @@ class Curves:
     steps: int
     white: np.ndarray
     slices: tuple[slice, ...]
-    known: dict[Equation, np.ndarray] = field(default_factory=dict)
+    known: dict[Equation, Known] = field(default_factory=dict)
 
     @property
     def phased(self) -> np.ndarray:
@@ -72,9 +96,9 @@ class Curves:
     def solve(self, equation: Equation, values: np.ndarray) -> Controlled:
         """The model's steady responses with the measured amplitudes."""
         model = Periodic(equation, np.asarray(values, float), self.steps)
-        found = at_amplitude(model, self.points, self.known.get(equation))
-        if np.all(found.converged):
-            self.known[equation] = found.unknowns
+        known = self.known.get(equation)
+        found = at_amplitude(model, self.points, None if known is None else known.moved_to(model))
+        self.known[equation] = Known(found)
         return found
 
     def residuals(self, found: Controlled) -> np.ndarray:
@@ -92,19 +116,34 @@ class Curves:
         """Derivatives of the residuals along directions (d, m) of the values, (d, count)."""
         if not len(directions):
             return np.zeros((0, self.count))
-        return self.rows(-found.slopes(directions) / found.needed)
+        moved = found.moves(directions)
+        self.known[found.model.equation] = Known(found, directions, moved.unknowns)
+        return self.rows(-moved.needed / found.needed)
 
     def weighed(self, equation: Equation, values: np.ndarray) -> Curves:
         """The same with the noise carried through the model at these values."""
         here = self.solve(equation, values)
+        amplitude = self.points.amplitude
         off = []
-        for side in (1.0, -1.0):
-            amplitude = np.maximum(self.points.amplitude + side * self.deviation, 0.1 * self.points.amplitude)
-            there = at_amplitude(here.model, self.points._replace(amplitude=amplitude), here.unknowns)
+        for there in self.beside(here):
             good = there.converged & here.converged
-            ratio = np.where(good, there.needed / here.needed, amplitude / self.points.amplitude)
-            off.append(np.log(ratio))
-        return replace(self, white=self._whitening(np.array(off)))
+            off.append(np.log(np.where(good, there.needed / here.needed, there.points.amplitude / amplitude)))
+        return self.with_deviations(np.array(off))
+
+    def beside(self, here: Controlled) -> tuple[Controlled, Controlled]:
+        """The model's steady responses with amplitudes that are larger, and smaller, by the noise."""
+        above, below = (
+            np.maximum(self.points.amplitude + side * self.deviation, 0.1 * self.points.amplitude)
+            for side in (1.0, -1.0)
+        )
+        there = lambda amplitude: at_amplitude(
+            here.model, self.points._replace(amplitude=amplitude), here.unknowns.copy()
+        )
+        return there(above), there(below)
+
+    def with_deviations(self, off: np.ndarray) -> Curves:
+        """The same if the noise of the amplitude changes the logarithm of the drive by (2, points), on its two sides."""
+        return replace(self, white=self._whitening(off))
 
     def _whitening(self, off: np.ndarray) -> np.ndarray:
         """L⁻¹ of deviations of the logarithm, (2, points), one for each side of the amplitude's noise."""
@@ -131,11 +170,10 @@ def lay_curves(sweeps: Sequence[Sweep], finest: int) -> Curves:
     phase = join([unknown(s) if s.phase is None else s.phase for s in sweeps])
     noise = float(np.min(deviation)) / float(np.max(measured))
     allowed = np.clip(_SHARE * noise / np.sqrt(len(measured)), _FINEST, _COARSEST)
-    quality = guess_curves(sweeps).quality
     ends = np.cumsum([0, *(len(s.frequency) for s in sweeps)])
     places = tuple(slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True))
     laid = Curves(tuple(sweeps), points, measured, phase, deviation, join([s.phase_deviation for s in sweeps]),
-                  steps_per_period(quality, finest, float(allowed)), np.zeros((0, 2, 2)), places)  # fmt: skip
+                  steps_per_period(finest, float(allowed)), np.zeros((0, 2, 2)), places)  # fmt: skip
     linear = (deviation / points.amplitude).astype(complex)
     return replace(laid, white=laid._whitening(np.array([linear, -linear])))
 

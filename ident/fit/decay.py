@@ -28,19 +28,15 @@ class Ringing(NamedTuple):
 
 def read_ringing(response: np.ndarray, step: float) -> Ringing | None:
     """The strongest line of a free decay (n,), sampled every `step` s; None where fewer than three cycles ring."""
-    response = response - np.mean(response[len(response) // 2 :])
-    energy = np.cumsum(response**2)
-    n = max(int(np.searchsorted(energy, _ENERGY * energy[-1])) + 1, 16)
-    part = response[:n]
-    line = _peak(part)
-    if line is None or line * n < _CYCLES:
+    response = about_rest(response)
+    line = strongest_line(response)
+    if line is None:
         return None
-    # Two periods averaged: what turns with another line has gone.
-    turned = part * np.exp(-2j * np.pi * line * np.arange(n))
-    window = np.hanning(max(int(2 / line), 3) + 2)[1:-1]
-    if len(window) >= n:
+    n = len(_lively(response))
+    found = turned_back(response[:n], line)
+    if found is None:
         return None
-    envelope = np.convolve(turned, window / window.sum(), "valid")
+    envelope = found[1]
     size = np.abs(envelope)
     if len(size) < 4 or not size.max() > 0:
         return None
@@ -53,6 +49,35 @@ def read_ringing(response: np.ndarray, step: float) -> Ringing | None:
         return None
     quality = np.pi * frequency / max(falling, np.pi * frequency / 1e6)
     return Ringing(float(frequency / step), float(quality), float(frequency * n))
+
+
+def about_rest(response: np.ndarray) -> np.ndarray:
+    """A decay counted from where it comes to rest."""
+    return response - np.mean(response[len(response) // 2 :])
+
+
+def strongest_line(response: np.ndarray) -> float | None:
+    """The line of a decay about its rest, in cycles per sample; None where fewer than three cycles ring."""
+    part = _lively(response)
+    line = _peak(part)
+    return None if line is None or line * len(part) < _CYCLES else line
+
+
+def turned_back(response: np.ndarray, line: float) -> tuple[np.ndarray, np.ndarray] | None:
+    """A decay turned back by a line and averaged over two of its periods, complex (n − k + 1,), half an amplitude; and
+    the window (k,), for what turns with another line has gone. None if the decay is shorter."""
+    window = np.hanning(max(int(2 / line), 3) + 2)[1:-1]
+    if len(window) >= len(response):
+        return None
+    window /= window.sum()
+    turned = response * np.exp(-2j * np.pi * line * np.arange(len(response)))
+    return window, np.convolve(turned, window, "valid")
+
+
+def _lively(response: np.ndarray) -> np.ndarray:
+    """The stretch of a decay that holds its energy."""
+    energy = np.cumsum(response**2)
+    return response[: max(int(np.searchsorted(energy, _ENERGY * energy[-1])) + 1, 16)]
 
 
 def _peak(part: np.ndarray) -> float | None:

@@ -120,19 +120,26 @@ def minimise(
         pulse = Pulse(report, stage)
         watch = lambda cost, pulse=pulse: pulse.beat(f"error over noise {per_sample(cost):.3g}")
         found = solve.least_squares(static, there, begin(data, static), robust, most, begun, watch)
-        found = _reweighed(static, *found, robust, most, watch)
         solutions.append((per_sample(first), *found))
         if not starts and not told and per_sample(solutions[-1][2].cost) < _AT_THE_FLOOR:
             break
-    _, data, best = min(solutions, key=lambda s: s[2].cost if np.isfinite(s[2].cost) else np.inf)
+    # All starts had the same weights; those of the best one's model are its own.
+    chosen = min(range(len(solutions)), key=lambda i: _finite(solutions[i][2].cost))
+    first, data, best = solutions[chosen]
+    data, best = _reweighed(static, data, best, robust, most, watch)
+    solutions[chosen] = (first, data, best)
     table = tuple(Start(first, per_sample(s.cost), s.steps, s.converged) for first, _, s in solutions)
     return Minimum(static, data, best, table, scales)
+
+
+def _finite(cost: float) -> float:
+    return cost if np.isfinite(cost) else np.inf
 
 
 def _reweighed(
     static: Static, data: Data, found: solve.Solution, robust: bool, most: int, watch: Callable[[float], None]
 ) -> tuple[Data, solve.Solution]:
-    """A solution with the noise of the curves carried through the model as it is there."""
+    """A solution with the noise of the curves carried through the model as it is there; `most` steps in all."""
     for _ in range(_REWEIGHED if data.curves is not None and np.isfinite(found.cost) else 0):
         assert data.curves is not None  # else there is no round
         before = data.curves.white
@@ -142,9 +149,9 @@ def _reweighed(
         cost = float(again.residuals @ again.residuals)
         settled = np.array_equal(before, curves.white) or abs(cost - found.cost) < _SETTLED * found.cost
         found = found._replace(cost=cost, found=again)
-        if settled:
+        if settled or found.steps >= most:
             break
-        data, better = solve.least_squares(static, data, found.unknowns, robust, most, again, watch)
+        data, better = solve.least_squares(static, data, found.unknowns, robust, most - found.steps, again, watch)
         found = better._replace(steps=found.steps + better.steps)
     return data, found
 

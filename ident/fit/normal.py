@@ -1,7 +1,6 @@
 """Normal equations of a fit: the cost, its gradient and its Gauss–Newton matrix, from one evaluation.
 
-The unknowns in one vector: x first, then displacement and velocity of every record that does not
-start at rest.
+The unknowns in one vector: x first, then the initial state of every record that does not start at rest.
 """
 
 from __future__ import annotations
@@ -40,14 +39,14 @@ def pack(unknowns: Unknowns, data: Data) -> np.ndarray:
 def unpack(vector: np.ndarray, like: Unknowns, data: Data) -> Unknowns:
     """One vector as unknowns; what is not unknown as in `like`."""
     p, starts = len(like.x), like.starts.copy()
-    starts[moving(data)] = vector[p:].reshape(-1, 2)
+    starts[moving(data)] = vector[p:].reshape(-1, starts.shape[1])
     return Unknowns(vector[:p], starts)
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a trial whose motion has no bound is refused for its cost
 def normal_equations(static: Static, data: Data, vector: np.ndarray, found: Evaluation, robust: bool) -> Normal:
     """Normal equations of data, priors and ridge at one point, the unknowns in one `vector`."""
-    p = len(static.free)
+    p, s = len(static.free), data.start_scale.shape[1]
     gradient, matrix = np.zeros_like(vector), np.zeros((len(vector),) * 2)
     r, jx, js = found.residuals, found.by_x, found.by_start
     if robust:
@@ -56,12 +55,20 @@ def normal_equations(static: Static, data: Data, vector: np.ndarray, found: Eval
     gradient[:p] = jx @ r
     matrix[:p, :p] = jx @ jx.T
     for k, record in enumerate(moving(data)):
-        own, part = slice(p + 2 * k, p + 2 * k + 2), data.tape.slices[record]
+        own, part = slice(p + s * k, p + s * (k + 1)), data.tape.slices[record]
         gradient[own] = js[:, part] @ r[part]
         matrix[own, own] = js[:, part] @ js[:, part].T
         matrix[:p, own] = jx[:, part] @ js[:, part].T
         matrix[own, :p] = matrix[:p, own].T
     return _with_prior(Normal(np.asarray(float(r @ r)), gradient, matrix), found, static, data, vector)
+
+
+def weights(static: Static, data: Data) -> np.ndarray:
+    """1/deviation of every unknown from zero, (u,): next to nothing, but one of hidden states at the
+    start, which are about as large as their unit. Displacement and velocity are held by the first samples."""
+    histories = np.ones(data.start_scale.shape[1])
+    histories[:2] = _RIDGE
+    return np.concatenate([np.full(len(static.free), _RIDGE), np.tile(histories, len(moving(data)))])
 
 
 def _with_prior(data_part: Normal, found: Evaluation, static: Static, data: Data, vector: np.ndarray) -> Normal:
@@ -73,10 +80,11 @@ def _with_prior(data_part: Normal, found: Evaluation, static: Static, data: Data
     slope = weight * np.asarray(data.scale) * slopes(values, data.lower, data.upper)
     gradient[:p] += slope * off
     matrix[np.arange(p), np.arange(p)] += slope**2
-    matrix[np.diag_indices_from(matrix)] += _RIDGE**2
-    gradient += _RIDGE**2 * vector
+    light = weights(static, data)
+    matrix[np.diag_indices_from(matrix)] += light**2
+    gradient += light**2 * vector
     # As an array: a Python number would be compiled into the program that receives it.
-    total = 0.5 * (cost + off @ off + _RIDGE**2 * (vector @ vector))
+    total = 0.5 * (cost + off @ off + float(np.sum((light * vector) ** 2)))
     return Normal(np.asarray(total), gradient, matrix)
 
 

@@ -22,6 +22,7 @@ from .change_values import changed_values
 from .coordinates import slopes
 from .problem import evaluate
 from .reading import fit_starts
+from .uncertainty import told_by_start
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -71,7 +72,7 @@ def predict(fit: Fit, data: Any, values: Mapping[str, float | str] | None = None
     covariance = fit.covariance[np.ix_(kept, kept)]
     slope = by_value[:, kept]
     if record.start != "rest":
-        basis, _ = np.linalg.qr(by_start)
+        basis = told_by_start(by_start.T / record.noise.sigma)
         slope = slope - basis @ (basis.T @ slope)
     variance = np.einsum("ni,ij,nj->n", slope, covariance, slope)
     if record.start != "rest":
@@ -96,7 +97,7 @@ def record_of(campaign: Campaign, data: Any) -> Trace:
 
 
 def _with_slopes(model: Model, values: np.ndarray, record: Trace) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Reading (n,), its derivatives by the fitted parameters (n, p) and by the initial state (n, 2)."""
+    """Reading (n,), its derivatives by the fitted parameters (n, p) and by the initial state (n, s)."""
     tape = lay_out([record], float(values[0]), float(values[1]), model.steps_per_period)
     static, data = assemble(model, Campaign("", (record,), model.device), [record], tape, values)
     unknowns = begin(data, static)

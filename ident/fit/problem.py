@@ -1,8 +1,9 @@
 """A fit as arrays: residuals in units of the noise floor, and their Jacobian.
 
 The unknowns are x, the fitted parameters in unbounded coordinates (ln p for positive ones) divided by `scale`, and the
-initial states of the records that do not start at rest. A record's initial state moves that record only, so the
-Jacobian costs p + 2 tangent simulations whatever the number of records (p if all start at rest). Samples of all traces
+initial states of the records that do not start at rest: displacement, velocity, and the hidden states of every memory,
+of whose history nothing is known. A record's initial state moves that record only, so the Jacobian costs p + s tangent
+simulations whatever the number of records (p if all start at rest). Samples of all traces
 stand one after another, (samples,); `data.tape.slices` says where each is. What the points of sweeps say follows them,
 (numbers,) in all.
 """
@@ -40,8 +41,8 @@ class Data(NamedTuple):
     **Arguments:**
 
     - `tape`: the drives; `response`, (samples,) measured, m; `weight`, (samples,) 1/σ, zero where a sample is not
-      counted; `start_scale`, (records, 2) typical displacement and velocity, the unit of the fitted initial states,
-      zero where a record starts at rest.
+      counted; `start_scale`, (records, s) the size of displacement, velocity and hidden states in a record: the unit of
+      the fitted initial states, and as large as these are likely to be; zero where a record starts at rest.
     - `template`: (m,) SI values of all parameters, fitted or not.
     - `lower`, `upper`: (p,) bounds of the fitted ones (see coordinates); `scale`, `anchor`: (p,) unit and origin of x.
     - `prior_mean`, `prior_weight`: (p,) SI; weight 1/deviation, 0 without a prior.
@@ -68,7 +69,8 @@ class Data(NamedTuple):
 
 
 class Unknowns(NamedTuple):
-    """`x` (p,) and `starts` (records, 2) in units of `start_scale`."""
+    """`x` (p,) and `starts` (records, s) in units of `start_scale`; of hidden states, what lies beyond those that a
+    record would begin with if the drive had been switched on with it."""
 
     x: np.ndarray
     starts: np.ndarray
@@ -88,7 +90,7 @@ class Evaluation(NamedTuple):
     """A model at one point.
 
     **Arguments:** `values`, (m,) SI; its `response`; `residuals` (model − measured)/σ, (numbers,), and their
-    derivatives `by_x` (p, numbers) and `by_start` (2, samples), by the initial state of each sample's own record, empty
+    derivatives `by_x` (p, numbers) and `by_start` (s, samples), by the initial state of each sample's own record, empty
     if all start at rest; `steady`, its responses with the amplitudes of the sweeps.
     """
 
@@ -109,19 +111,19 @@ class Evaluation(NamedTuple):
 def evaluate(static: Static, data: Data, unknowns: Unknowns) -> Evaluation:
     """Residuals and Jacobian in one march."""
     values, p, tape = physical(static, data, unknowns.x), len(static.free), data.tape
-    directions = np.zeros((max(p + 2 * static.starts_free, static.width), len(values)))
+    starts = unknowns.starts.shape[1] * static.starts_free
+    directions = np.zeros((max(p + starts, static.width), len(values)))
     free = list(static.free)
     directions[np.arange(p), free] = slopes(values[free], data.lower, data.upper) * data.scale
     kicks = np.zeros((len(directions), *unknowns.starts.shape))
-    if static.starts_free:
-        for k in range(2):
-            kicks[p + k, :, k] = data.start_scale[:, k]
+    for k in range(starts):
+        kicks[p + k, :, k] = data.start_scale[:, k]
     found = respond(static.equation, tape, values, unknowns.starts * data.start_scale, directions, kicks)
     residuals = (found.readings - data.response) * data.weight
     residuals = np.where(np.abs(residuals) < _WORST, residuals, _WORST)
     change = found.slopes * data.weight
     change[~np.isfinite(change)] = 0.0
-    by_start = change[p : p + 2 * static.starts_free]
+    by_start = change[p : p + starts]
     if data.curves is None:
         return Evaluation(values, found, residuals, change[:p], by_start)
     steady = data.curves.solve(static.equation, values)
@@ -133,8 +135,9 @@ def evaluate(static: Static, data: Data, unknowns: Unknowns) -> Evaluation:
 
 def readings(static: Static, data: Data, unknowns: Unknowns) -> np.ndarray:
     """Model readings alone, (samples,) m."""
-    width = fitting_width(max(len(static.free) + 2 * static.starts_free, static.width))  # the program that is there
+    starts = unknowns.starts.shape[1] * static.starts_free
+    width = fitting_width(max(len(static.free) + starts, static.width))  # the program that is there
     nothing = np.zeros((width, len(data.template)))
-    starts, kicks = unknowns.starts * data.start_scale, np.zeros((len(nothing), *unknowns.starts.shape))
+    begin, kicks = unknowns.starts * data.start_scale, np.zeros((len(nothing), *unknowns.starts.shape))
     values = physical(static, data, unknowns.x)
-    return respond(static.equation, data.tape, values, starts, nothing, kicks).readings
+    return respond(static.equation, data.tape, values, begin, nothing, kicks).readings

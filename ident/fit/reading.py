@@ -24,32 +24,47 @@ def read(model: Model, values: np.ndarray, records: Sequence[Trace]) -> list[np.
     return [shown[own] for own in tape.slices]
 
 
-_ROUNDS = 6
+_ROUNDS = 8
 _STILL = 1e-7  # of the largest displacement and velocity
+_LEAST = 1 / 16  # of a step: a shorter one gains nothing
 
 
 def fit_starts(static: Static, data: Data, unknowns: Unknowns) -> tuple[Unknowns, Evaluation]:
-    """Gauss–Newton on the initial states alone; they enter almost linearly. Never worse than where it began; the model
-    there too."""
-    best, kept, least = unknowns, None, np.inf
-    for _ in range(_ROUNDS + 1):
-        found = evaluate(static, data, unknowns)
-        cost = float(found.residuals @ found.residuals)
-        if kept is not None and not cost < least:
+    """Gauss–Newton on the initial states alone; they enter almost linearly, but where a loop remembers them: steps that
+    gain nothing are halved. Never worse than where it began; the model there too."""
+    light = np.where(np.arange(data.start_scale.shape[1]) < 2, 1e-6, 1.0)
+    best, kept = unknowns, evaluate(static, data, unknowns)
+    least, share = _cost(kept, best, light), 1.0
+    for _ in range(_ROUNDS):
+        steps = _steps(data, kept, best, light)
+        if steps is None or share * np.max(np.abs(steps), initial=0.0) < _STILL:
             break
-        best, kept, least = unknowns, found, cost
-        steps = np.zeros_like(unknowns.starts)
-        for record, own in enumerate(data.tape.slices):
-            slope = found.by_start[:, own]
-            gram = slope @ slope.T
-            if not np.all(np.isfinite(gram)):
-                return best, kept
-            # A start of which nothing is left where samples count stays as it was read; of an overdamped motion
-            # displacement and velocity at the start leave the same trace.
-            inverse = np.linalg.pinv(gram + 1e-12 * np.eye(2), rcond=1e-12, hermitian=True)
-            steps[record] = inverse @ (slope @ found.residuals[own]) * (data.start_scale[record] > 0)
-        unknowns = Unknowns(unknowns.x, unknowns.starts - steps)
-        if np.max(np.abs(steps), initial=0.0) < _STILL:
+        trial = Unknowns(best.x, best.starts - share * steps)
+        found = evaluate(static, data, trial)
+        cost = _cost(found, trial, light)
+        if cost < least:
+            best, kept, least, share = trial, found, cost, 1.0
+        elif (share := share / 4) < _LEAST:
             break
-    assert kept is not None  # there was at least one round
     return best, kept
+
+
+def _cost(found: Evaluation, unknowns: Unknowns, light: np.ndarray) -> float:
+    return float(found.residuals @ found.residuals + np.sum((light * unknowns.starts) ** 2))
+
+
+def _steps(data: Data, found: Evaluation, unknowns: Unknowns, light: np.ndarray) -> np.ndarray | None:
+    """Steps (records, s) to where the initial states would fit best if they entered linearly; None if the motion has no
+    bound."""
+    steps = np.zeros_like(unknowns.starts)
+    for record, own in enumerate(data.tape.slices):
+        slope = found.by_start[:, own]
+        gram = slope @ slope.T
+        if not np.all(np.isfinite(gram)):
+            return None
+        # A start of which nothing is left where samples count stays as it was read; of an overdamped motion
+        # displacement and velocity at the start leave the same trace.
+        inverse = np.linalg.pinv(gram + np.diag(light**2), rcond=1e-12, hermitian=True)
+        pull = slope @ found.residuals[own] + light**2 * unknowns.starts[record]
+        steps[record] = inverse @ pull * (data.start_scale[record] > 0)
+    return steps

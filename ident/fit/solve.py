@@ -136,7 +136,7 @@ def rescale(
 def _farthest(data: Data) -> np.ndarray:
     """How far each unknown may go in one step, (u,)."""
     reach = np.where(np.isfinite(data.lower), _FARTHEST / data.scale, np.inf)
-    return np.concatenate([reach, np.full(2 * len(moving(data)), np.inf)])
+    return np.concatenate([reach, np.full(data.start_scale.shape[1] * len(moving(data)), np.inf)])
 
 
 def least_squares(

@@ -41,7 +41,7 @@ def linearise(found: Evaluation, data: Data, records: Sequence[Trace]) -> Linear
         counted = slice(own.start + record.skip, own.stop)
         jacobian, residual = found.by_x[:, counted].T, found.residuals[counted]
         if record.start != "rest":
-            basis, _ = np.linalg.qr(found.by_start[:, counted].T)
+            basis = told_by_start(found.by_start[:, counted])
             jacobian = jacobian - basis @ (basis.T @ jacobian)
             residual = residual - basis @ (basis.T @ residual)
         rows.append(jacobian)
@@ -52,6 +52,13 @@ def linearise(found: Evaluation, data: Data, records: Sequence[Trace]) -> Linear
     residuals.append(found.residuals[data.tape.samples :])
     spread += jacobian.T @ jacobian
     return Linearisation(np.concatenate(rows), np.concatenate(residuals), spread)
+
+
+def told_by_start(rows: np.ndarray) -> np.ndarray:
+    """What an initial state may add to a record, (n, q) orthonormal, from the derivatives (s, n) by it in units in
+    which it is about one; what stays below a noise floor in all the record is none of it."""
+    u, s, _ = np.linalg.svd(rows.T, full_matrices=False)
+    return u[:, s > 1.0]
 
 
 def _spread(jacobian: np.ndarray, noise: NoiseFloor) -> np.ndarray:

@@ -1,10 +1,11 @@
 """The posterior density of a fit's unknowns, in batches: the only file that knows the arrays of a fit.
 
 The unknowns are those of the fit: fitted parameters in coordinates without bounds, in units that the records resolve.
-The initial state s of a record that does not start at rest is integrated out. It enters almost linearly, so that with
-w(s) = w₀ + J (s − s₀), a prior s ~ N(0, b²) and M = JᵀJ + b⁻²
+The initial state s of a record that does not start at rest, hidden states of memories included, is integrated out. It
+enters almost linearly, so that with w(s) = w₀ + J (s − s₀), a prior s ~ N(0, 1) in units of its likely size and
+M = JᵀJ + 1
 
-    χ² = w₀ᵀw₀ + s₀²/b² − gᵀM⁻¹g,   g = Jᵀw₀ + s₀/b²,   ln L gains −½ ln |M| − ln b²
+    χ² = w₀ᵀw₀ + s₀² − gᵀM⁻¹g,   g = Jᵀw₀ + s₀,   ln L gains −½ ln |M|
 
 around the states s₀ that fit best at the centre. J is taken anew at every point, by differences over a standard error.
 """
@@ -32,13 +33,12 @@ from .priors import Prior, choose_prior, log_prior, table
 BATCH = 16
 """Points evaluated at once, always: one compiled program, and a point's density never depends on its neighbours."""
 
-_START_SPREAD = 3.0  # b, in units of the record's largest displacement and velocity: an initial state is no larger
 _WORST = 1e8  # noise floors; a motion without bound is no number, and this is refused as surely
 
 
 class Linear(NamedTuple):
     """The density around its centre as a regression: `matrix` (p, p) and `gradient` (p,) of −ln L in x, starts moved to
-    their best (`starts`, (records, 2)), `columns` (p,) lengths of the whitened derivatives."""
+    their best (`starts`, (records, s)), `columns` (p,) lengths of the whitened derivatives."""
 
     matrix: np.ndarray
     gradient: np.ndarray
@@ -47,7 +47,7 @@ class Linear(NamedTuple):
 
 
 class White(NamedTuple):
-    """One record at points (k, …): w₀ (k, n), and for its initial state J (k, n, 2), M (k, 2, 2), g (k, 2)."""
+    """One record at points (k, …): w₀ (k, n), and for its initial state J (k, n, s), M (k, s, s), g (k, s)."""
 
     residual: np.ndarray
     slope: np.ndarray
@@ -60,7 +60,7 @@ class Density:
     """ln posterior of one fit; a value.
 
     **Arguments:** `records` that it sees, with their `noises`; `data`, whose anchor and scale are origin and unit of x;
-    `starts` s₀ (records, 2); `kick` (2,) the difference by which J is taken; `priors` of the unknowns, in order.
+    `starts` s₀ (records, s); `kick` (s,) the difference by which J is taken; `priors` of the unknowns, in order.
     """
 
     fit: Fit
@@ -97,10 +97,10 @@ class Density:
         return prior + float(np.sum(np.log(data.scale))), likelihood
 
     def _one(self, record: int, white: White) -> np.ndarray:
-        start_cost = float(np.sum(self.starts[record] ** 2)) / _START_SPREAD**2 if self._moving(record) else 0.0
+        start_cost = float(np.sum(self.starts[record] ** 2)) if self._moving(record) else 0.0
         solved = np.linalg.solve(white.inner, white.pull[..., None])[..., 0]
         chi2 = np.sum(white.residual**2, axis=1) + start_cost - np.sum(white.pull * solved, axis=1)
-        occam = -0.5 * np.linalg.slogdet(white.inner)[1] - 2.0 * np.log(_START_SPREAD)
+        occam = -0.5 * np.linalg.slogdet(white.inner)[1]
         return log_likelihood(self.noises[record], chi2) + occam
 
     def values(self, x: np.ndarray) -> np.ndarray:
@@ -118,7 +118,7 @@ class Density:
     def innovations(self, x: np.ndarray, seed: int = 0) -> list[np.ndarray]:
         """White residuals (k, count) of each record in units of its floor, initial states drawn given x."""
         random = np.random.default_rng(seed)
-        noise = random.standard_normal((len(x), len(self.records), 2))
+        noise = random.standard_normal((len(x), len(self.records), self.starts.shape[1]))
 
         def drawn(part: np.ndarray, z: np.ndarray) -> np.ndarray:
             found = []
@@ -145,18 +145,19 @@ class Density:
         with np.errstate(over="ignore", invalid="ignore"):
             at = [self._simulate(values, self.starts)]
             if self.static.starts_free:
-                at += [self._simulate(values, self.starts + self.kick * np.eye(2)[a]) for a in range(2)]
+                at += [self._simulate(values, self.starts + kick) for kick in np.diag(self.kick)]
             off = [(a - self.data.response) * self.data.weight for a in at]
             off = [np.where(np.abs(a) < _WORST, a, _WORST) for a in off]
         found = []
         for i, (noise, own) in enumerate(zip(self.noises, self.data.tape.slices, strict=True)):
             first, *kicked = (whiten(noise, a[:, own]) for a in off)
             k = len(first)
-            slope, pull, inner = np.zeros((*first.shape, 2)), np.zeros((k, 2)), np.tile(np.eye(2), (k, 1, 1))
-            inner = inner / _START_SPREAD**2
+            s = len(self.kick)
+            slope, pull = np.zeros((*first.shape, s)), np.zeros((k, s))
+            inner = np.tile(np.eye(s), (k, 1, 1))
             if self._moving(i):
                 slope = np.stack([(other - first) / self.kick[a] for a, other in enumerate(kicked)], axis=-1)
-                pull = (first[:, None] @ slope)[:, 0] + self.starts[i] / _START_SPREAD**2
+                pull = (first[:, None] @ slope)[:, 0] + self.starts[i]
                 inner = inner + np.swapaxes(slope, 1, 2) @ slope
             found.append(White(first, slope, inner, pull))
         return found
@@ -181,8 +182,8 @@ class Density:
             squares += np.sum(jx**2, axis=1)
             if self._moving(i):
                 js = whiten(noise, found.by_start[:, own])
-                inner = js @ js.T + np.eye(2) / _START_SPREAD**2
-                cross, pull = js @ jx.T, js @ w + starts[i] / _START_SPREAD**2
+                inner = js @ js.T + np.eye(len(js))
+                cross, pull = js @ jx.T, js @ w + starts[i]
                 solved = np.linalg.solve(inner, np.column_stack([cross, pull]))
                 matrix -= weight * cross.T @ solved[:, :-1]
                 gradient -= weight * cross.T @ solved[:, -1]
@@ -266,7 +267,7 @@ def make_density(fit: Fit, records: Sequence[Trace] | None = None) -> Density:
     static, data = assemble(fit.model, campaign, chosen, tape, fit.values, fit.scales)
     if not static.free:
         raise UserError("nothing in this model was fitted, so it has no posterior", do="free a parameter and fit again")
-    unknowns, kick = begin(data, static), np.ones(2)
+    unknowns, kick = begin(data, static), np.ones(data.start_scale.shape[1])
     if static.starts_free:
         unknowns, found = fit_starts(static, data, unknowns)
         kick = 1.0 / np.maximum(np.sqrt(np.sum(found.by_start**2, axis=1)), 1.0)

@@ -10,7 +10,9 @@ from ..campaign.device import Device, Platform
 from ..campaign.drive import drive_frequency
 from ..campaign.drive_sine import DriveSine, drive_sine
 from ..campaign.record import Trace
+from ..fit.decay_curve import decay_curves
 from ..fit.judge import RecordScore
+from .decay_figure import draw_decay
 from .drive_words import drive_words
 from .quantity import Scale, scale, show_in
 from .style import (
@@ -40,7 +42,7 @@ _PIECES = (12, 8, 8)  # periods shown of the beginning, middle and end of a long
 _FOLDED = 8  # last periods that are folded on the drive's phase
 
 
-Layout = tuple[bool, bool]  # whether the record is folded on its drive, and whether it is shown whole
+Layout = tuple[str, bool]  # what stands beside: "folded", "decay" or "spectrum"; and whether the record is shown whole
 
 
 def record_figure(
@@ -48,8 +50,8 @@ def record_figure(
 ) -> Figure:
     """Model over data with the residual in noise floors under it, and beside it the response against the drive.
 
-    A record with a ruling drive frequency is folded on it (against phase, and against voltage); any other is shown as
-    a spectrum.
+    A record with a ruling drive frequency is folded on it (against phase, and against voltage); a free decay shows its
+    frequency and damping against amplitude; any other record is shown as a spectrum.
 
     **Arguments:** `reading` (n,) of the model, SI; `used`, figures of other records that are saved already: the one
     of the same layout is drawn on again, which is twice as fast.
@@ -58,7 +60,8 @@ def record_figure(
     unit = scale(size, "m", device)
     sine = drive_sine(record)
     pieces = _pieces(record, sine)
-    layout = (sine is not None, len(pieces) == 1)
+    curves = () if record.driven else decay_curves(record.response, reading, record.step, record.noise.sigma)
+    layout = ("folded" if sine is not None else "decay" if curves else "spectrum", len(pieces) == 1)
     used = {} if used is None else used
     figure = used[layout] = emptied(used[layout]) if layout in used else _blank(layout)
     _title(figure, record, score, device)
@@ -66,7 +69,9 @@ def record_figure(
     top, low, *beside = figure.axes
     _over_time(top, low, record, reading, unit, pieces, what)
     key(figure, 0.631, 0.825, ("measured", MEASURED), ("model", MODEL))
-    if sine is None:
+    if curves:
+        draw_decay(beside[0], beside[1], curves, unit)
+    elif sine is None:
         _spectrum(beside[0], record, reading, device)
         key(figure, 0.985, 0.825, ("measured", MEASURED), ("residual", RESIDUAL), ("noise", INK))
     else:
@@ -78,15 +83,17 @@ def record_figure(
 
 def _blank(layout: Layout) -> Figure:
     """Empty axes: over time, the residual under it, and beside them phase and loop or a spectrum."""
-    folded, whole = layout
+    beside, whole = layout
     figure = new_figure(10.6, 4.7)
     top, low = new_axes(figure, 0.066, 0.42, 0.565, 0.385), new_axes(figure, 0.066, 0.105, 0.565, 0.205)
     top.tick_params(labelbottom=not whole)
     for axes in (top, low):
         axes.yaxis.set_label_coords(-0.077, 0.5)
-    if folded:
-        new_axes(figure, 0.71, 0.545, 0.275, 0.26).set_xticks([0, 90, 180, 270, 360])
+    if beside != "spectrum":
+        upper = new_axes(figure, 0.71, 0.545, 0.275, 0.26)
         new_axes(figure, 0.71, 0.105, 0.275, 0.295)
+        if beside == "folded":
+            upper.set_xticks([0, 90, 180, 270, 360])
     else:
         spectrum = new_axes(figure, 0.71, 0.105, 0.275, 0.70)
         spectrum.set_yscale("log")

@@ -14,11 +14,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .periodic import FREQUENCY, Look, Periodic, Seat
+from .periodic import FREQUENCY, Look, Periodic, Seat, empty_look
 
-_CLOSED = 1e-9  # of the scale: so well a period closes
+_CLOSE = 1e-4  # of the scale: the last step of Newton's method towards the curve, which leaves its square
 _MOST = 1500  # points of a curve
-_ROUNDS = 8  # of Newton's method at a point
+_ROUNDS, _SETTLING = 8, 30  # of Newton's method at the next point, and without a neighbour
 _TURN = 0.97  # cosine of the angle by which the curve may turn from point to point
 _LONGEST, _SHORTEST = 0.25, 1e-5  # steps, in scales of the unknowns
 _PAST = 0.7  # of the peak: beyond the band and below, the curve is past it
@@ -66,31 +66,27 @@ class Branch:
             found.append(Fold(int(k), float(self.at(k, part)[FREQUENCY]), float(amplitude)))
         return tuple(found)
 
-    def at(self, k: Any, part: float) -> np.ndarray:
-        """Unknowns between points k and k + 1, by the cubic through both and their slopes."""
-        h = self.length[k + 1] - self.length[k]
-        a, b = self.unknowns[k], self.unknowns[k + 1]
-        u, v = h * self.along[k], h * self.along[k + 1]
-        t = part
+    def at(self, k: Any, part: Any) -> np.ndarray:
+        """Unknowns (…, n + 2) between points k and k + 1, (…,), by the cubic through both and their slopes."""
+        h, t = (self.length[np.add(k, 1)] - self.length[k])[..., None], np.asarray(part)[..., None]
+        a, b = self.unknowns[k], self.unknowns[np.add(k, 1)]
+        u, v = h * self.along[k], h * self.along[np.add(k, 1)]
         return (1 + 2 * t) * (1 - t) ** 2 * a + t * (1 - t) ** 2 * u + t**2 * (3 - 2 * t) * b - t**2 * (1 - t) * v
 
-    def crossings(self, frequency: float) -> list[tuple[int, float]]:
-        """Where the curve passes a frequency: after which point, and which part of the way to the next."""
+    def crossings(self, frequencies: np.ndarray) -> list[list[tuple[int, float]]]:
+        """Where the curve passes each of some frequencies: after which points, and what part of the way to the next."""
         f = self.frequency
-        passed = np.flatnonzero((f[:-1] - frequency) * (f[1:] - frequency) <= 0)
-        found = []
-        for k in passed:
-            if f[k + 1] == f[k] or (found and found[-1] == (k - 1, 1.0)):
-                continue
-            low, high = 0.0, 1.0
-            rising = f[k + 1] > f[k]
-            for _ in range(40):
-                middle = 0.5 * (low + high)
-                if (self.at(k, middle)[FREQUENCY] < frequency) == rising:
-                    low = middle
-                else:
-                    high = middle
-            found.append((int(k), 1.0 if f[k + 1] == frequency else 0.5 * (low + high)))
+        before, after = f[:-1] - frequencies[:, None], f[1:] - frequencies[:, None]
+        # A point that is hit ends the stretch before it and does not begin the next.
+        which, k = np.nonzero((before * after < 0) | (after == 0) | ((before == 0) & (np.arange(len(f) - 1) == 0)))
+        low, high, rising = np.zeros(len(k)), np.ones(len(k)), f[k + 1] > f[k]
+        for _ in range(40 if len(k) else 0):
+            middle = 0.5 * (low + high)
+            short = (self.at(k, middle)[:, FREQUENCY] < frequencies[which]) == rising
+            low, high = np.where(short, middle, low), np.where(short, high, middle)
+        found: list[list[tuple[int, float]]] = [[] for _ in frequencies]
+        for i, point, part in zip(which, k, 0.5 * (low + high), strict=True):
+            found[i].append((int(point), float(part)))
         return found
 
 
@@ -102,22 +98,21 @@ def _turning(h: float, a: float, b: float, u: float, v: float) -> float:
     return inside[0] if inside else 0.5
 
 
-def follow(model: Periodic, levels: np.ndarray, loads: np.ndarray, band: tuple[float, float],
+def follow(model: Periodic, levels: np.ndarray, loads: np.ndarray, bands: np.ndarray,
            sizes: np.ndarray) -> list[Branch]:  # fmt: skip
-    """The curves of a model at some levels (k,), V, under loads (k,), kg, through a band of frequencies, Hz.
+    """The curves of a model at levels (k,), V, under loads (k,), kg, each through a band of frequencies (k, 2), Hz.
 
     **Arguments:** `sizes`: (k,) the largest amplitudes to expect, m, which scale the length.
     """
     n, own = model.size, float(model.values[0])
-    low, high = band
+    low, high = np.broadcast_to(np.asarray(bands, float), (len(levels), 2)).T
     # In these units a linear resonance is about as wide as it is high.
-    width = max(own / max(float(model.values[1]), 1.0), (high - low) / 200)
-    first = _linear(model, levels, loads, np.full(len(levels), low))
-    hidden = np.ones(n - 2)
-    scale = np.column_stack([sizes, 2 * np.pi * own * sizes, np.broadcast_to(hidden, (len(levels), n - 2)),
-                             levels, np.full(len(levels), width)])  # fmt: skip
+    width = np.maximum(own / max(float(model.values[1]), 1.0), (high - low) / 200)
+    first = _linear(model, levels, loads, low)
+    hidden = np.ones((len(levels), n - 2))
+    scale = np.column_stack([sizes, 2 * np.pi * own * sizes, hidden, levels, width])
     seat = Seat(np.asarray(loads, float), scale)
-    w, begun = settle(model, first, seat)
+    w, begun, _ = settle(model, first, seat)
     paths = [_Path() for _ in levels]
     tangent = np.zeros((len(levels), n + 1))
     tangent[:, n] = 1.0
@@ -140,32 +135,43 @@ def follow(model: Periodic, levels: np.ndarray, loads: np.ndarray, band: tuple[f
                 paths[i].length += float(step[i])
                 w[i], tangent[i] = found[j], turned[j]
                 paths[i].append(w[i], tangent[i], seen, j, there)
-                step[i] = min(step[i] * (1.5 if rounds[j] <= 3 else 1.0), _LONGEST)
+                step[i] = min(step[i] * (1.5 if rounds[j] <= 2 else 1.0), _LONGEST)
             else:
                 step[i] *= 0.4
         f, peak = w[active, FREQUENCY], np.array([max(map(abs, paths[i].tones)) for i in active])
-        over = (f > high) & (np.array([abs(paths[i].tones[-1]) for i in active]) < _PAST * peak)
-        on = (step[active] > _SHORTEST) & ~over & (f < high + _BEYOND * (high - low))
-        on &= f > max(low - _BEYOND * (high - low), 0.1 * low)
+        bottom, top = low[active], high[active]
+        over = (f > top) & (np.array([abs(paths[i].tones[-1]) for i in active]) < _PAST * peak)
+        on = (step[active] > _SHORTEST) & ~over & (f < top + _BEYOND * (top - bottom))
+        on &= f > np.maximum(bottom - _BEYOND * (top - bottom), 0.1 * bottom)
         active = active[on & np.array([len(paths[i].points) < _MOST for i in active])]
     return [path.branch(float(v), float(m)) for path, v, m in zip(paths, levels, loads, strict=True)]
 
 
-def settle(model: Periodic, unknowns: np.ndarray, seat: Seat) -> tuple[np.ndarray, np.ndarray]:
-    """Steady responses at given levels and frequencies from nearby ones, and whether they were found."""
+def settle(model: Periodic, unknowns: np.ndarray, seat: Seat) -> tuple[np.ndarray, np.ndarray, Look]:
+    """Steady responses at given levels and frequencies from nearby ones; whether they were found; and the last look at
+    each, moved on to them."""
     n, w = model.size, unknowns.copy()
-    miss = np.full(len(w), np.inf)
-    for _ in range(30):
-        seen = model.look(w, seat, np.eye(n, n + 2))
-        equations = seen.miss / seat.scale[:, :n]
-        miss = np.max(np.abs(equations), axis=1)
-        if np.all(miss < _CLOSED):
-            break
-        matrix = np.moveaxis(seen.miss_slope / seat.scale[None, :, :n], 0, 2)
-        moved = -_least(matrix, equations[..., None])[..., 0]
+    look, good, left = empty_look(len(w), n, n), np.zeros(len(w), bool), np.arange(len(w))
+    for _ in range(_SETTLING):
+        there = Seat(seat.load[left], seat.scale[left])
+        seen = model.look(w[left], there, np.eye(n, n + 2))
+        equations = seen.miss / there.scale[:, :n]
+        matrix = np.moveaxis(seen.miss_slope / there.scale[None, :, :n], 0, 2)
+        with np.errstate(invalid="ignore", over="ignore"):
+            moved = -_least(np.nan_to_num(matrix), np.nan_to_num(equations)[..., None])[..., 0]
         moved *= np.minimum(1.0, 0.5 / np.maximum(np.max(np.abs(moved[:, :2]), axis=1), 1e-300))[:, None]
-        w[:, :n] += np.where((miss > _CLOSED)[:, None], moved, 0.0) * seat.scale[:, :n]
-    return w, miss < np.sqrt(_CLOSED)
+        w[left, :n] += moved * there.scale[:, :n]
+        look.put(left, seen.moved(moved))
+        good[left] = _near(equations, moved)
+        left = left[~good[left] & np.isfinite(equations).all(axis=1)]
+        if not len(left):
+            break
+    return w, good, look
+
+
+def _near(equations: np.ndarray, moved: np.ndarray) -> np.ndarray:
+    """Whether the next step of Newton's method would be the square of a small one."""
+    return np.maximum(np.max(np.abs(equations), axis=1), np.max(np.abs(moved), axis=1)) < _CLOSE
 
 
 class _Path:
@@ -221,28 +227,29 @@ def _tangents(seen: Look, seat: Seat, before: np.ndarray) -> np.ndarray:
 def _corrected(
     model: Periodic, guess: np.ndarray, seat: Seat, tangent: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, Look, np.ndarray]:
-    """Points of the curve in the plane across the tangent at the guess; whether they were found; the look there; after
-    how many rounds."""
+    """Points of the curve in the plane across the tangent at the guess; whether they were found; the last look, moved
+    on to them; after how many rounds."""
     n, w = model.size, guess.copy()
-    rounds, seen, miss = np.zeros(len(w), int), None, np.full(len(w), np.inf)
+    look, good, rounds = empty_look(len(w), n, n + 1), np.zeros(len(w), bool), np.zeros(len(w), int)
+    left = np.arange(len(w))
     for _ in range(_ROUNDS):
-        seen = model.look(w, seat, _along(n))
-        equations = seen.miss / seat.scale[:, :n]
-        miss = np.max(np.abs(equations), axis=1)
-        left = ~(miss < _CLOSED)
-        if not np.any(left):
-            break
-        rounds += left
-        matrix = np.concatenate(
-            [np.moveaxis(seen.miss_slope / seat.scale[None, :, :n], 0, 2), tangent[:, None]], axis=1
-        )
-        right = np.concatenate([equations, np.zeros((len(w), 1))], axis=1)
+        there = Seat(seat.load[left], seat.scale[left])
+        seen = model.look(w[left], there, _along(n))
+        equations = seen.miss / there.scale[:, :n]
+        matrix = np.moveaxis(seen.miss_slope / there.scale[None, :, :n], 0, 2)
+        matrix = np.concatenate([matrix, tangent[left, None]], axis=1)
+        right = np.concatenate([equations, np.zeros((len(left), 1))], axis=1)
         with np.errstate(invalid="ignore", over="ignore"):
             moved = -_least(np.nan_to_num(matrix), np.nan_to_num(right)[..., None])[..., 0]
-        moved = np.clip(moved, -0.5, 0.5) * left[:, None]
-        w[:, _UNKNOWN(n)] += moved * seat.scale[:, _UNKNOWN(n)]
-    assert seen is not None  # there is at least one round
-    return w, miss < _CLOSED, seen, rounds
+        moved = np.clip(moved, -0.5, 0.5)
+        w[np.ix_(left, _UNKNOWN(n))] += moved * there.scale[:, _UNKNOWN(n)]
+        look.put(left, seen.moved(moved))
+        rounds[left] += 1
+        good[left] = _near(equations, moved)
+        left = left[~good[left] & np.isfinite(equations).all(axis=1)]
+        if not len(left):
+            break
+    return w, good, look, rounds
 
 
 def _linear(model: Periodic, levels: np.ndarray, loads: np.ndarray, frequency: np.ndarray) -> np.ndarray:

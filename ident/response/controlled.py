@@ -15,13 +15,13 @@ Problems, 2019, §3 (the start).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from .periodic import LEVEL, Look, Periodic, Seat, ride
+from .periodic import FREQUENCY, LEVEL, Look, Periodic, Seat, empty_look, ride
 
-_ENOUGH = 1e-10  # of the amplitude: so well a period closes
+_CLOSE = 1e-5  # of the scale of an unknown: the last step of Newton's method, which leaves its square
 _MOST = 40  # steps of Newton's method
 _LEAST = 1 / 16  # of a step
 _FARTHEST = 0.5  # of the scale of an unknown, in one step
@@ -44,7 +44,8 @@ class Controlled:
     """Steady responses of given amplitudes.
 
     **Arguments:** `unknowns`: (points, n + 2) y, U, f; `jacobian`: (points, n + 1, n + 1) of the equations by y and U;
-    `converged`: (points,), what did not is the balance of the fundamental alone.
+    `seen`: one period from there, along y and U; `converged`: (points,), what did not is the balance of the fundamental
+    alone.
     """
 
     model: Periodic
@@ -70,13 +71,14 @@ class Controlled:
         """(points,) complex drive relative to the response, V: the level, ahead of the response as it is."""
         return self.level * np.exp(-1j * np.angle(self.tone))
 
+    def moves(self, directions: np.ndarray) -> Moved:
+        """Derivatives along directions (d, m) of the values."""
+        found = self.model.look_by_values(self.unknowns, self.seat, directions)
+        return self._answer(*self._asked(found))
+
     def slopes(self, directions: np.ndarray) -> np.ndarray:
         """Derivatives of `needed` along directions (d, m) of the values, (d, points)."""
-        n = self.model.size
-        found = self.model.look(self.unknowns, self.seat, np.zeros((len(directions), n + 2)), directions)
-        size, turn = self._shown(found)
-        equations = np.concatenate([found.miss_slope / self.seat.scale[None, :, :n], size[..., None]], axis=2)
-        return self._answer(equations, turn)
+        return self.moves(directions).needed
 
     @property
     def by_amplitude(self) -> np.ndarray:
@@ -84,41 +86,50 @@ class Controlled:
         n = self.model.size
         equations = np.zeros((1, len(self.unknowns), n + 1))
         equations[..., n] = -1.0 / self.points.amplitude
-        return self._answer(equations, np.zeros((1, len(self.unknowns))))[0]
+        return self._answer(equations, np.zeros((1, len(self.unknowns)))).needed[0]
 
     @property
     def by_frequency(self) -> np.ndarray:
         """Derivative of `needed` by the frequency, (points,) V/Hz."""
-        n = self.model.size
-        size, turn = self._shown(self.seen)
-        scale = self.seat.scale
-        equations = np.concatenate([self.seen.miss_slope[-1] / scale[:, :n], size[-1][:, None]], axis=1)
-        return self._answer(equations[None], turn[-1:])[0] / scale[:, -1]
+        along = np.zeros((1, self.model.size + 2))
+        along[0, FREQUENCY] = 1.0
+        found = self.model.look(self.unknowns, self.seat, along)
+        return self._answer(*self._asked(found)).needed[0] / self.seat.scale[:, FREQUENCY]
 
     def multipliers(self) -> np.ndarray:
         """Floquet multipliers, (points, n): inside the unit circle where the response is stable at its level."""
         n = self.model.size
         return np.linalg.eigvals(self.jacobian[:, :n, :n] + np.eye(n))
 
-    def _shown(self, look: Look) -> tuple[np.ndarray, np.ndarray]:
-        """Relative changes of the amplitude and changes of the phase along the directions of a look, (d, points)."""
+    def _asked(self, look: Look) -> tuple[np.ndarray, np.ndarray]:
+        """How the equations, (d, points, n + 1), and the phase, (d, points), change along the directions of a look."""
         turn = np.imag(look.tone_slope / look.tone)
         size = np.where(self.points.swing, look.swing_slope / look.swing, np.real(look.tone_slope / look.tone))
-        return size, turn
+        scaled = look.miss_slope / self.seat.scale[None, :, : self.model.size]
+        return np.concatenate([scaled, size[..., None]], axis=2), turn
 
-    def _answer(self, equations: np.ndarray, turn: np.ndarray) -> np.ndarray:
-        """How `needed` answers where the equations change by (d, points, n + 1) and the phase by (d, points)."""
-        step = -_solved(self.jacobian, np.moveaxis(equations, 0, 2))  # (points, n + 1, d)
+    def _answer(self, equations: np.ndarray, turn: np.ndarray) -> Moved:
+        """How the responses answer where the equations change by (d, points, n + 1) and the phase by (d, points)."""
         n = self.model.size
-        _, own = self._shown(self.seen)
+        step = -_solved(self.jacobian, np.moveaxis(equations, 0, 2))  # (points, n + 1, d)
+        _, own = self._asked(self.seen)
         turn = turn + np.einsum("kp,pkd->dp", own[: n + 1], step)
-        level = step[:, n].T * self.seat.scale[:, LEVEL]
-        return np.where(self.converged, self.needed * (level / self.level - 1j * turn), 0.0)
+        step = np.where(self.converged[:, None, None], step, 0.0) * self.seat.scale[:, : n + 1, None]
+        needed = self.needed * (step[:, n].T / self.level - 1j * np.where(self.converged, turn, 0.0))
+        return Moved(np.moveaxis(step, 2, 0), needed)
+
+
+class Moved(NamedTuple):
+    """Derivatives of steady responses along d directions: of the `unknowns` y and U, (d, points, n + 1), and of the
+    drive that is `needed`, (d, points)."""
+
+    unknowns: np.ndarray
+    needed: np.ndarray
 
 
 def at_amplitude(model: Periodic, points: Points, start: np.ndarray | None = None) -> Controlled:
     """The steady responses of a model with the amplitudes of the points; `start`, (points, n + 2), from where the
-    search begins if they are known nearly."""
+    search begins if they are known nearly. Points that are not found from there are searched from the balance."""
     n = model.size
     first = begin(model, points) if start is None else start
     hidden = np.max(np.abs(first[:, 2:n]), axis=0, initial=0.0)
@@ -127,40 +138,62 @@ def at_amplitude(model: Periodic, points: Points, start: np.ndarray | None = Non
                              np.broadcast_to(np.where(hidden > 0, hidden, 1.0), (len(first), n - 2)),
                              points.level, 1e-3 * points.frequency])  # fmt: skip
     seat = Seat(points.load, scale)
-    w, good = _newton(model, points, first.copy(), seat)
-    if start is not None and not np.all(good):
-        return at_amplitude(model, points)
-    w = np.where(good[:, None], w, first)
-    seen = model.look(w, seat, np.eye(n + 2))
-    return Controlled(model, points, w, seat, _equations(seen, seat, points)[1], seen, good)
+    search = _newton(model, points, first, seat)
+    if start is not None and not np.all(search.found):
+        lost = ~search.found
+        few = _some(points, lost)
+        first[lost] = begin(model, few)
+        search.put(lost, _newton(model, few, first[lost], _some(seat, lost)))
+    w, seen, found = search
+    w[~found] = first[~found]
+    return Controlled(model, points, w, seat, _equations(seen, seat, points)[1], seen, found)
 
 
-def _newton(model: Periodic, points: Points, w: np.ndarray, seat: Seat) -> tuple[np.ndarray, np.ndarray]:
-    """The unknowns after Newton's method, and where it found a response."""
-    n, left = model.size, np.arange(len(w))
-    miss, share = np.full(len(w), np.inf), np.ones(len(w))
+class _Search(NamedTuple):
+    """Newton's method on its way: `unknowns`; what the last look there said, its `tone` moved on with the last step;
+    and which points are `found`."""
+
+    unknowns: np.ndarray
+    look: Look
+    found: np.ndarray
+
+    def put(self, rows: np.ndarray, other: _Search) -> None:
+        """Take over some points of another search."""
+        self.unknowns[rows], self.found[rows] = other.unknowns, other.found
+        self.look.put(rows, other.look)
+
+
+def _newton(model: Periodic, points: Points, start: np.ndarray, seat: Seat) -> _Search:
+    """Newton's method from a start. Once a step is small the next would be its square: none is taken to see that."""
+    n, left = model.size, np.arange(len(start))
+    search = _Search(start.copy(), empty_look(len(start), n, n + 1), np.zeros(len(start), bool))
+    w, miss, share = search.unknowns, np.full(len(start), np.inf), np.ones(len(start))
     for _ in range(_MOST):
-        own, there = (
-            points._replace(**{k: v[left] for k, v in points._asdict().items()}),
-            Seat(*(x[left] for x in seat)),
-        )
+        own, there = _some(points, left), _some(seat, left)
         seen = model.look(w[left], there, np.eye(n + 1, n + 2))
         equations, jacobian = _equations(seen, there, own)
         now = np.max(np.abs(equations), axis=1)
         # At the kink of a play full steps may lead to and fro for ever.
-        share[left] = np.where(now > miss[left], 0.5, 2.0) * share[left]
-        share = np.clip(share, _LEAST, 1.0)
+        share[left] = np.clip(np.where(now > miss[left], 0.5, 2.0) * share[left], _LEAST, 1.0)
         miss[left] = now
         with np.errstate(invalid="ignore", over="ignore"):
             step = -_solved(np.nan_to_num(jacobian), np.nan_to_num(equations)[..., None])[..., 0]
         farthest = np.max(np.abs(step[:, [0, 1, n]]), axis=1)  # a memory may be far from where it settles
-        step *= np.minimum(share[left], _FARTHEST / np.maximum(farthest, 1e-300))[:, None]
-        more = (miss[left] > _ENOUGH) & np.isfinite(miss[left])
-        w[left[more], : n + 1] += step[more] * there.scale[more, : n + 1]
-        left = left[more]
+        close = np.maximum(now, farthest) < _CLOSE
+        step *= np.where(close, 1.0, np.minimum(share[left], _FARTHEST / np.maximum(farthest, 1e-300)))[:, None]
+        on = np.isfinite(now)
+        w[left[on], : n + 1] += step[on] * there.scale[on, : n + 1]
+        search.look.put(left, seen.moved(step))
+        search.found[left] = close & (w[left, LEVEL] > 0)
+        left = left[on & ~close]
         if not len(left):
             break
-    return w, (miss < np.sqrt(_ENOUGH)) & (w[:, LEVEL] > 0)
+    return search
+
+
+def _some(parts: Any, rows: np.ndarray) -> Any:
+    """Some points of a tuple of arrays that has the points first."""
+    return type(parts)(*(x[rows] for x in parts))
 
 
 def begin(model: Periodic, points: Points) -> np.ndarray:

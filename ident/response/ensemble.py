@@ -15,13 +15,13 @@ from .transient import march, rest
 def respond_many(equation: Equation, tape: Tape, values: np.ndarray, starts: np.ndarray) -> np.ndarray:
     """Sensor readings of all records of a tape for many sets of parameters, (k, samples) m.
 
-    **Arguments:** `values`, (k, m) SI, in the order of `model.parameters`; `starts`, (k, records, 2) m and m/s at the
-    first samples. Each k has its own program: ask for the same number again.
+    **Arguments:** `values`, (k, m) SI, in the order of `model.parameters`; `starts`, (k, records, 2 …) as of `respond`
+    at the first samples. Each k has its own program: ask for the same number again.
     """
     values, starts = np.asarray(values, float), np.asarray(starts, float)
     k = len(values)
-    carry = jax.tree.map(lambda x: np.broadcast_to(x, (k, *x.shape)).copy(), rest(equation, None))
-    begin = np.stack([np.stack(tape.begun(own)) for own in starts], axis=1)  # (chunks, k, BLOCKS, 2)
+    carry = jax.tree.map(lambda x: np.broadcast_to(x, (k, *x.shape)).copy(), rest(equation, None, starts.shape[2] > 2))
+    begin = np.stack([np.stack(tape.begun(own)) for own in starts], axis=1)  # (chunks, k, BLOCKS, 2 …)
     found = []
     for chunk, own in zip(tape.chunks, begin, strict=True):
         carry, readings = march_many(equation, equation.constants, values, own, carry, chunk)

@@ -116,38 +116,42 @@ def shaping(effect: AbstractEffect) -> tuple[str, ...]:
 
 class Remembered(NamedTuple):
     """Memory of one effect between blocks: `hidden` states, (h,), and their derivatives `slopes`, (q, h), by the
-    parameters on which they depend."""
+    parameters on which they depend and by the history."""
 
     hidden: Array
     slopes: Array
 
 
 def remembered_force(
-    effect: AbstractEffect, memory: Remembered, first: Numbers, seen: Seen
+    effect: AbstractEffect, memory: Remembered, first: Numbers, seen: Seen, history: Numbers
 ) -> tuple[Remembered, Array, Array]:
     """Force of an effect that follows the drive alone: what it remembers at the end of the block; (points,) N on the
-    half-step grid; and the derivatives, (values + 1, points), by its own parameters and the gain.
+    half-step grid; and the derivatives, (values + 1 + p, points), by its own parameters, the gain and the history.
 
-    `first`: whether the record begins here. The memory has tangents along those parameters that it depends on alone.
+    `first`: whether the record begins here; `history`, (p,): what came before it added to the hidden states, (0,) if
+    nothing did. The memory has tangents along those parameters that it depends on alone, and along the history.
     """
     names, bends = tuple(effect.values), shaping(effect)
     values = dict(effect.values)
     changed = lambda some: effect.with_values(**(values | dict(zip(bends, some, strict=True))))
 
+    past = len(history)
+
     def begun(some: Array) -> Array:
-        return jnp.stack([jnp.asarray(h, float) for h in changed(some).begun(seen.first)])
+        fresh = jnp.stack([jnp.asarray(h, float) for h in changed(some).begun(seen.first)])
+        return fresh + history if past else fresh
 
     def along(some: Array, hidden: Array) -> tuple[Array, Array]:
         end, path = memory_along(changed(some), tuple(hidden), seen)
         return jnp.stack(end), jnp.stack(path)
 
     some = jnp.stack([jnp.asarray(values[name], float) for name in bends]) if bends else jnp.zeros(0)
-    axes = jnp.eye(len(bends))
     begin = begun(some)
     hidden = jnp.where(first > 0, begin, memory.hidden)
-    if bends:
-        begin_slopes = jax.vmap(lambda axis: jax.jvp(begun, (some,), (axis,))[1])(axes)
-        bent = jnp.where(first > 0, begin_slopes, memory.slopes)
+    axes = jnp.concatenate([jnp.eye(len(bends)), jnp.zeros((past, len(bends)))])
+    if len(axes):
+        by_value = [jax.jvp(begun, (some,), (axis,))[1] for axis in axes[: len(bends)]]
+        bent = jnp.where(first > 0, jnp.stack([*by_value, *jnp.eye(past)]), memory.slopes)
         one = lambda axis, change: jax.jvp(along, (some, hidden), (axis, change))
         (end, path), (end_slopes, changes) = jax.vmap(one, out_axes=(None, 0))(axes, bent)
     else:
@@ -165,10 +169,12 @@ def remembered_force(
         bend = names[i] if i < len(names) else ""
         change = changes[bends.index(bend)] if bend in bends else jnp.zeros_like(path)
         slopes.append(jax.jvp(acting, (unknowns, path), (axis, change))[1])
+    still = jnp.zeros_like(unknowns)
+    slopes += [jax.jvp(acting, (unknowns, path), (still, change))[1] for change in changes[len(bends) :]]
     return Remembered(end, end_slopes), acting(unknowns, path), jnp.stack(slopes)
 
 
-def forgotten(effect: AbstractEffect) -> tuple[Any, Any]:
-    """Shapes of what an effect remembers: of `hidden` and of `slopes`."""
+def forgotten(effect: AbstractEffect, past: bool) -> tuple[Any, Any]:
+    """Shapes of what an effect remembers: of `hidden` and of `slopes`; `past`, whether a history comes before."""
     size = len(effect.state0())
-    return (size,), (len(shaping(effect)), size)
+    return (size,), (len(shaping(effect)) + past * size, size)

@@ -21,27 +21,36 @@ import numpy as np
 from jax import Array, lax
 
 from ..effects.effect import State
-from ..programs import program
+from ..programs import Program, program
 from .lane import Numbers
 from .memory import Seen, memory_along
 from .runge_kutta import runge_kutta, stages, steps_of
-from .system import Equation, System, assemble, derivative, reading, slices
+from .system import Equation, System, assemble, derivative, reading, slices, tangents
 
 LEVEL, FREQUENCY = -2, -1  # places of U and f in the unknowns w = (y, U, f) of a point
-_POINTS = (8, 32, 128)  # looked at side by side: so many programs, and no more
+POINTS = 64  # looked at side by side: one program for any number of them
 _WIDTHS = (4, 8, 16)  # directions of one look
-_STEPS = (64, 96, 128, 192, 256)  # of the solver per period
+_STEPS = (64, 96, 128, 256)  # of the solver per period
 
 
-def steps_per_period(quality: float, finest: int, allowed: float) -> int:
+def steps_per_period(finest: int, allowed: float) -> int:
     """Solver steps per period with which the method's error moves the response by less than `allowed` of itself.
 
-    The phase error of Runge–Kutta steps is (ωh)⁴/120 per radian, near resonance 2Q times that in the response;
-    `finest`: what the sharpest effect of the model needs.
+    What `undispersed` leaves of it is θ⁴/40, whatever the quality and the nonlinearity; `finest`: what the sharpest
+    effect of the model needs.
     """
-    largest = (120 * allowed / max(2 * quality, 2.0)) ** 0.25
-    needed = max(2 * math.pi / largest, finest)
+    needed = max(2 * math.pi / (40 * allowed) ** 0.25, finest)
     return next((n for n in _STEPS if n >= needed), _STEPS[-1])
+
+
+def batches(count: int) -> list[np.ndarray]:
+    """Points as a program takes them, the last one again where there are too few."""
+    return [np.minimum(np.arange(first, first + POINTS), count - 1) for first in range(0, count, POINTS)]
+
+
+def joined(found: list[tuple], count: int) -> list[np.ndarray]:
+    """What a program said of all batches, points last."""
+    return [np.concatenate(part, axis=-1)[..., :count] for part in zip(*found, strict=True)]
 
 
 class Seat(NamedTuple):
@@ -67,6 +76,25 @@ class Look(NamedTuple):
     tone_slope: np.ndarray
     swing_slope: np.ndarray
 
+    def moved(self, step: np.ndarray) -> Look:
+        """What it shows after steps (points, d) along its directions, to first order."""
+        tone = self.tone + np.einsum("pk,kp->p", step, self.tone_slope)
+        return self._replace(tone=tone, swing=self.swing + np.einsum("pk,kp->p", step, self.swing_slope))
+
+    def put(self, rows: np.ndarray, other: Look) -> None:
+        """Take over some points from another look along the same directions."""
+        for part, new in zip(self[:3], other[:3], strict=True):
+            part[rows] = new
+        for part, new in zip(self[3:], other[3:], strict=True):
+            part[:, rows] = new
+
+
+def empty_look(points: int, n: int, directions: int) -> Look:
+    """A look that has seen nothing yet."""
+    one, along = (points,), (directions, points)
+    return Look(np.zeros((points, n)), np.zeros(one, complex), np.zeros(one),
+                np.zeros((directions, points, n)), np.zeros(along, complex), np.zeros(along))  # fmt: skip
+
 
 @dataclass(frozen=True, eq=False)
 class Periodic:
@@ -86,36 +114,29 @@ class Periodic:
         """(2 steps + 1,) rad of the half-step grid."""
         return np.pi / self.steps * np.arange(2 * self.steps + 1)
 
-    def look(self, unknowns: np.ndarray, seat: Seat, along: np.ndarray, by_values: np.ndarray | None = None) -> Look:
-        """One period from `unknowns` (points, n + 2).
+    def look(self, unknowns: np.ndarray, seat: Seat, along: np.ndarray) -> Look:
+        """One period from `unknowns` (points, n + 2), and how it changes along directions (d, n + 2) of them, in units
+        of the seat's scale."""
+        return self._seen(by_unknowns, unknowns, seat, along)
 
-        **Arguments:** `along`: (d, n + 2) directions of the unknowns, in units of the seat's scale; `by_values`: (d, m)
-        directions of the values, zero if not given.
-        """
-        d, m = len(along), len(self.values)
-        by_values = np.zeros((d, m)) if by_values is None else by_values
-        width = next((w for w in _WIDTHS if w >= d), None)
-        if width is None:  # more directions than one program takes
-            half = _WIDTHS[-1]
-            parts = [self.look(unknowns, seat, along[:half], by_values[:half]),
-                     self.look(unknowns, seat, along[half:], by_values[half:])]  # fmt: skip
-            joined = (np.concatenate([part[k] for part in parts]) for k in range(3, 6))
-            return Look(*parts[0][:3], *joined)
-        fill = lambda rows: np.concatenate([rows, np.zeros((width - d, rows.shape[1]))])
-        along, by_values = fill(along), fill(by_values)
-        count, found, first = len(unknowns), [], 0
-        while first < count:
-            left = count - first
-            most = next((p for p in _POINTS if p >= left), _POINTS[-1])
-            rows = np.minimum(np.arange(first, first + most), count - 1)
-            arrays = (self.values, by_values, unknowns[rows], along, seat.load[rows], seat.scale[rows], self.angle)
-            said = look(self.equation, self.equation.constants, *arrays)
-            own = min(left, most)
-            found.append([np.asarray(part)[..., :own] for part in said])
-            first += own
-        miss, shown, slope, shown_slope = (np.concatenate(part, axis=-1) for part in zip(*found, strict=True))
-        tone, tone_slope = shown[0] + 1j * shown[1], shown_slope[:, 0] + 1j * shown_slope[:, 1]
-        return Look(miss.T, tone, shown[2], np.moveaxis(slope, 1, 2)[:d], tone_slope[:d], shown_slope[:d, 2])
+    def look_by_values(self, unknowns: np.ndarray, seat: Seat, directions: np.ndarray) -> Look:
+        """The same along directions (d, m) of the values."""
+        return self._seen(by_values, unknowns, seat, directions)
+
+    def _seen(self, program: Program, unknowns: np.ndarray, seat: Seat, along: np.ndarray) -> Look:
+        d = len(along)
+        width = next((w for w in _WIDTHS if w >= d), _WIDTHS[-1])
+        if d > width:  # more directions than one program takes
+            parts = [self._seen(program, unknowns, seat, part) for part in (along[:width], along[width:])]
+            return Look(*parts[0][:3], *(np.concatenate([part[k] for part in parts]) for k in range(3, 6)))
+        along = np.concatenate([along, np.zeros((width - d, along.shape[1]))])
+        found = []
+        for rows in batches(len(unknowns)):
+            arrays = (self.values, unknowns[rows], along, seat.load[rows], seat.scale[rows], self.angle)
+            found.append(program(self.equation, self.equation.constants, *arrays))
+        miss, slope, shown, shown_slope = joined(found, len(unknowns))
+        tone, tone_slope = shown[0] + 1j * shown[1], shown_slope[0] + 1j * shown_slope[1]
+        return Look(miss.T, tone, shown[2], np.moveaxis(slope, 0, 2)[:d], tone_slope[:d], shown_slope[2, :d])
 
 
 def motion_parts(equation: Equation) -> tuple[tuple[slice | None, ...], tuple[slice, ...]]:
@@ -137,6 +158,14 @@ def bound(equation: Equation, constants: Numbers, values: Numbers, load: Any, fr
     return system._replace(mass=system.mass + load, omega=2 * math.pi * frequency)
 
 
+def undispersed(system: System, step: Any) -> System:
+    """The system that the solver, in steps h, integrates as the given one: what steps of fourth order do to an
+    oscillation of frequency ω, θ = ωh, is to slow it by θ⁴/120 and to damp it by ω θ⁵/144, and is taken off."""
+    theta = system.omega * step
+    mass = system.mass / (1 + theta**4 / 60)
+    return system._replace(mass=mass, damping=system.damping - mass * system.omega * theta**5 / 72)
+
+
 def one_period(equation: Equation, system: System, y: Any, level: Any, frequency: Any, angle: Any) -> tuple[Any, Any]:
     """The state after a period, (n,), and the readings at the beginning of each step, (steps,).
 
@@ -144,6 +173,7 @@ def one_period(equation: Equation, system: System, y: Any, level: Any, frequency
     """
     parts, places = motion_parts(equation)
     step = 2.0 / (frequency * (angle.shape[0] - 1))
+    system = undispersed(system, step)
     voltage, rate = level * jnp.cos(angle), -level * system.omega * jnp.sin(angle)
     still = 0.0 * angle
     seen = Seen(still, still, voltage, rate, still, step, system.omega, system.gain, 0.0)
@@ -155,10 +185,11 @@ def one_period(equation: Equation, system: System, y: Any, level: Any, frequency
         acting = lambda h, u, r, effect=effect: effect.drive(tuple(h), system.drive(u, r), 0.0)
         forces.append(jax.vmap(acting, in_axes=(1, 0, 0))(jnp.stack(path), voltage, rate))
         remembered[i] = end
-    grids = (voltage, rate, still, *((sum(forces),) if forces else ()))
+    # Cosine and sine are those of all points: only a remembered force has to be kept for each.
+    grids = (jnp.cos(angle), jnp.sin(angle), *((sum(forces),) if forces else ()))
 
     def advance(state: tuple, x: Any) -> tuple:
-        at = stages(x)
+        at = [(level * cosine, -level * system.omega * sine, 0.0, *push) for cosine, sine, *push in stages(x)]
         slope = jax.jit(lambda y, now: derivative(system, parts, y, now))  # traced once instead of four times
         shown = reading(system, parts, state, at[0][:3], slope(state, at[0])[1])
         return runge_kutta(slope, state, at, step), shown
@@ -168,42 +199,70 @@ def one_period(equation: Equation, system: System, y: Any, level: Any, frequency
     return jnp.stack([*after, *(h for end in remembered.values() for h in end)]), shown
 
 
-def tones(shown: Array, angle: Any) -> Array:
-    """Real and imaginary part of the fundamental relative to cos ωt, and half the peak-to-peak value; (3,)."""
-    n = shown.shape[0]
+def tones(shown: Array, slopes: Array, angle: Any) -> tuple[Array, Array]:
+    """Real and imaginary part of the fundamental relative to cos ωt, and half the peak-to-peak value, (3, points), of
+    readings (steps, points); and their derivatives (3, d, points) by the readings' (steps, d, points)."""
     at = angle[:-1:2]
-    real, imaginary = 2.0 / n * jnp.sum(shown * jnp.cos(at)), -2.0 / n * jnp.sum(shown * jnp.sin(at))
-    return jnp.stack([real, imaginary, 0.5 * (_peak(shown) + _peak(-shown))])
+    weights = 2.0 / len(at) * jnp.stack([jnp.cos(at), -jnp.sin(at)])
+    (top, top_slope), (bottom, bottom_slope) = _peak(shown, slopes), _peak(-shown, -slopes)
+    both = jnp.concatenate([jnp.tensordot(weights, shown, 1), 0.5 * (top + bottom)[None]])
+    swing = 0.5 * (top_slope + bottom_slope)
+    return both, jnp.concatenate([jnp.tensordot(weights, slopes, 1), swing[None]])
 
 
-def _peak(shown: Array) -> Array:
-    """The highest point of a periodic curve, by the parabola through the highest sample and its neighbours."""
-    k = jnp.argmax(shown)
-    before, here, after = jnp.roll(shown, 1)[k], shown[k], jnp.roll(shown, -1)[k]
+def _peak(shown: Array, slopes: Array) -> tuple[Array, Array]:
+    """The highest points of periodic curves, by the parabola through the highest sample and its neighbours, (points,);
+    and their derivatives (d, points)."""
+    highest = jnp.argmax(shown, axis=0)
+    rows = [(highest + i) % shown.shape[0] for i in (-1, 0, 1)]
+    near = [jnp.take_along_axis(shown, row[None], 0)[0] for row in rows]
+    near_slopes = [jnp.take_along_axis(slopes, row[None, None], 0)[0] for row in rows]
+    return tangents(_vertex, tuple(near), tuple(near_slopes))
+
+
+def _vertex(before: Any, here: Any, after: Any) -> Any:
     bend = before - 2 * here + after
     return here - (after - before) ** 2 / (8 * jnp.where(bend < 0, bend, -jnp.inf))
 
 
 @program
-def look(
-    equation: Equation, constants: Numbers, values: Numbers, by_values: Numbers, unknowns: Numbers, along: Numbers,
-    load: Numbers, scale: Numbers, angle: Numbers,
+def by_unknowns(
+    equation: Equation, constants: Numbers, values: Numbers, unknowns: Numbers, along: Numbers, load: Numbers,
+    scale: Numbers, angle: Numbers,
 ) -> tuple:  # fmt: skip
     """`Periodic.look` of one set of points, points last."""
+    kicks = jnp.asarray(scale).T
+    there = lambda w: _all_points(equation, constants, values, w, load, angle)
+    points = jnp.asarray(unknowns).T
+    ahead = lambda kick: jax.jvp(there, (points,), (kick[:, None] * kicks,))
+    (end, shown), (slope, shown_slope) = jax.vmap(ahead, out_axes=(None, 1))(along)
+    own = jnp.asarray(along)[:, :LEVEL].T[..., None] * kicks[:LEVEL, None]
+    return end - points[:LEVEL], slope - own, *tones(shown, shown_slope, angle)
 
-    def one(values: Any, w: Any, load: Any) -> tuple:
+
+@program
+def by_values(
+    equation: Equation, constants: Numbers, values: Numbers, unknowns: Numbers, directions: Numbers, load: Numbers,
+    scale: Numbers, angle: Numbers,
+) -> tuple:  # fmt: skip
+    """`Periodic.look_by_values` of one set of points, points last."""
+    points = jnp.asarray(unknowns).T
+    there = lambda values: _all_points(equation, constants, values, points, load, angle)
+    ahead = lambda change: jax.jvp(there, (values,), (change,))
+    (end, shown), (slope, shown_slope) = jax.vmap(ahead, out_axes=(None, 1))(directions)
+    return end - points[:LEVEL], slope, *tones(shown, shown_slope, angle)
+
+
+def _all_points(equation: Equation, constants: Numbers, values: Any, unknowns: Any, load: Any, angle: Any) -> tuple:
+    """State after a period and readings of points (n + 2, points). They are the last axis of everything, tangents too:
+    so they fill the processor's vector units."""
+
+    def one(w: Any, load: Any) -> tuple:
         level, frequency = w[LEVEL], w[FREQUENCY]
         system = bound(equation, constants, values, load, frequency)
-        end, shown = one_period(equation, system, w[:LEVEL], level, frequency, angle)
-        return end - w[:LEVEL], tones(shown, angle)
+        return one_period(equation, system, w[:LEVEL], level, frequency, angle)
 
-    def point(w: Any, load: Any, scale: Any) -> tuple:
-        there = lambda values, w: one(values, w, load)
-        ahead = lambda change, kick: jax.jvp(there, (values, w), (change, kick * scale))
-        return jax.vmap(ahead, out_axes=(None, 0))(by_values, along)
-
-    (miss, shown), (slope, shown_slope) = jax.vmap(point, out_axes=-1)(unknowns, load, scale)
-    return miss, shown, slope, shown_slope
+    return jax.vmap(one, in_axes=-1, out_axes=-1)(unknowns, load)
 
 
 class Ride(NamedTuple):
@@ -222,17 +281,11 @@ def ride(model: Periodic, level: np.ndarray, frequency: np.ndarray, load: np.nda
     **Returns:** hidden states at t = 0, (points, n − 2), two periods after they began; and the fundamental of M z̈ −
     F(z, ż, hidden) with the voltage at zero, N.
     """
-    count, found, first = len(level), [], 0
-    while first < count:
-        left = count - first
-        most = next((p for p in _POINTS if p >= left), _POINTS[-1])
-        rows = np.minimum(np.arange(first, first + most), count - 1)
+    found = []
+    for rows in batches(len(level)):
         arrays = (level[rows], frequency[rows], load[rows], np.real(motion)[rows], np.imag(motion)[rows], model.angle)
-        said = along_motion(model.equation, model.equation.constants, model.values, *arrays)
-        own = min(left, most)
-        found.append([np.asarray(part)[..., :own] for part in said])
-        first += own
-    hidden, real, imaginary = (np.concatenate(part, axis=-1) for part in zip(*found, strict=True))
+        found.append(along_motion(model.equation, model.equation.constants, model.values, *arrays))
+    hidden, real, imaginary = joined(found, len(level))
     return Ride(hidden.T, real + 1j * imaginary)
 
 

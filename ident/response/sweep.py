@@ -49,8 +49,7 @@ def run_along(
     others: list[tuple[float, ...]] = []
     fallen, after = None, 0
     reading_at = lambda place: float(size[place[0]] + place[1] * (size[place[0] + 1] - size[place[0]]))
-    for i, f in enumerate(frequency):
-        crossings = branch.crossings(float(f))
+    for i, (f, crossings) in enumerate(zip(frequency, branch.crossings(frequency), strict=True)):
         stable = [c for c in crossings if branch.stable[c[0]] or branch.stable[c[0] + 1]] or crossings
         if not places:
             place = min(stable, key=lambda c: abs(reading_at(c) - first))
@@ -67,9 +66,8 @@ def run_along(
     guess = np.array([branch.at(*place) for place in places])
     guess[:, -1] = frequency
     seat = Seat(np.full(len(guess), branch.load), np.tile(scale, (len(guess), 1)))
-    found, good = settle(model, guess, seat)
+    found, good, seen = settle(model, guess, seat)
     rough = np.array([reading_at(place) for place in places])
-    seen = model.look(found, seat, np.eye(1, model.size + 2))
     exact = seen.swing if swing else np.abs(seen.tone)
     # At a fold Newton's method may leave the curve; the cubic along it is nearly as good.
     kept = good & (np.abs(exact - rough) < 0.02 * np.max(rough))

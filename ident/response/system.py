@@ -51,6 +51,17 @@ class Equation:
         pairs = zip(self.model.effects, self.follow_drive, strict=True)
         return sum(len(effect.state0()) for effect, before in pairs if not before)
 
+    @cached_property
+    def histories(self) -> tuple[slice, ...]:
+        """Each effect's part of the start of a record, after displacement and velocity."""
+        ends = np.cumsum([2, *(len(effect.state0()) for effect in self.model.effects)])
+        return tuple(slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True))
+
+    @cached_property
+    def history_units(self) -> tuple[str, ...]:
+        """Units of all hidden states."""
+        return tuple(unit for effect in self.model.effects for unit in effect.hidden_units)
+
 
 class Block(NamedTuple):
     """What is constant in a block of a record, as in `tape.Chunk`."""
@@ -156,11 +167,16 @@ def reading(
     return shown
 
 
-def begun(system: System, parts: tuple[slice | None, ...], start: Any, voltage: Any, rate: Any) -> tuple[Any, ...]:
-    """The state (z, v, hidden …) at the first sample of a record; `start` (2,) displacement and velocity."""
-    drive = system.drive(voltage, rate)
-    hidden = [h for effect, own in zip(system.effects, parts, strict=True) if own is not None
-              for h in effect.begun(drive)]  # fmt: skip
+def begun(
+    system: System, parts: tuple[slice | None, ...], histories: tuple[slice, ...], start: Any, voltage: Any, rate: Any
+) -> tuple[Any, ...]:
+    """The state (z, v, hidden …) at the first sample of a record; `start` (2,) displacement and velocity, or (2 + h,)
+    what its history added to the hidden states too."""
+    drive, hidden = system.drive(voltage, rate), []
+    for effect, own, past in zip(system.effects, parts, histories, strict=True):
+        if own is not None:
+            fresh = effect.begun(drive)
+            hidden += fresh if len(start) == 2 else [h + start[past][i] for i, h in enumerate(fresh)]
     return tuple(jnp.asarray(x, float) for x in (start[0], start[1], *hidden))
 
 

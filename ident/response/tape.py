@@ -109,9 +109,10 @@ class Tape:
         return [whole[c : c + BLOCKS] for c in range(0, len(whole), BLOCKS)]
 
     def begun(self, starts: np.ndarray) -> list[np.ndarray]:
-        """Numbers of each record, (records, k), at its first block, (BLOCKS, k) a chunk; zero elsewhere."""
+        """Numbers of each record, (records, k), at its blocks, (BLOCKS, k) a chunk; zero elsewhere."""
         whole = np.zeros((len(self.chunks) * BLOCKS, starts.shape[1]))
-        whole[[span.block for span in self.spans]] = starts
+        for span, own in zip(self.spans, starts, strict=True):
+            whole[span.block : span.block + span.blocks] = own
         return [whole[c : c + BLOCKS] for c in range(0, len(whole), BLOCKS)]
 
     def at_samples(self, found: Sequence[Numbers]) -> np.ndarray:

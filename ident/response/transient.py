@@ -78,8 +78,9 @@ def respond(
     """Sensor readings of all records of a tape, and how they change along directions.
 
     **Arguments:** `values`, (m,) SI, in the order of `model.parameters`; `starts`, (records, 2) m and m/s at the first
-    samples; `directions`, (d, m) changes of the values, and `kicks`, (d, records, 2), of the starts; without them there
-    are no derivatives.
+    samples, or (records, 2 + h) with what the history of each record added to the hidden states, as
+    `Equation.histories`; `directions`, (d, m) changes of the values, and `kicks`, (d, records, …), of the starts;
+    without them there are no derivatives.
     """
     starts, values = np.asarray(starts, float), np.asarray(values, float)
     if not tape.spans:
@@ -109,23 +110,24 @@ def _pass(
     directions: np.ndarray | None, kicks: np.ndarray | None,
 ) -> tuple[tuple[Numbers, ...], ...]:  # fmt: skip
     width = None if directions is None else len(directions)
-    carry, begin, found = rest(equation, width), tape.begun(starts), []
+    known = starts.shape[1]
+    carry, begin, found = rest(equation, width, known > 2), tape.begun(starts), []
     kick: list[np.ndarray | None] = [None] * len(begin)
     if kicks is not None:
         flat = np.moveaxis(kicks, 0, 1).reshape(len(starts), -1)
-        kick = [part.reshape(BLOCKS, -1, 2) for part in tape.begun(flat)]
+        kick = [part.reshape(BLOCKS, -1, known) for part in tape.begun(flat)]
     for chunk, own, change in zip(tape.chunks, begin, kick, strict=True):
         carry, *said = march(equation, equation.constants, values, directions, own, change, carry, chunk)
         found.append(tuple(said))
     return tuple(found)
 
 
-def rest(equation: Equation, width: int | None) -> tuple:
+def rest(equation: Equation, width: int | None, past: bool) -> tuple:
     """What goes from chunk to chunk, before the first: state, its derivatives along so many directions (None: there are
-    none), and what is remembered of the drive."""
+    none), and what is remembered of the drive; `past`, whether a history comes before the records."""
     size = 2 + equation.stepped
     pairs = zip(equation.model.effects, equation.follow_drive, strict=True)
-    memories = [forgotten(effect) for effect, before in pairs if before]
+    memories = [forgotten(effect, past) for effect, before in pairs if before]
     return (
         tuple(np.zeros(()) for _ in range(size)),
         None if width is None else tuple(np.zeros(width) for _ in range(size)),
@@ -147,7 +149,7 @@ def march(
     """March through one chunk.
 
     **Arguments:** `constants` of the equation; `directions`, (d, m), or None if no derivative is asked for; `begin`,
-    (BLOCKS, 2), and `kick`, (BLOCKS, d, 2), the initial states and their derivatives at the first blocks of records;
+    (BLOCKS, 2 …), and `kick`, (BLOCKS, d, 2 …), the initial states of each block's record and their derivatives;
     `carry` as of `rest`.
 
     **Returns:** the carry; at the beginning of each step readings, z and v, (BLOCKS, BLOCK), and slopes, (BLOCKS,
@@ -155,7 +157,7 @@ def march(
     """
     import equinox as eqx  # here, because whoever has the compiled program needs none of it
 
-    parts = slices(equation)
+    parts, histories = slices(equation), equation.histories
     whole = assemble(equation, constants, values)
     fixed = eqx.filter(whole.numbers, eqx.is_inexact_array, inverse=True)
     changing = lambda values: eqx.filter(assemble(equation, constants, values).numbers, eqx.is_inexact_array)
@@ -168,10 +170,14 @@ def march(
         voltage, rate, first = chunk.voltage[k], chunk.rate[k], chunk.first[k]
         time = block.times(2 * BLOCK + 1, 0.5)
         seen = Seen(None, None, voltage, rate, time, block.step, block.omega, numbers[3], block.moving)
-        memories, forces, pushes = _before(equation, system_of(numbers), along, memories, first, seen)
+        own_kick = None if kick is None else kick[k]
+        system = system_of(numbers)
+        memories, forces, pushes = _before(equation, system, along, begin[k], own_kick, memories, first, seen)
 
-        beginning = lambda numbers, start: begun(system_of(numbers).at(block), parts, start, voltage[0], rate[0])
-        fresh = tangents(beginning, (numbers, begin[k]), (along, None if kick is None else kick[k]))
+        def beginning(numbers: Any, start: Any) -> tuple:
+            return begun(system_of(numbers).at(block), parts, histories, start, voltage[0], rate[0])
+
+        fresh = tangents(beginning, (numbers, begin[k]), (along, own_kick))
         y, dy = jax.tree.map(lambda a, b: jnp.where(first > 0, a, b), fresh, (y, dy))
 
         def ahead(numbers: Any, y: tuple, remembered: tuple, at: tuple) -> tuple:
@@ -201,20 +207,20 @@ def march(
 
 
 def _before(
-    equation: Equation, system: System, along: Any, memories: tuple, first: Any, seen: Seen
+    equation: Equation, system: System, along: Any, start: Any, kick: Any, memories: tuple, first: Any, seen: Seen
 ) -> tuple[tuple, tuple, tuple | None]:
     """What the effects that follow the drive alone remember; their force, (points,), and its derivatives along the
     directions, (points, d); nothing where there are none."""
     own = [i for i, before in enumerate(equation.follow_drive) if before]
     kept, forces, pushes = [], [], []
     for i, memory in zip(own, memories, strict=True):
-        still = jnp.zeros_like(seen.time)
+        still, past = jnp.zeros_like(seen.time), equation.histories[i]
         after, force, slopes = remembered_force(
-            system.effects[i], Remembered(*memory), first, seen._replace(z=still, v=still)
+            system.effects[i], Remembered(*memory), first, seen._replace(z=still, v=still), start[past]
         )
         kept.append(tuple(after))
         forces.append(force)
-        if along is not None:  # by its own parameters and the gain, (values + 1, d)
-            pushes.append(slopes.T @ jnp.stack([*along[4][i][0].values(), along[3]]))
+        if along is not None:  # by its own parameters, the gain and the history, (values + 1 + p, d)
+            pushes.append(slopes.T @ jnp.stack([*along[4][i][0].values(), along[3], *kick[:, past].T]))
     nothing = None if along is None else ()
     return tuple(kept), (sum(forces),) if own else (), (sum(pushes),) if pushes else nothing

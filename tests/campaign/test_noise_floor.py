@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from experiments.hidden_effects.campaigns import campaign_of
+from experiments.hidden_effects.generator import draw
 from ident.campaign.autoregression import fit_autoregression, levinson, variance_of
 from ident.campaign.noise import noise_floor
 from ident.campaign.noise_pool import pooled
 from ident.campaign.period import find_period
+from ident.campaign.read import read_campaign
 from ident.campaign.record import NoiseFloor
 from tests.campaign.records import coloured, multisine, respond, sine
 
@@ -158,3 +163,23 @@ def test_missing_frequencies_do_not_bias_the_colour():
         spectrum[holes] += 300.0
         ratios.append(fit_autoregression(np.fft.irfft(spectrum, 2000), None, 6, holes).sigma)
     assert np.mean(ratios) == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_transient_that_lasts_into_the_middle_of_a_strong_nonlinear_record_is_no_noise():
+    sine_75 = next(r for r in read_campaign(Path("data/oscillator")).traces if r.name.startswith("sine"))
+    assert sine_75.noise.sigma == pytest.approx(0.3e-3, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("seed", "hidden", "starts", "size", "noise", "length"),
+    [
+        (2018, ("bouc-wen-drive",), "rest", 0.02, 0.003, 792),
+        (2123, ("quadratic-stiffness",), "mixed", 0.08, 0.001, 1102),
+        (2156, (), "mixed", 0.02, 0.01, 627),
+    ],
+)
+def test_a_motion_beyond_description_hides_no_floor(seed, hidden, starts, size, noise, length):
+    """Few periods near a sharp resonance leave up to 89 times the noise; what is far above the drive tells it."""
+    case = draw(seed, hidden, size=size, noise=noise, records=4, length=length, starts=starts, device="oscillator")
+    for record, truth in zip(campaign_of(case).traces, case.records, strict=True):
+        assert record.noise.sigma < 1.3 * truth.sigma

@@ -12,6 +12,7 @@ from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.fit.decay import read_ringing
+from ident.fit.decay_curve import decay_curves
 from ident.fit.guess import guess_linear
 from ident.model import Model
 
@@ -69,3 +70,28 @@ def test_a_decay_is_fitted_without_a_gain_and_gives_back_its_cubic_spring():
     for name, truth in (("oscillator.frequency", f), ("oscillator.quality", q), ("cubic-stiffness.k3", k3)):
         error = next(e.standard_error for e in found.estimates if e.name == name)
         assert abs(found.value(name) - truth) < 4 * error
+
+
+def test_a_linear_decay_has_one_frequency_and_one_rate_at_every_amplitude():
+    response = decay(40, 80, 8000, 1e-3, 1e-4)
+    seen, model = decay_curves(response, decay(41, 80, 8000, 1e-3, 0.0), 1e-3, 1e-4)
+    assert len(seen.amplitude) > 10
+    assert seen.amplitude[0] / seen.amplitude[-1] > 50
+    assert np.allclose(seen.frequency, 40, rtol=2e-3)
+    assert np.allclose(seen.rate, np.pi * 40 / 80, rtol=0.1)
+    assert np.allclose(model.frequency, 41, rtol=2e-3)
+
+
+def test_a_cubic_spring_shows_in_the_frequency_and_drag_in_the_rate():
+    omega, cubic, drag = 2 * np.pi * 10, 0.2, 0.02
+    pull = lambda t, y: [y[1], -(omega**2) * (y[0] + cubic * y[0] ** 3) - omega / 400 * y[1] - drag * abs(y[1]) * y[1]]
+    t = 2e-3 * np.arange(6000)
+    response = solve_ivp(pull, (0, t[-1]), [1.0, 0.0], t_eval=t, rtol=1e-9, atol=1e-11).y[0]
+    seen, _ = decay_curves(response, response, 2e-3, 1e-4)
+    a = seen.amplitude
+    assert np.allclose(seen.frequency[1:], 10 * (1 + 3 / 8 * cubic * a[1:] ** 2), rtol=1e-3)
+    assert np.allclose(seen.rate[1:], omega / 800 + 4 / (3 * np.pi) * drag * omega * a[1:], rtol=0.05)
+
+
+def test_what_does_not_ring_has_no_curves():
+    assert decay_curves(np.exp(-np.arange(500) / 50), np.zeros(500), 1e-3, 1e-3) == ()

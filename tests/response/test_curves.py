@@ -64,7 +64,7 @@ def test_a_long_transient_of_an_independent_solver_ends_where_the_curve_is() -> 
         push = GAIN * level * np.cos(omega * t) - own / QUALITY * y[1] - own**2 * y[0] - CUBIC * y[0] ** 3
         return [y[1], push]
 
-    branch = follow(duffing(), np.array([level]), np.zeros(1), (37.0, 45.0), np.array([0.08]))[0]
+    branch = follow(duffing(), np.array([level]), np.zeros(1), np.array([[37.0, 45.0]]), np.array([0.08]))[0]
     upper = run_along(duffing(), branch, np.linspace(38, frequency, 9), 0.0, False, np.array([0.08, 20.0, 1.0, 40.0]))
     period = 1 / frequency
     found = solve_ivp(motion, (0, 60 * period), upper.unknowns[-1, :2], method="DOP853", rtol=1e-10, atol=1e-13,
@@ -76,7 +76,7 @@ def test_a_long_transient_of_an_independent_solver_ends_where_the_curve_is() -> 
 @pytest.fixture(scope="module")
 def curves() -> list:
     levels = np.array([0.3, 0.6, 1.0])
-    return follow(duffing(), levels, np.zeros(3), (37.0, 45.0), np.array([0.024, 0.046, 0.073]))
+    return follow(duffing(), levels, np.zeros(3), np.array([37.0, 45.0]), np.array([0.024, 0.046, 0.073]))
 
 
 def test_folds_of_a_duffing_oscillator_lie_where_first_order_theory_has_them(curves: list) -> None:

@@ -1,0 +1,124 @@
+"""Memories in records that begin in motion: their hidden states at the first sample are found, not taken to be at rest.
+
+The devices are simulated by SciPy, long before the first sample that is kept.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from ident.campaign.campaign import Campaign
+from ident.campaign.device import Oscillator
+from ident.campaign.drive import half_step_drive
+from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.diagnosis.score import prepare, score
+from ident.effects.registry import built_in
+from ident.fit import fit
+from ident.fit.rebuild import fit_at
+from ident.model import Model
+from ident.response import Equation, respond
+from ident.response.lane import Lane
+from ident.response.tape import lay
+
+ONE, STEP, SIGMA = Channel("V", 1.0), 5e-4, 2e-3
+FREQUENCY, QUALITY, GAIN, SOFT, TIME = 40.0, 25.0, 5e4, 1.5e3, 0.02
+OMEGA = 2 * np.pi * FREQUENCY
+LIBRARY = built_in()
+
+
+def waveform(seed: int):
+    rng = np.random.default_rng(seed)
+    tones = [(rng.uniform(0, 2 * np.pi), 2 * np.pi * f) for f in rng.uniform(15, 60, 6)]
+    return lambda t: sum(np.sin(w * t + phase) for phase, w in tones)
+
+
+def record(seed: int, lead: float, samples: int = 800) -> Trace:
+    """A stage with one Maxwell element beside its spring, cut out of a motion that has lasted for `lead` seconds."""
+    drive = waveform(seed)
+
+    def rates(t: float, y: np.ndarray) -> list[float]:
+        z, v, q = y
+        return [v, GAIN * drive(t) - OMEGA**2 * z - OMEGA / QUALITY * v - SOFT * (z - q), (z - q) / TIME]
+
+    t = STEP * np.arange(samples)
+    found = solve_ivp(rates, (-lead, t[-1]), [0.0, 0.0, 0.0], t_eval=t, rtol=1e-9, atol=1e-11, max_step=1e-3).y[0]
+    noisy = found + SIGMA * np.random.default_rng([seed, 1]).normal(size=samples)
+    start = "unknown" if lead else "rest"
+    return Trace(f"{seed}.csv", t, drive(t), noisy, ONE, ONE, NoiseFloor(SIGMA), start)
+
+
+def campaign(*records: Trace) -> Campaign:
+    return Campaign("a", records, Oscillator())
+
+
+def test_a_relaxation_that_began_before_its_record_is_predicted_to_the_noise():
+    model = Model(Oscillator()) + LIBRARY["viscoelastic-support"]()
+    values = np.array([FREQUENCY, QUALITY, GAIN, SOFT, TIME, 1.0])
+    cut = record(3, 0.07)
+    found = fit_at(model, campaign(cut), values)
+    assert found.fitted.error_over_noise < 1.05
+    at_rest = fit_at(model, campaign(replace(cut, start="rest")), values)
+    assert at_rest.fitted.error_over_noise > 3
+
+
+def test_its_parameters_come_out_within_their_error_bars():
+    model = Model(Oscillator(), (), held=frozenset({"viscoelastic-support.spread"}))
+    model = model + LIBRARY["viscoelastic-support"](spread=1.0)
+    model = replace(model, start=(("viscoelastic-support.spread", 1.0),))
+    found = fit(model, campaign(record(3, 0.07), record(4, 0.11), record(5, 0.0)))
+    assert found.fitted.error_over_noise < 1.05
+    for name, true in {"frequency": FREQUENCY, "quality": QUALITY, "stiffness": SOFT, "time": TIME}.items():
+        estimate = next(e for e in found.estimates if e.name.endswith("." + name))
+        assert estimate.standard_error is not None
+        assert abs(estimate.value - true) < 4 * estimate.standard_error, estimate
+
+
+def test_scores_allow_for_what_came_before():
+    linear = fit(Model(Oscillator()), campaign(record(3, 0.07), record(4, 0.11)))
+    best = score(prepare(linear), {name: LIBRARY[name] for name in ("viscoelastic-support", "creep", "drive-lag")})[0]
+    assert best.name == "viscoelastic-support"
+    assert best.predicted_gain > 0.999
+
+
+MEMORIES = {
+    "viscoelastic-support": {"stiffness": 6e3, "time": 0.02, "spread": 2.0},
+    "creep": {"late": 0.1, "time": 0.05, "spread": 2.0},
+    "bouc-wen": {"friction": 1e3, "travel": 0.5},
+    "bouc-wen-drive": {"loop": 0.2, "travel": 0.5},
+    "second-mode": {"travel": 0.01, "period": 0.01},
+}
+
+
+@pytest.mark.parametrize("name", MEMORIES)
+def test_derivatives_by_a_history_agree_with_differences(name):
+    trace = record(6, 0.05, 300)
+    voltage, rate = half_step_drive(trace, 1)
+    tape = lay([Lane(trace.step, voltage, rate, OMEGA)], [1])
+    effect = LIBRARY[name](Oscillator(), **MEMORIES[name])
+    equation = Equation(Model(Oscillator(), (effect,)))
+    values = np.array([FREQUENCY, QUALITY, GAIN, *effect.values.values()])
+    size = 2 + len(equation.history_units)
+    start = 0.1 * np.random.default_rng(0).normal(size=(1, size))
+    kicks = np.eye(size)[:, None]
+    slopes = respond(equation, tape, values, start, np.zeros((size, len(values))), kicks).slopes
+    for kick, slope in zip(kicks, slopes, strict=True):
+        up, down = (respond(equation, tape, values, start + sign * 1e-5 * kick).readings for sign in (1, -1))
+        change = (up - down) / 2e-5
+        assert np.max(np.abs(change)) > 0
+        assert np.allclose(slope, change, rtol=0, atol=1e-4 * np.max(np.abs(change)))
+
+
+def test_a_history_of_nothing_changes_nothing():
+    trace = record(6, 0.0, 300)
+    voltage, rate = half_step_drive(trace, 1)
+    tape = lay([Lane(trace.step, voltage, rate, OMEGA)], [1])
+    effects = tuple(LIBRARY[name](Oscillator(), **MEMORIES[name]) for name in ("creep", "viscoelastic-support"))
+    equation = Equation(Model(Oscillator(), effects))
+    values = np.array([FREQUENCY, QUALITY, GAIN, *(x for effect in effects for x in effect.values.values())])
+    wide = np.zeros((1, 2 + len(equation.history_units)))
+    plain, long = (respond(equation, tape, values, starts).readings for starts in (np.zeros((1, 2)), wide))
+    assert np.allclose(plain, long, rtol=0, atol=1e-12 * np.max(np.abs(plain)))
