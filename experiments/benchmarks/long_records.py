@@ -13,6 +13,7 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.signal import cont2discrete, lfilter
@@ -31,8 +32,8 @@ def response(drive: np.ndarray, step: float) -> np.ndarray:
     """(n,) of z̈ + (ω₀/Q) ż + ω₀² z = ω₀² u from rest, the drive a straight line between samples."""
     w = 2 * np.pi * FREQUENCY
     system = ([w * w], [1.0, w / QUALITY, w * w])
-    numerator, denominator, _ = cont2discrete(system, step, method="foh")
-    return lfilter(np.ravel(numerator), denominator, drive)
+    exact: Any = cont2discrete(system, step, method="foh")
+    return np.asarray(lfilter(np.ravel(exact[0]), exact[1], drive))
 
 
 def write(folder: Path, records: int, samples: int, rate: float) -> Path:

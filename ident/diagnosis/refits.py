@@ -12,7 +12,7 @@ from .score import Bench, Candidate
 from .side_by_side import at_once
 
 Library = Mapping[str, type[AbstractEffect]]
-_FEW = 15  # steps of least squares: enough to tell who gains much
+FEW = 15  # steps of least squares: enough to tell who gains much
 _REFITTED = 12  # of the candidates, by their scores: those further down have never gained much
 
 
@@ -37,7 +37,7 @@ def _refitted(bench: Bench, candidate: Candidate, effect: type[AbstractEffect]) 
     before = bench.fit
     model = with_effect(before, effect)
     start = np.concatenate([base_of(bench), start_of(model, candidate, before.scales)])
-    found = weigh(bench, model, candidate, start, _FEW)
+    found = weigh(bench, model, candidate, start, FEW)
     if not np.isfinite(found.chi2):
         return candidate._replace(drop=0.0, predicted_gain=0.0)
     return candidate._replace(

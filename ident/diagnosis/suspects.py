@@ -25,6 +25,7 @@ from .enough import ANOTHER_LAW, MOST_OF_IT
 from .evidence import Left, criteria
 from .faults import OF_FREQUENCY, Fault, common_delay, explanations, faults_of
 from .nuisance import DROPPED, Nuisance, rms
+from .refits import FEW
 from .score import prepare, score, significant
 from .shorten import is_long
 from .side_by_side import at_once
@@ -49,7 +50,7 @@ _SURE, _LIKELY = 0.95, 0.9
 def find_suspects(fitted: Fit, library: Library, report: Report = lambda _: None) -> tuple[Suspect, ...]:
     """The suspect records of a fit's campaign: what the data alone tell, and what the records tell of one another."""
     found = list(suspects_by_data(fitted.campaign))
-    if is_long(fitted.campaign) or not _disagree(fitted):
+    if not _disagree(fitted) or is_long(fitted.campaign):
         return tuple(found)
     report("do the records agree with one another?")
     return tuple(found + _by_others(fitted, library))
@@ -59,7 +60,7 @@ def find_suspects(fitted: Fit, library: Library, report: Report = lambda _: None
 def alone_off(fitted: Fit) -> tuple[Suspect, ...]:
     """The record that alone keeps a model from the noise, if reading it otherwise brings all of them there: what a fit
     can say without asking what effects would do."""
-    if is_long(fitted.campaign) or not _disagree(fitted) or len(fitted.campaign.fitted) < 3:
+    if not _disagree(fitted) or len(fitted.campaign.fitted) < 3 or is_long(fitted.campaign):
         return ()
     traces = fitted.campaign.traces
     off = [i for i, s in enumerate(fitted.trace_scores) if not s.holdout and s.error_over_noise > _FAR * _FLOOR]
@@ -172,7 +173,7 @@ def _with_physics(before: Fit, library: Library) -> _Explained:
     tried = [alone._replace(left=bench.left[counts])]
     if bench.chi2 > _FLOOR**2 * bench.n:
         real = significant(score(bench, library))[:_EFFECTS]
-        found = at_once(lambda one: confirm(bench, library[one.name], one), real)
+        found = at_once(lambda one: confirm(bench, library[one.name], one, FEW), real)
         tried += [_Explained(c.model, c.values, c.left[counts], c.numbers) for c in found if c.possible]
     return tried[int(np.argmin(criteria(tried)))]
 

@@ -14,7 +14,7 @@ from ..errors import UserError
 from ..model import Model, build_model, make_effect
 from .linear_choice import LEVELS, LinearChoice, choose_linear
 
-_ENOUGH = 400_000  # samples that compare linear models: of many records a part tells it, and the fit then sees all
+_ENOUGH = 100_000  # samples that compare linear models: of many records a part tells it, and the fit then sees all
 
 
 @lru_cache(maxsize=8)

@@ -50,7 +50,7 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("kind", CASES)
+@pytest.mark.parametrize("kind", ["gain", *(pytest.param(k, marks=pytest.mark.slow) for k in CASES if k != "gain")])
 def test_a_fault_is_named_with_its_size_and_no_physics_is(kind, clean):
     name, changes, size = CASES[kind]
     campaign = spoiled(clean, name, **changes)
@@ -75,7 +75,9 @@ def test_the_response_of_a_held_out_record_from_another_is_named(clean):
     assert "sine_9V_505Hz.csv" in suspect.says
 
 
-@pytest.mark.parametrize("name", ["platform_clean", "mystery_platform", "platform_fe"])
+@pytest.mark.parametrize(
+    "name", ["platform_clean", *(pytest.param(n, marks=pytest.mark.slow) for n in ("mystery_platform", "platform_fe"))]
+)
 def test_sound_records_are_not_suspected_whatever_the_model_lacks(name):
     campaign = read_campaign(DATA / name)
     found = fit(build_model(campaign, ()), campaign)
@@ -123,6 +125,7 @@ def test_the_number_that_brings_a_record_back_and_the_record_read_so():
         assert np.std((best.corrected.response - curve[:n])[counted]) < 0.013
 
 
+@pytest.mark.slow
 def test_a_lag_of_all_records_is_told_as_one_that_no_record_can_place(clean):
     records = tuple(replace(r, response=late(r)) for r in clean.traces)
     campaign = replace(clean, records=records)
