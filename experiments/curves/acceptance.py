@@ -3,8 +3,8 @@
 A stressed platform with a hardening spring and hysteresis is swept at 7 levels, 60 frequencies, up and down. The
 transients are those of `experiments.simulator`, which hold each frequency for 1500 periods, the state carried on.
 `ident` gets the device's parameters and follows its curves. Compared are amplitudes, branches, and where the motion
-jumps: the transients are led to each jump once more in steps of 0.02 Hz. Times are of the same run, the transient's with 200
-periods of 64 steps at each point, which near folds is too short.
+jumps: the transients are led to each jump once more in steps of 0.02 Hz. Times are of the same run, the transient's
+with 200 periods of 64 steps at each point, which near folds is too short.
 """
 
 from __future__ import annotations

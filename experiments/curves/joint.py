@@ -116,9 +116,10 @@ def fitted(folder: Path, true: dict[str, float]) -> Result:
     found = fit(build_model(campaign), campaign)
     off, errors = {}, {}
     for estimate in found.estimates:
-        if estimate.name in true and np.isfinite(estimate.standard_error) and estimate.standard_error > 0:
-            off[estimate.name] = (estimate.value - true[estimate.name]) / estimate.standard_error
-            errors[estimate.name] = estimate.standard_error
+        error = estimate.standard_error
+        if estimate.name in true and error:
+            off[estimate.name] = (estimate.value - true[estimate.name]) / error
+            errors[estimate.name] = error
     return Result(off, errors)
 
 
