@@ -88,7 +88,8 @@ def write(stage: Stage, rng: np.random.Generator, folder: Path) -> None:
             what = file.split("_")[0]
             if kind in (f"{what}s", "both"):
                 write_csv(own / file, columns, values)
-                records.append({"file": file, "kind": what} | ({"start": "rest"} if what == "trace" else {}))
+                start: dict[str, object] = {"start": "rest"} if what == "trace" else {}
+                records.append({"file": file, "kind": what} | start)
         write_campaign(own / "campaign.toml", {"title": f"A platform, {kind}"}, EFFECTS, {}, records)
 
 
