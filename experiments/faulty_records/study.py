@@ -28,7 +28,9 @@ from experiments.hidden_effects.campaigns import campaign_of  # noqa: E402  (JAX
 from experiments.hidden_effects.generator import draw  # noqa: E402
 from ident.campaign import Campaign  # noqa: E402
 from ident.campaign.outliers import find_outliers, without_outliers  # noqa: E402
+from ident.diagnosis.diagnose import diagnose  # noqa: E402
 from ident.diagnosis.suspects import find_suspects  # noqa: E402
+from ident.effects.registry import registry  # noqa: E402
 from ident.fit import fit  # noqa: E402
 from ident.model import build_model  # noqa: E402
 
@@ -39,32 +41,49 @@ HIDDEN = ("cubic-stiffness", "coulomb-friction", "pzt-hysteresis", "squeeze-film
 _BY_OTHERS = ("delay", "gain", "sign", "time-scale", "wrong-record")
 
 
-def run(seed: int, fault: str, hidden: bool) -> dict[str, Any]:
-    """One campaign, its suspects, and whether the first of them is the fault."""
+def run(seed: int, fault: str, hidden: bool, walk: bool = False) -> dict[str, Any]:
+    """One campaign, its suspects, and whether the first of them is the fault; if `walk`, the whole diagnosis of it."""
     effects = (HIDDEN[seed % len(HIDDEN)],) if hidden else ()
     case = draw(seed, effects, size=0.02, noise=0.003)
     records, faulty = (case.records, "") if fault == "none" else spoil(case, fault, seed)
     campaign = _as_read(campaign_of(replace(case, records=records)))
     began = time.process_time()
     found = fit(build_model(campaign), campaign)
-    suspects = find_suspects(found)
+    if walk:
+        diagnosis = diagnose(found, registry())
+        suspects, named = diagnosis.suspects, [step.added for step in diagnosis.discovery.steps]
+        told = {"verdict": diagnosis.verdict, "named": named, "truth": list(effects)}
+        told["wrong_physics"] = diagnosis.verdict == "identified" and named != told["truth"]
+    else:
+        suspects, told = find_suspects(found, registry()), {}
     named = [s for s in suspects if s.kind in _BY_OTHERS or s.kind in EXPECTED.get(fault, ()) or fault == "none"]
     right = any(s.file == f"{faulty}.csv" and s.kind in EXPECTED.get(fault, ()) for s in named)
     return {
-        "key": f"{fault}/{int(hidden)}/{seed}", "fault": fault, "hidden": hidden, "seed": seed,
+        "key": key_of(seed, fault, hidden, walk), "fault": fault, "hidden": hidden, "seed": seed,
         "record": f"{faulty}.csv", "right": right, "record_named": any(s.file == f"{faulty}.csv" for s in suspects),
         "wrong": sum(s.file != f"{faulty}.csv" for s in suspects),
-        "suspects": [[s.file, s.kind, round(s.size, 4), s.probability, s.settles] for s in suspects],
+        "suspects": [[s.file, s.kind, round(s.size, 4), s.probability, s.first] for s in suspects],
         "error": round(found.fitted.error_over_noise, 3), "seconds": round(time.process_time() - began, 1),
+        **told,
     }  # fmt: skip
 
 
+def key_of(seed: int, fault: str, hidden: bool, walk: bool) -> str:
+    """The name of a case."""
+    return f"{fault}/{int(hidden)}/{seed}{'/walk' if walk else ''}"
+
+
 def _as_read(campaign: Campaign) -> Campaign:
-    """With the outliers taken out, as reading the files would."""
+    """With outliers taken out and clipped samples masked, as reading the files would."""
+    from ident.campaign.clipping import clipped_mask
     from ident.campaign.noise import noise_floor
 
     records = []
     for trace in campaign.traces:
+        masked = clipped_mask(trace.response)
+        if masked is not None:
+            noise = noise_floor(trace.time, trace.drive, trace.response, trace.period, masked)
+            trace = replace(trace, masked=masked, noise=noise)
         outliers = find_outliers(trace.response)
         if len(outliers):
             response = without_outliers(trace.response, outliers)
@@ -87,6 +106,10 @@ def table(rows: list[dict[str, Any]]) -> str:
                     f"{fault:12} {'one' if hidden else 'none':7} {len(some):6}  {share[0]:10.0f} %  {share[1]:8.0f} %  "
                     f"{wrong:10}"
                 )
+    walked = [row for row in rows if "verdict" in row]
+    if walked:
+        sure = [row["key"] for row in walked if row["wrong_physics"]]
+        lines.append(f"whole diagnoses: {len(walked)}, wrong physics called sure in {len(sure)} {sure or ''}")
     return "\n".join(lines)
 
 
@@ -96,6 +119,7 @@ def main() -> None:
     parser.add_argument("--seeds", default="0-1", help='"3" or "0-19"')
     parser.add_argument("--faults", default=",".join(("none", *FAULTS)))
     parser.add_argument("--hidden", choices=["none", "one", "both"], default="both")
+    parser.add_argument("--walk", action="store_true", help="the whole diagnosis: is wrong physics called sure?")
     parser.add_argument("--minutes", type=float, default=1e9, help="of wall clock, after which no case is begun")
     told = parser.parse_args()
     first, _, last = told.seeds.partition("-")
@@ -106,9 +130,9 @@ def main() -> None:
             for fault in told.faults.split(","):
                 for hidden in {"none": (False,), "one": (True,), "both": (False, True)}[told.hidden]:
                     late = time.monotonic() - began > 60 * told.minutes
-                    if late or f"{fault}/{int(hidden)}/{seed}" in done:
+                    if late or key_of(seed, fault, hidden, told.walk) in done:
                         continue
-                    rows.append(run(seed, fault, hidden))
+                    rows.append(run(seed, fault, hidden, told.walk))
                     file.write(json.dumps(rows[-1]) + "\n")
                     file.flush()
     print(table(rows))

@@ -10,6 +10,7 @@ import numpy as np
 from ident.errors import UserError
 from ident.units import format_quantity
 
+from .clipping import CLIPPED, clipped_fraction
 from .device import Device, Oscillator
 from .table import Column
 
@@ -151,27 +152,6 @@ def check_plausible(
         notes.append(f"{file}: {what}; is the unit of time right?")
 
 
-def clipped_fraction(signal: np.ndarray) -> float:
-    """Share of samples that stick to the largest or smallest value, as a saturated amplifier or converter leaves them.
-
-    A limit counts if it is reached in at least two runs of three or more equal samples and is far more crowded than
-    the values next to it (the top of a coarsely quantised sine is a few samples wide, but so are its neighbours).
-    """
-    levels, counts = np.unique(signal, return_counts=True)
-    if len(levels) < 8:
-        return 0.0
-    share = 0.0
-    for limit, own, near in ((levels[-1], counts[-1], counts[-6:-1]), (levels[0], counts[0], counts[1:6])):
-        at_limit = np.concatenate(([0], (signal == limit).astype(int), [0]))
-        edges = np.flatnonzero(np.diff(at_limit))
-        lengths = edges[1::2] - edges[::2]
-        inner = (edges[::2] > 0) & (edges[1::2] < len(signal))
-        long = np.sum((lengths >= 3) & inner)
-        if long >= 2 and own > 4 * np.max(near):
-            share += own / len(signal)
-    return float(share)
-
-
 def check_response(column: Column, response: np.ndarray, notes: list[str]) -> None:
     """A response that never changes is unusable; one that clips is noted."""
     if np.ptp(response) == 0:
@@ -183,7 +163,8 @@ def check_response(column: Column, response: np.ndarray, notes: list[str]) -> No
     clipped = clipped_fraction(response)
     if clipped > 0:
         what = f"{clipped:.1%} of the response sticks to its largest or smallest value; it seems clipped"
-        notes.append(f"{column.file}: {what}, and a fit will take the flat tops for physics.")
+        then = "those samples have no weight in a fit" if clipped > CLIPPED else "they are counted all the same"
+        notes.append(f"{column.file}: {what}; {then}.")
 
 
 def check_drive(
@@ -224,7 +205,7 @@ def check_sampling(file: str, time: np.ndarray, drive: np.ndarray, period: float
 
     if np.ptp(drive) == 0:
         return
-    per_period = 2 * math.pi / drive_rate(drive)
+    per_period = 2 * math.pi / drive_rate(drive, period)
     if period is not None:
         per_period = min(per_period, period)
     if per_period < 3:

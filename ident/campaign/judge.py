@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
-from .checks import clipped_fraction
+from .clipping import clipped_fraction
 from .drive import drive_frequency
 from .period import fourier_basis, least_squares
 from .record import NoiseFloor, Trace
@@ -46,6 +47,7 @@ class Judgement:
     remarks: tuple[str, ...]
 
 
+@lru_cache(maxsize=256)  # asked for by every part of a check
 def judge(record: Trace) -> Judgement:
     """Judges a time record by its data alone."""
     n = len(record.time)

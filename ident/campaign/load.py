@@ -16,6 +16,7 @@ from .amplitude_unit import is_amplitude_unit
 from .binary_table import READERS
 from .channel import channel_of, own_units, plausible_noise
 from .checks import check_drive, check_plausible, check_response, check_sampling, on_grid, uniform_time
+from .clipping import across_gaps, clipped_mask
 from .columns import match_columns, trace_roles, without_reference
 from .device import Device
 from .drive import find_period
@@ -30,6 +31,7 @@ from .scale import Scale
 from .spec import RecordSpec, signal_units
 from .table import Column, Table
 from .text_table import read_text_table
+from .thinning import thinned, thinned_mask, thinning
 
 _PLATFORM_OMEGA = 2 * math.pi * 500.0  # rad/s, where a platform vibrates: what a velocity means as a displacement
 
@@ -116,6 +118,7 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
     moved = response / _PLATFORM_OMEGA ** MEASURES.index(spec.measures)
     check_plausible(time, drive, moved, columns, device, notes)
     check_response(columns["response"], response, notes)
+    masked = clipped_mask(response)
     outliers = find_outliers(response)
     if len(outliers):
         shown = ", ".join(f"{time[k]:.6g} s" for k in outliers[:5]) + (" …" if len(outliers) > 5 else "")
@@ -123,6 +126,14 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         what = f"{many} the curve of the response (at {shown})"
         notes.append(f"{spec.file}: {what}; what the neighbours say takes their place.")
         response = without_outliers(response, outliers)
+    every = thinning(drive, response)
+    whole = time, drive, response, masked
+    if every > 1:
+        smooth = response if masked is None else across_gaps(response, masked)
+        time, drive, response = time[::every], thinned(drive, every), thinned(smooth, every)
+        masked = None if masked is None else thinned_mask(masked, every)
+        what = f"{len(whole[0])} samples are many more than the motion needs"
+        notes.append(f"{spec.file}: {what}; filtered against aliases, and every {every}th of them kept.")
     start = spec.start or "unknown"
     check_drive(spec.file, drive, response, start, notes, undriven)
     if np.ptp(drive) == 0 and (level := rest_level(response)) is not None:
@@ -133,11 +144,15 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         response = response - level
     period = find_period(drive)
     check_sampling(spec.file, time, drive, period, notes)
-    skip = _skip_samples(spec, time)
+    skip = _skip_samples(spec, time, every)
     if spec.noise is not None:
         noise = NoiseFloor(plausible_noise(spec, float(np.std(response))), method="given in the campaign")
+        if every > 1:  # filtering takes away the part of the noise that is faster
+            before = noise_floor(*whole[:3], find_period(whole[1]), whole[3]).sigma
+            ratio = noise_floor(time, drive, response, period, masked).sigma / before
+            noise = replace(noise, sigma=noise.sigma * ratio, method=f"{noise.method}, less what the filter takes away")
     else:
-        noise = noise_floor(time, drive, response, period)
+        noise = noise_floor(time, drive, response, period, masked)
     if not spec.start:
         notes.append(f"{spec.file}: start is not given; the initial state is fitted.")
     trace = Trace(
@@ -153,15 +168,17 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         load=spec.load,
         skip=skip,
         period=period,
-        outliers=tuple(int(k) for k in outliers),
+        outliers=tuple(int(k) // every for k in outliers),
         measures=spec.measures,
+        masked=masked,
     )
     return trace, notes
 
 
-def _skip_samples(spec: RecordSpec, time: np.ndarray) -> int:
+def _skip_samples(spec: RecordSpec, time: np.ndarray, every: int) -> int:
+    """How many samples of those kept, every so many of the file's, are not counted."""
     step = (time[-1] - time[0]) / (len(time) - 1)
-    skip = spec.skip if isinstance(spec.skip, int) else math.ceil(spec.skip / step - 1e-6)
+    skip = math.ceil(spec.skip / every if isinstance(spec.skip, int) else spec.skip / step - 1e-6)
     if skip > len(time) - 20:
         what = f"skip = {spec.skip} leaves fewer than 20 of {len(time)} samples to count"
         raise UserError(what, where=spec.where or spec.file, do="skip less")

@@ -8,28 +8,43 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .autoregression import Autoregression, fit_autoregression, leverage_of
+from .clipping import across_gaps
 from .hum import with_hum
 from .record import NoiseFloor
 from .signal_basis import Pole, find_transient, harmonic_columns, orthonormal, transient_columns
 
 HARMONICS = 12
 LONGEST = 8192
-_SURER = (
-    1.5  # times; doubts are themselves estimates. Of 1044 sines of the hidden-effect generator 7 had floors 7 to 89
-)
-# times too high, few periods near a sharp resonance; with this 6 of them are within 30 %, and 7 others change, none by
-# more than 40 %
+_SURER = 1.5
+"""Times: doubts are themselves estimates. Of 1044 sines of the hidden-effect generator 7 had floors 7 to 89 times too
+high, few periods near a sharp resonance; with this 6 of them are within 40 %, and 7 others change, none by more."""
+_LOUD = 0.03  # of the response: a floor below is not asked whether the record's parts agree
+_SHORT = 200  # samples of a part at least: the series and the transient take some fifty numbers
+_FAR_BELOW = 0.5  # of the floor of the whole: parts that agree with it scatter by a tenth
+_CLIPPED_ERROR = 0.5  # relative, of the floor of a clipped record: found 1.0 to 2.5 times too high, once 8.5
 
 
-def noise_floor(time: np.ndarray, drive: np.ndarray, response: np.ndarray, period: float | None = None) -> NoiseFloor:
+def noise_floor(
+    time: np.ndarray,
+    drive: np.ndarray,
+    response: np.ndarray,
+    period: float | None = None,
+    masked: np.ndarray | None = None,
+) -> NoiseFloor:
     """Standard deviation and colour of the measurement noise of a record.
 
     A periodic drive: the noise is what is left of the response beside a Fourier series, a transient and their products.
     A long period with many harmonics: the differences between its repeats. Any other drive: the frequencies that the
     signal leaves free.
 
-    **Arguments:** `time` (n,) s, `drive` (n,) V, `response` (n,) m, `period`: samples per period of the drive or None.
+    **Arguments:** `time` (n,) s, `drive` (n,) V, `response` (n,) m, `period`: samples per period of the drive or None,
+    `masked` (n,): samples that say nothing; a smooth curve takes their place, which is counted as without noise.
     """
+    if masked is not None:
+        floor = noise_floor(time, drive, across_gaps(response, masked), period)
+        sigma = floor.sigma / math.sqrt(1.0 - float(np.mean(masked)))
+        method = f"{floor.method}; rather too high, for the curve beyond the limit is not known"
+        return replace(floor, sigma=sigma, method=method, relative_error=max(floor.relative_error, _CLIPPED_ERROR))
     response = response - np.mean(response)
     size = float(np.sqrt(np.mean(response**2)))
     if size == 0.0:
@@ -43,7 +58,7 @@ def noise_floor(time: np.ndarray, drive: np.ndarray, response: np.ndarray, perio
     elif period is None:
         found = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
     elif period <= 8 * HARMONICS or _highest_harmonic(drive, period) <= HARMONICS // 3:
-        found = _short_period(response[-LONGEST:], period, mains)
+        found = _of_parts(response[-LONGEST:], period, mains, _short_period(response[-LONGEST:], period, mains))
         far_above = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
         if _SURER * far_above[0].relative_error < found[0].relative_error:
             found = far_above  # a motion beyond description adds to what is left of it, but hardly so high
@@ -106,6 +121,21 @@ def _short_period(
     verb = "leaves" if words.startswith("a ") else "leave"
     method = f"what {words} {verb} beside {' and '.join(beside) or 'a constant'} ({numbers})"
     return fit, method + (f"; mains hum, {share:.0%} of its power, is part of it" if share > 0 else "")
+
+
+def _of_parts(
+    response: np.ndarray, period: float, mains: tuple[float, ...], whole: tuple[Autoregression, str]
+) -> tuple[Autoregression, str]:
+    """The floor of a record's thirds, where theirs is far below that of the whole: lost samples, or a jump, spoil the
+    series of the whole record, and would hide themselves behind the floor that they make."""
+    third = len(response) // 3
+    if whole[0].sigma < _LOUD or third < max(2.5 * period, _SHORT):
+        return whole
+    parts = [_short_period(response[k * third : (k + 1) * third], period, mains) for k in range(3)]
+    usual = sorted(parts, key=lambda part: part[0].sigma)[1]
+    if usual[0].sigma > _FAR_BELOW * whole[0].sigma:
+        return whole
+    return usual[0], f"{usual[1]}, in a third of the record; over the whole of it the response does not stay in step"
 
 
 def _apart(mains: tuple[float, ...], rate: float | None, pole: Pole | None, n: int) -> list[float]:

@@ -6,6 +6,7 @@ import hashlib
 import math
 import os
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -28,7 +29,7 @@ from .load import load_record, read_table
 from .noise_pool import pooled
 from .opening import MOST_TEXT, check_file, exists
 from .record import Record, Trace
-from .spec import parse_record
+from .spec import RecordSpec, parse_record
 from .sweeps_together import seen_together
 from .table import Table
 
@@ -119,12 +120,16 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
     if not specs:
         where = path.name if path else ""
         raise UserError("the campaign has no records", where=where, do='add [[record]] with file = "a.csv"')
+    own = (device.output, device.input) if isinstance(device, Oscillator) else ()
+
+    def loaded(spec: RecordSpec) -> tuple[Record, list[str]]:
+        return load_record(spec, spec.table or read_table(spec.path, spec.file, own), device)
+
     records: list[Record] = []
-    for spec in specs:
-        own = (device.output, device.input) if isinstance(device, Oscillator) else ()
-        record, found = load_record(spec, spec.table or read_table(spec.path, spec.file, own), device)
-        records.append(record)
-        notes += found
+    with ThreadPoolExecutor(2) as pool:  # most of the work is the noise floor's, outside the interpreter
+        for record, found in pool.map(loaded, specs):
+            records.append(record)
+            notes += found
     records = seen_together(records, notes)
     files = [one for one in (path, device_path, *effect_files) if one is not None]
     files += [spec.path for spec in specs if spec.table is None]

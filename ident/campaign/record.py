@@ -59,6 +59,7 @@ class Trace:
     - `skip`: number of leading samples that are simulated but not counted.
     - `noise`: the noise floor; `period`: samples per period if the drive is periodic over the record, else None.
     - `outliers`: samples of the file that left the curve; in `response` the curve takes their place.
+    - `masked`: (n,) whether a sample says nothing, as where the response sticks to the limit of a range; none if None.
     - `measures`: what the response is; m stands for m/s or m/s² where it is no displacement.
     - `excerpt`: a stretch of a longer record, cut out to compare models on it; no estimate is reported from it.
     """
@@ -78,6 +79,20 @@ class Trace:
     excerpt: bool = False
     outliers: tuple[int, ...] = ()
     measures: Measures = "displacement"
+    masked: np.ndarray | None = None
+
+    @property
+    def counted(self) -> np.ndarray:
+        """(n,) whether a sample counts in a fit."""
+        late = np.arange(len(self.time)) >= self.skip
+        return late if self.masked is None else late & ~self.masked
+
+    def across(self, signal: np.ndarray) -> np.ndarray:
+        """A signal (n,) with a straight line through its neighbours in place of masked samples."""
+        if self.masked is None or np.all(self.masked):
+            return signal
+        index = np.arange(len(signal))
+        return np.interp(index, index[~self.masked], signal[~self.masked])
 
     @property
     def order(self) -> int:

@@ -8,12 +8,18 @@ from typing import Any, Literal
 import numpy as np
 
 from .campaign import Campaign
-from .checks import clipped_fraction
+from .clipping import CLIPPED
 from .judge import judge
 from .record import Trace
 
 Kind = Literal["delay", "gain", "sign", "time-scale", "wrong-record", "clipping", "spikes", "drift", "duplicate"]
-_CLIPPED = 1e-3  # of the samples
+
+ALL = "all records"
+"""In place of a file: what is wrong in the same way with all of them."""
+_UNPLACED = (
+    "a lag that no record can place: of the trigger, a filter, the amplifier or the sensor? Correct the times if it "
+    "is the instrument's, or add drive-lag or sensor-lag"
+)
 
 ADVICE: dict[Kind, str] = {
     "delay": "is its trigger that of the others? Correct the times, or leave the record out",
@@ -33,7 +39,7 @@ class Suspect:
     """A record that disagrees in a way that no device explains.
 
     **Arguments:** `size` in `unit`; `probability` that the record is faulty; `says`: the finding in words, without the
-    name of the file; `settles`: whether the records agree to their noise once this is corrected.
+    name of the file; `first`: whether it explains more than any effect does, so that no physics is named before.
     """
 
     file: str
@@ -42,12 +48,13 @@ class Suspect:
     unit: str
     probability: float
     says: str
-    settles: bool = False
+    first: bool = False
 
     @property
     def sentence(self) -> str:
         """What is wrong and what to do."""
-        return f"{self.file}: {self.says} ({100 * self.probability:.0f} %): {ADVICE[self.kind]}."
+        do = _UNPLACED if self.file == ALL else ADVICE[self.kind]
+        return f"{self.file}: {self.says} ({100 * self.probability:.0f} %): {do}."
 
     def as_json(self) -> dict[str, Any]:
         """As it stands in diagnosis.json under "records"."""
@@ -64,9 +71,9 @@ def suspects_by_data(campaign: Campaign) -> tuple[Suspect, ...]:
         if twin is not None:
             says = f"the response is sample by sample that of {twin.name}"
             found.append(Suspect(record.name, "duplicate", 1.0, "records", 1.0, says))
-        clipped = clipped_fraction(record.response)
-        if clipped > _CLIPPED:
-            says = f"{clipped:.1%} of the response sticks to a limit"
+        clipped = 0.0 if record.masked is None else float(np.mean(record.masked))
+        if clipped > CLIPPED:
+            says = f"{clipped:.1%} of the response sticks to a limit; those samples have no weight"
             found.append(Suspect(record.name, "clipping", 100 * clipped, "%", 0.99, says))
         if record.outliers:
             count = len(record.outliers)

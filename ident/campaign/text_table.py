@@ -23,7 +23,7 @@ from .table import Column, Table, is_number, is_unit, split_header, with_unit_ro
 
 _COMMENT = re.compile(r'\s*"?\s*(#|%|//|!|\*\*\*)')
 _FORMATS = ((";", ","), (";", "."), ("\t", ","), ("\t", "."), (",", "."), (" ", ","), (" ", "."))
-LEAST_FOR_PANDAS = 1 << 20
+LEAST_FOR_PANDAS = 200_000
 """Characters of a table from which on pandas reads it: for less, its import (0.4 s) costs more than it saves."""
 _COMMA_NUMBER = re.compile(r"\s*[+-]?(\d+(,\d+)?|,\d+)([eE][+-]?\d+)?\s*")
 

@@ -24,7 +24,7 @@ from .prune import hurts
 from .score import Bench, prepare
 from .shorten import is_long, working
 from .steps import Discovery, Step, Verdict
-from .suspects import BY_OTHERS, cleared, find_suspects
+from .suspects import BY_OTHERS, find_suspects, judged_again
 from .ties import Unseen, unseen
 from .unknown import Unknown, find_unknown
 from .where_words import summary
@@ -43,8 +43,8 @@ class Diagnosis:
 
     **Arguments:** `where`: where the fit fails; `unknown`: what the library lacks, if it lacks something, and
     `effect_file`, where that was written; `next_experiments`: records that would separate what ties; `unseen`: effects
-    of which these records cannot say anything; `suspects`: records that something is wrong with. If they alone explain
-    the misfit, the walk has no steps.
+    of which these records cannot say anything; `suspects`: records that something is wrong with. If a faulty record
+    explains more than any effect does, the walk has no steps.
     """
 
     discovery: Discovery
@@ -117,12 +117,12 @@ def diagnose(
     report("locating the misfit")
     bench = prepare(working(fitted))
     where = locate(bench)
-    suspects = find_suspects(fitted, report)
-    if any(suspect.settles for suspect in suspects):
+    suspects = find_suspects(fitted, library, report)
+    if any(suspect.first for suspect in suspects):
         nothing = Discovery("ambiguous", fitted, (), (), {}, (), bench)
         return Diagnosis(nothing, where, suspects=suspects)
     found = continue_from(fitted, library, report, keep=keep)
-    suspects = cleared(suspects, found.final)
+    suspects = judged_again(suspects, found.final, report)
     if found.verdict == "identified" and any(one.kind in BY_OTHERS for one in suspects):
         found = replace(found, verdict="ambiguous")
     answer = partial(Diagnosis, found, where, unseen=unseen(bench, found.ranking, library), suspects=suspects)

@@ -12,7 +12,7 @@ from .score import Bench
 ANOTHER_LAW = 0.001  # of the first excess: structured misfit beyond which a name is in doubt; see `lacking`
 _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
 _WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
-_MOST_OF_IT = 0.5  # of what is left: a wrong noise floor leaves nothing that one effect explains to this degree
+MOST_OF_IT = 0.5  # of what is left: a wrong noise floor leaves nothing that one effect explains to this degree
 _LEAST = 0.2  # of what is left: where every effect promises less, the library lacks the one that is missing
 SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
 _SAME_WHILE_LACKING = 0.02  # the same as long as ten times as much is unexplained
@@ -45,7 +45,7 @@ def _at_floor(chi2: float, bench: Bench, explained: float = 0.0) -> bool:
     doubt = float(
         np.mean([r.noise.relative_error for r in (*bench.fit.campaign.fitted, *bench.fit.campaign.fitted_sweeps)])
     )
-    allowed = 2 * min(doubt, 0.1) if explained < _MOST_OF_IT else 0.0
+    allowed = 2 * min(doubt, 0.1) if explained < MOST_OF_IT else 0.0
     return float(np.sqrt(chi2 / bench.n)) < 1.05 + allowed
 
 

@@ -67,5 +67,5 @@ def predicts_worse(before: Fit, after: Fit) -> bool:
 def _missed(fit: Fit) -> np.ndarray:
     """What a fit misses of its held-out records, in noise floors."""
     pairs = zip(fit.campaign.traces, fit.readings, strict=True)
-    parts = [((r.response - told) / r.noise.sigma)[r.skip :] for r, told in pairs if r.holdout]
+    parts = [((r.response - told) / r.noise.sigma)[r.counted] for r, told in pairs if r.holdout]
     return np.concatenate(parts) if parts else np.zeros(0)

@@ -15,6 +15,7 @@ import numpy as np
 from ..fit.assemble import start_scale
 from ..model import Model
 from ..response import Equation
+from .basis import orthonormal
 
 if TYPE_CHECKING:
     from .score import Bench
@@ -45,6 +46,13 @@ class Histories(NamedTuple):
             kept = bench.project(best)
             price = float(found @ found + np.linalg.slogdet(gram)[1])
         return best, price
+
+    def beyond(self, bench: Bench, raw: np.ndarray, size: np.ndarray, own: slice) -> np.ndarray:
+        """What the rows (k, n) of one point, with amplitudes `size` (k,), do beyond any history that the effect could
+        have had; (n, q) orthonormal. Only that is evidence: a memory that rings down by itself fits many a nuisance."""
+        dying = orthonormal(bench.project(self._by_record(np.einsum("a,han->hn", size, self.rows[:, own]))))
+        kept = bench.project(raw)
+        return orthonormal(kept - (kept @ dying) @ dying.T, raw)
 
     def _by_record(self, rows: np.ndarray) -> np.ndarray:
         """Rows (h, n) of all records as rows (records h, n) of one each."""

@@ -64,7 +64,9 @@ class Bench:
 
     @property
     def n(self) -> int:
-        return len(self.residual)
+        """How many samples count."""
+        silent = sum(np.count_nonzero(piece.masked) for piece in self.pieces if piece.masked is not None)
+        return len(self.residual) - int(silent)
 
     @property
     def chi2(self) -> float:
@@ -132,12 +134,13 @@ class Candidate(NamedTuple):
 
 class _Point(NamedTuple):
     """One point of an effect's grid: fall of χ², 0 if a sign cannot be (friction that drives); parameters; orthonormal
-    columns (n, q); where its columns are among those of all points; the model's own parameters beside it, if they were
-    found on the way."""
+    columns (n, q), and those that no history of the records could give; where its columns are among those of all
+    points; the model's own parameters beside it, if they were found on the way."""
 
     drop: float
     values: Mapping[str, float]
     basis: np.ndarray
+    beyond: np.ndarray
     rows: slice
     beside: np.ndarray | None = None
 
@@ -297,9 +300,10 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     tried = []
     for k, point in enumerate(points):
         rows = slice(k * len(amplitudes), (k + 1) * len(amplitudes))
-        price = 0.0
+        price, seen = 0.0, raw[rows]
         if begun is not None:
-            raw[rows], price = begun.fitted(bench, raw[rows], rows)
+            seen = raw[rows].copy()
+            raw[rows], price = begun.fitted(bench, seen, rows)
             projected[rows] = bench.project(raw[rows])
         basis = orthonormal(projected[rows], raw[rows])
         if basis.shape[1] and moves is not None:
@@ -313,7 +317,10 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
             sizes = [found[name] for name in one_sided]
             impossible = bench.credible and max(sizes, default=0.0) <= 0 > min(sizes, default=0.0)
             drop = 0.0 if impossible else max(float(np.sum((basis.T @ bench.residual) ** 2)) - price, 0.0)
-            tried.append(_Point(drop, found, basis, rows))
+            beyond = basis
+            if begun is not None:
+                beyond = begun.beyond(bench, seen, np.array([found[names[a]] for a in amplitudes]), rows)
+            tried.append(_Point(drop, found, basis, beyond, rows))
     if not tried:
         return None
     best, *others = sorted(tried, key=lambda tried: -tried.drop)
@@ -328,7 +335,7 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     units = {p.name: p.unit for p in instance.declared()}
     dof = best.basis.shape[1] + sum(p.kind == "shape" and p.fitted for p in instance.declared())
     excess = max(bench.chi2 - bench.n, 1e-9)
-    p = chance(bench, best.basis, dof) if best.drop > 0 else 1.0
+    p = chance(bench, best.beyond, dof) if best.drop > 0 and best.beyond.shape[1] else 1.0
     near = others[: _NEAR_POINTS - 1]
     return Candidate(
         effect.name,
@@ -360,7 +367,7 @@ def _balanced_point(
     drop = 0.0 if impossible else max(bench.chi2 - float(found.left @ found.left), 0.0)
     explained = (bench.residual - found.left)[None]  # where the effect is small, its own projected column
     basis = orthonormal(np.concatenate([explained, bench.project(found.slopes[own:])])[: len(raw)])
-    return _Point(drop, values, basis, rows, bench.stepped(found.step[:own]))
+    return _Point(drop, values, basis, basis, rows, bench.stepped(found.step[:own]))
 
 
 def _estimate(

@@ -1,53 +1,78 @@
 """Records that disagree with the others in a way that no device explains, found before any physics is named.
 
-Each record in turn is left out of the fit, and predicted by what the others tell. A suspect is a record that is
-predicted far worse than the others agree among themselves, and that one number of its own (a delay, a gain, a sign, a
-time scale, a drift), or a device of its own, brings back among them. A missing effect spoils the agreement of all
-records instead, and no such number takes it away.
+That one record is faulty (`faults`) competes with every effect of the library in one evidence: a record is suspect if
+reading it as it should have been, with or without an effect, leaves clearly less than any effect does without that,
+and takes away most of what physics leaves. A missing effect spoils the agreement of all records instead, and no number
+of one record takes it away. Held-out records are judged by what the fitted ones then tell.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
-from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
-from ..campaign.suspect import Suspect, suspects_by_data
-from ..fit import Fit
-from ..fit.fit import minimise
-from ..fit.guess import GRID_STEP, coarse_frequency
+from ..campaign.suspect import ALL, Suspect, suspects_by_data
+from ..effects.effect import AbstractEffect
+from ..fit import Fit, fit
 from ..fit.reading import read
-from .nuisance import Nuisance, nuisances, rms
+from ..model import Model
+from .confirm import confirm
+from .enough import ANOTHER_LAW, MOST_OF_IT
+from .evidence import Left, criteria
+from .faults import OF_FREQUENCY, Fault, common_delay, explanations, faults_of
+from .nuisance import DROPPED, Nuisance, rms
+from .score import prepare, score, significant
 from .shorten import is_long
+from .side_by_side import at_once
+from .trajectory import Diverged
 
 Report = Callable[[str], None]
+Library = Mapping[str, type[AbstractEffect]]
 
 BY_OTHERS = ("delay", "gain", "sign", "time-scale", "wrong-record")
 """Kinds of suspects that only other records tell. An effect may be mistaken for them: beside one no name is sure."""
 
 _FLOOR = 1.3  # error over noise up to which records agree; floors are known to some ten per cent
 _FAR = 3.0  # times worse than the others agree, from which on a record disagrees
-_BACK = 1.5  # times as bad as the others agree, up to which a corrected record is one of them
-_MOST = 8  # records that are left out in turn, the worst first: a refit each
-_STEPS = 40
-_OF_FREQUENCY = "% of frequency"
+_BACK = 1.5  # times as bad as the others agree, up to which a corrected held-out record is one of them
+_MOST = 8  # records that may be faulty, the worst first
+_CLEARLY = 10.0  # of 2 ln(odds): very strong evidence (R. E. Kass, A. E. Raftery, 1995, JASA 90, 773, §3.2)
+_EFFECTS = 3  # that are refitted beside a fault, and without one
 _SURE, _LIKELY = 0.95, 0.9
-"""Of suspects that settle everything down to the noise, and of the others. In experiments/faulty_records 21 of 21 and
-17 of 18 were right; by the rule of succession that is 0.96 and 0.9, of campaigns half of which have a fault."""
-_SCALES = (0.5, 2.0, 0.1, 10.0, 0.9, 1.1, 0.95, 1.05, 0.98, 1.02, 0.99, 1.01)
+"""Of suspects that settle everything down to the noise, and of the others; see experiments/faulty_records."""
 
 
-def find_suspects(fitted: Fit, report: Report = lambda _: None) -> tuple[Suspect, ...]:
+def find_suspects(fitted: Fit, library: Library, report: Report = lambda _: None) -> tuple[Suspect, ...]:
     """The suspect records of a fit's campaign: what the data alone tell, and what the records tell of one another."""
     found = list(suspects_by_data(fitted.campaign))
     if is_long(fitted.campaign) or not _disagree(fitted):
         return tuple(found)
     report("do the records agree with one another?")
-    return tuple(found + _by_others(fitted))
+    return tuple(found + _by_others(fitted, library))
+
+
+@lru_cache(maxsize=8)  # the terminal and the page ask
+def alone_off(fitted: Fit) -> tuple[Suspect, ...]:
+    """The record that alone keeps a model from the noise, if reading it otherwise brings all of them there: what a fit
+    can say without asking what effects would do."""
+    if is_long(fitted.campaign) or not _disagree(fitted) or len(fitted.campaign.fitted) < 3:
+        return ()
+    traces = fitted.campaign.traces
+    off = [i for i, s in enumerate(fitted.trace_scores) if not s.holdout and s.error_over_noise > _FAR * _FLOOR]
+    found = [fault for i in off[:_MOST] for fault in faults_of(fitted, i, _FLOOR)]
+    settled = [one for one in found if one.worst <= _FLOOR and _beyond_an_effect(one, fitted.values)]
+    if not settled:
+        return ()
+    best = min(settled, key=lambda one: rms(one.whole, 1.0))
+    assert best.record is not None
+    words = f"{_words(best.told, traces)}; so read, all records stand at their noise. `ident diagnose` weighs that "
+    words += "against effects"
+    told = best.told
+    return (Suspect(traces[best.record].name, told.kind, told.size, told.unit, _LIKELY, words),)
 
 
 def _disagree(fitted: Fit) -> bool:
@@ -55,159 +80,154 @@ def _disagree(fitted: Fit) -> bool:
     return len(errors) > 1 and max(errors) > _FAR * _FLOOR
 
 
-def cleared(suspects: tuple[Suspect, ...], final: Fit) -> tuple[Suspect, ...]:
-    """The suspects that stay when physics has been named.
-
-    If all records, held-out ones too, stand at their noise with one model, none disagrees with the others: what looked
-    so was the shape of what had been missing. What the data of a record alone tell stays.
-    """
-    agree = all(score.error_over_noise <= _FLOOR for score in final.scores)
-    return tuple(one for one in suspects if not agree or one.kind not in BY_OTHERS)
+def judged_again(suspects: tuple[Suspect, ...], final: Fit, report: Report) -> tuple[Suspect, ...]:
+    """The suspects beside the model that a walk has ended with: what looked so may have been the shape of what had
+    been missing, and what that hid may show now. What the data of a record alone tell stays."""
+    alone = tuple(one for one in suspects if one.kind not in BY_OTHERS)
+    names = {one.file for one in alone}
+    return alone + tuple(one for one in find_suspects(final, {}, report) if one.file not in names)
 
 
-def _by_others(fitted: Fit) -> list[Suspect]:
+class _Explained(NamedTuple):
+    """What a model, with one effect more if that helps, says of records; `left` (n,) in white noise floors; `traces`:
+    as the held-out ones among them are to be read."""
+
+    model: Model
+    values: np.ndarray
+    left: np.ndarray
+    numbers: int
+    traces: Sequence[Trace] = ()
+
+    @property
+    def excess(self) -> float:
+        """χ² per sample above that of noise."""
+        return max(float(np.mean(self.left**2)) - 1.0, 1e-9)
+
+
+def _by_others(fitted: Fit, library: Library) -> list[Suspect]:
     traces = fitted.campaign.traces
-    worst = sorted(range(len(traces)), key=lambda i: -fitted.trace_scores[i].error_over_noise)
-    inside = [i for i in worst if not traces[i].holdout][:_MOST]
+    errors = [score.error_over_noise for score in fitted.trace_scores]
+    worst = sorted(range(len(traces)), key=lambda i: -errors[i])
+    inside = [i for i in worst if not traces[i].holdout and errors[i] > _FLOOR][:_MOST]
     outside = [i for i in worst if traces[i].holdout][:_MOST]
-    best: tuple[float, Suspect] | None = None
-    values = fitted.values
-    if len(inside) > 2:
-        for i in inside:
-            told = _values_without(fitted, i)
-            one = None if told is None else _judged(fitted, told, i)
-            if told is not None and one is not None and (best is None or one[0] > best[0]):
-                best, values = one, told
-    found = [] if best is None else [best[1]]
-    gone = {s.file for s in found}
-    for i in outside:
-        one = _judged(fitted, values, i, gone)
+    found: list[Suspect] = []
+    known = _Explained(fitted.model, fitted.values, _left(fitted), fitted.freedom, traces)
+    if len(fitted.campaign.fitted) > 2 and known.excess > _FLOOR**2 - 1:
+        one = _most_likely(fitted, inside, library)
         if one is not None:
-            found.append(one[1])
-    return found
+            suspect, known = one
+            found = [suspect]
+            traces = known.traces
+    return found + [s for i in outside if (s := _held_out(traces, known, i)) is not None]
 
 
-def _values_without(fitted: Fit, i: int) -> np.ndarray | None:
-    """Parameter values that the other records tell.
+def _left(fitted: Fit) -> np.ndarray:
+    """What a fit leaves of its fitted records, in noise floors."""
+    residuals, tape = fitted.solved.found.residuals, fitted.solved.data.tape
+    parts = [residuals[own][r.counted] for r, own in zip(fitted.campaign.fitted, tape.slices, strict=True)]
+    return np.concatenate([*parts, residuals[tape.samples :]])
 
-    The fit starts where that of all ended, unless the others point to another resonance: one record may have led it
-    astray.
-    """
-    traces = fitted.campaign.traces
-    kept = tuple(r for j, r in enumerate(traces) if not r.holdout and j != i)
-    initial = fitted.values
-    if fitted.model.form in ("oscillator", "overdamped"):
-        frequency = coarse_frequency(kept, fitted.campaign.fitted)
-        initial = fitted.values if abs(math.log(frequency / fitted.values[0])) < 1.5 * GRID_STEP else None
+
+def _most_likely(fitted: Fit, inside: Sequence[int], library: Library) -> tuple[Suspect, _Explained] | None:
+    """The fault that explains the records better than physics does, if one does."""
+    left = _left(fitted)
+    faults = [fault for i in inside for fault in faults_of(fitted, i) if _beyond_an_effect(fault, fitted.values)]
+    if all(fault.worst > _FLOOR for fault in faults):
+        common = common_delay(fitted)
+        faults += [] if common is None else [common]
+    weights = criteria([Left(left, fitted.freedom), *(_beside(left, fault.whole, fault.numbers) for fault in faults)])
+    if not weights[0] - min(weights) > _CLEARLY:
+        return None
+    best = faults[int(np.argmin(weights)) - 1]
+    scores = [s for s in fitted.trace_scores if not s.holdout]
+    own = fitted.trace_scores[best.record] if best.record is not None else fitted.fitted
+    shapes = ANOTHER_LAW * own.n / sum(s.n for s in scores) * max(own.error_over_noise**2 - 1.0, 1e-9)
+    sound = _with_physics(fitted, library)
+    if not sound.excess > shapes:
+        return None  # nothing is left to explain
+    faulty = _with_physics(fit(fitted.model, best.campaign, initial=best.values), library)
+    faulty = faulty._replace(left=np.concatenate([faulty.left, best.apart]), numbers=faulty.numbers + 1)
+    weights = criteria([sound, _beside(sound.left, faulty.left, faulty.numbers)])
+    most = faulty.excess < MOST_OF_IT * sound.excess and sound.excess - faulty.excess > shapes
+    if not (most and weights[0] - weights[1] > _CLEARLY):
+        return None
+    read_so = best.campaign if best.record is None else fitted.campaign
+    return _suspect(fitted, best, sound, faulty), faulty._replace(traces=read_so.traces)
+
+
+def _beside(left: np.ndarray, other: np.ndarray, numbers: int) -> Left:
+    """What another hypothesis leaves, as of as many samples: where a fault is read, a few may not count."""
+    return Left(other * np.sqrt(len(left) / len(other)), numbers)
+
+
+def _with_physics(before: Fit, library: Library) -> _Explained:
+    """What the fit leaves, or the fit with the one effect that explains most of it."""
+    alone = _Explained(before.model, before.values, _left(before), before.freedom)
     try:
-        return minimise(fitted.model, replace(fitted.campaign, records=kept), initial=initial, most=_STEPS).values
-    except (FloatingPointError, np.linalg.LinAlgError):
-        return None
+        bench = prepare(before)
+    except Diverged:
+        return alone
+    counts = np.concatenate([np.ones(0, bool), *(_counts(r) for r in before.campaign.fitted)])
+    counts = np.concatenate([counts, np.ones(len(bench.left) - len(counts), bool)])
+    tried = [alone._replace(left=bench.left[counts])]
+    if bench.chi2 > _FLOOR**2 * bench.n:
+        real = significant(score(bench, library))[:_EFFECTS]
+        found = at_once(lambda one: confirm(bench, library[one.name], one), real)
+        tried += [_Explained(c.model, c.values, c.left[counts], c.numbers) for c in found if c.possible]
+    return tried[int(np.argmin(criteria(tried)))]
 
 
-def _judged(
-    fitted: Fit, values: np.ndarray, i: int, gone: set[str] | frozenset[str] = frozenset()
-) -> tuple[float, Suspect] | None:
-    """How far a record is off by values that the others tell, and the suspect that it is, if it is one."""
-    traces = fitted.campaign.traces
-    readings = read(fitted.model, values, traces)
-    errors = [rms((t.response - r)[t.skip :], t.noise.sigma) for t, r in zip(traces, readings, strict=True)]
-    others = [errors[j] for j in range(len(traces)) if j != i and not traces[j].holdout and traces[j].name not in gone]
-    if not others or not np.all(np.isfinite(readings[i])):
-        return None
-    agree = max(1.0, float(np.sqrt(np.mean(np.square(others)))))
-    if not errors[i] > _FAR * agree:
-        return None
-    told = _explained(fitted, values, i, readings, _BACK * agree)
-    if told is None:
-        return None
-    settles = agree <= _FLOOR and told.error <= _BACK * _FLOOR and not _may_be_an_effect(told, values)
-    words = f"{_words(told, traces)}; so read, it agrees with the others (error over noise {errors[i]:.3g} → "
-    words += f"{told.error:.3g}, theirs {agree:.3g})"
-    probability = _SURE if settles else _LIKELY
-    return errors[i] / agree, Suspect(traces[i].name, told.kind, told.size, told.unit, probability, words, settles)
+def _counts(record: Trace) -> np.ndarray:
+    return record.counted[record.skip :]
 
 
-def _explained(
-    fitted: Fit, values: np.ndarray, i: int, readings: Sequence[np.ndarray], limit: float
-) -> Nuisance | None:
-    """The simplest explanation that brings a record back among the others."""
-    record = fitted.campaign.traces[i]
-    y, sigma = record.response, record.noise.sigma
-    for one in nuisances(y, readings[i], sigma, record.skip):
-        if one.error <= limit:
-            return one
-    scale = _time_scale(fitted, values, record, limit)
-    if scale is not None:
-        return scale
-    for j, (other, reading) in enumerate(zip(fitted.campaign.traces, readings, strict=True)):
-        if j != i and len(reading) == len(y) and rms((y - reading)[record.skip :], sigma) <= limit:
-            return Nuisance("wrong-record", float(j), other.name, rms((y - reading)[record.skip :], sigma))
-    return _own_device(fitted, values, record, limit)
+def _suspect(fitted: Fit, best: Fault, sound: _Explained, faulty: _Explained) -> Suspect:
+    told, traces = best.told, fitted.campaign.traces
+    name = ALL if best.record is None else traces[best.record].name
+    words = f"{_words(told, traces)}; so read, the error over noise of all records falls from "
+    words += f"{rms(_left(fitted), 1.0):.3g} to {rms(faulty.left, 1.0):.3g}"
+    if sound.model.names != fitted.model.names:
+        words += f", with {sound.model.names[-1]} instead to {rms(sound.left, 1.0):.3g}"
+    if faulty.model.names != fitted.model.names:
+        words += f", with {faulty.model.names[-1]} in the model"
+    sure = _SURE if best.worst <= _FLOOR else _LIKELY
+    return Suspect(name, told.kind, told.size, told.unit, sure, words, first=True)
 
 
-def _time_scale(fitted: Fit, values: np.ndarray, record: Trace, limit: float) -> Nuisance | None:
-    """The record's time runs s times as fast as it says."""
-
-    def error(scale: float) -> float:
-        stretched = replace(record, time=record.time * scale)
-        reading = read(fitted.model, values, [stretched])[0]
-        misfit = (record.response - reading)[record.skip :]
-        return rms(misfit, record.noise.sigma) if np.all(np.isfinite(misfit)) else np.inf
-
-    tried = {scale: error(scale) for scale in _SCALES}
-    best = min(tried, key=lambda scale: tried[scale])
-    width = 0.01
-    while tried[best] > limit and width > 1e-4:
-        for scale in (best * (1 - width), best * (1 + width)):
-            tried[scale] = error(scale)
-        nearer = min(tried, key=lambda scale: tried[scale])
-        best, width = nearer, width if nearer != best else width / 2
-    told = _beyond_an_effect(best - 1, values, limit)
-    return Nuisance("time-scale", best, "1", tried[best]) if told and tried[best] <= limit else None
-
-
-def _beyond_an_effect(shift: float, values: np.ndarray, limit: float) -> bool:
-    """Whether a resonance that is off by a relative `shift` in one record says that it is another device's.
-
-    A missing effect moves the resonance a little in some records, and free numbers take that up: it counts if the
-    others stand at their noise, or if the resonance lies beside theirs by more than half its width.
-    """
-    return limit <= _BACK * _FLOOR or abs(shift) > _half_width(values)
-
-
-def _may_be_an_effect(told: Nuisance, values: np.ndarray) -> bool:
-    """Whether a record differs by no more than what a missing effect makes of it.
+def _beyond_an_effect(fault: Fault, values: np.ndarray) -> bool:
+    """Whether a record differs by more than what a missing effect makes of it, the library's or not.
 
     To a sine every nonlinear device is a linear one, of another frequency and quality at each level (N. Minorsky,
     Nonlinear Oscillations, 1962, ch. 14): friction that shows in the weakest record alone makes another device of it.
+    A resonance that lies beside that of the others by more than half its width is beyond that.
     """
+    told, half_width = fault.told, 0.5 / max(float(values[1]), 1.0)
     if told.kind == "time-scale":
-        return abs(told.size - 1) <= _half_width(values)
-    return told.kind == "wrong-record" and told.unit == _OF_FREQUENCY and abs(told.size) <= 100 * _half_width(values)
+        return abs(told.size - 1) > half_width
+    return told.unit != OF_FREQUENCY or abs(told.size) > 100 * half_width
 
 
-def _half_width(values: np.ndarray) -> float:
-    """Half the width of the resonance, as a part of its frequency."""
-    return 0.5 / max(float(values[1]), 1.0)
-
-
-def _own_device(fitted: Fit, values: np.ndarray, record: Trace, limit: float) -> Nuisance | None:
-    """A device of its own, with another frequency, quality and gain: another load, or another device."""
-    alone = Campaign("", (replace(record, holdout=False),), fitted.campaign.device)
-    try:
-        own = minimise(fitted.model, alone, most=_STEPS).values
-    except (FloatingPointError, np.linalg.LinAlgError):
+def _held_out(traces: Sequence[Trace], known: _Explained, i: int) -> Suspect | None:
+    """What is wrong with a held-out record that is predicted far worse than the fitted ones agree, if one number tells
+    it."""
+    agree, record = max(1.0, rms(known.left, 1.0)), traces[i]
+    reading = read(known.model, known.values, [record])[0]
+    if not np.all(np.isfinite(reading)):
         return None
-    error = rms((record.response - read(fitted.model, own, [record])[0])[record.skip :], record.noise.sigma)
-    shift = float(own[0]) / float(values[0]) - 1
-    told = _beyond_an_effect(shift, values, limit)
-    return Nuisance("wrong-record", 100 * shift, _OF_FREQUENCY, error) if told and error <= limit else None
+    before = rms((record.response - reading)[record.counted], record.noise.sigma)
+    if not before > _FAR * agree:
+        return None
+    told = next(iter(explanations(known.model, known.values, traces, i)), None)
+    if told is None or told.error > _BACK * agree:
+        return None
+    words = f"{_words(told, traces)}; so read, it agrees with the others (error over noise {before:.3g} → "
+    words += f"{told.error:.3g}, theirs {agree:.3g})"
+    return Suspect(record.name, told.kind, told.size, told.unit, _SURE if agree <= _FLOOR else _LIKELY, words)
 
 
 def _words(one: Nuisance, traces: Sequence[Trace]) -> str:
     size = f"{one.size:.3g}"
-    if one.unit == "samples from some sample on":
+    if one.unit == DROPPED:
         return f"samples are missing: towards its end the response comes {abs(one.size):.3g} samples too early"
     if one.kind == "wrong-record":
         known = any(trace.name == one.unit for trace in traces)

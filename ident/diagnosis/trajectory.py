@@ -97,7 +97,7 @@ def lay_out(fit: Fit) -> Scene:
     solved, paths, own, residuals = fit.solved, [], [], []
     tape, response = solved.data.tape, solved.found.response
     for record, part, span, lane in zip(fit.campaign.fitted, tape.slices, tape.spans, tape.lanes, strict=True):
-        residual = record.response - response.readings[part]
+        residual = record.across(record.response - response.readings[part])
         if not np.all(np.isfinite(residual)):
             raise Diverged(record.name)
         z, v = response.z[part], response.v[part]

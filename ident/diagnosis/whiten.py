@@ -20,13 +20,15 @@ class Piece(NamedTuple):
     """How one record is whitened: samples counted, prediction-error filter, scale, and local nuisance directions.
 
     **Arguments:** `counted`: slice of the record; `filter`: (k,) FIR coefficients; `scale`: of the white noise, m;
-    `basis`: (n, q) orthonormal, already whitened: initial states and mains hum.
+    `basis`: (n, q) orthonormal, already whitened: initial states and mains hum; `masked`: (n,), if there are such, the
+    samples that say nothing: their rows are zero.
     """
 
     counted: slice
     filter: np.ndarray
     scale: float
     basis: np.ndarray
+    masked: np.ndarray | None = None
 
 
 def make_piece(record: Trace, by_start: np.ndarray | None) -> Piece:
@@ -34,6 +36,8 @@ def make_piece(record: Trace, by_start: np.ndarray | None) -> Piece:
     ar = np.asarray(record.noise.ar, float)
     taps = np.concatenate([[1.0], -ar])
     piece = Piece(slice(record.skip, len(record.time)), taps, record.noise.sigma * _innovation(ar), np.zeros((0, 0)))
+    if record.masked is not None:
+        piece = piece._replace(masked=record.masked[piece.counted])
     t = record.time - record.time[0]
     local = [f(2 * np.pi * hz * t) for hz in MAINS for f in (np.cos, np.sin)]
     if by_start is not None:
@@ -52,7 +56,8 @@ def whiten(piece: Piece, rows: np.ndarray) -> np.ndarray:
 
 def _filter(piece: Piece, rows: np.ndarray) -> np.ndarray:
     rows = rows[:, piece.counted]
-    return (rows if len(piece.filter) == 1 else convolved(piece.filter, rows.T).T) / piece.scale
+    white = (rows if len(piece.filter) == 1 else convolved(piece.filter, rows.T).T) / piece.scale
+    return white if piece.masked is None else np.where(piece.masked, 0.0, white)
 
 
 def _innovation(ar: np.ndarray) -> float:

@@ -69,7 +69,7 @@ def _weight(record: Trace, frequency: float) -> np.ndarray:
     index = np.arange(len(record.time))
     first = index < max(round(_TIED_FOR / (frequency * record.step)), 5)
     counted = (index >= record.skip) | (first if record.start != "rest" else False)
-    return counted / record.noise.sigma
+    return (counted if record.masked is None else counted & ~record.masked) / record.noise.sigma
 
 
 def start_scale(record: Trace, frequency: float, histories: Sequence[str]) -> np.ndarray:

@@ -173,7 +173,7 @@ def _with_residual_noise(campaign: Campaign, found: Minimum) -> Campaign:
     for i, record in enumerate(records):
         if isinstance(record, Trace) and not record.holdout:
             own = next(places)
-            residual = found.best.found.residuals[own][record.skip :] * record.noise.sigma
+            residual = found.best.found.residuals[own][record.counted] * record.noise.sigma
             noise = replace(record.noise, sigma=float(np.std(residual)), method="residual of the fit")
             records[i] = replace(record, noise=noise)
         elif isinstance(record, Sweep) and not record.holdout and curves is not None:

@@ -50,7 +50,7 @@ class Score(NamedTuple):
 
 def score_record(record: Trace, reading: np.ndarray) -> RecordScore:
     """Judge a model's `reading` (n,) of a record over its counted samples."""
-    difference = (record.response - reading)[record.skip :]
+    difference = (record.response - reading)[record.counted]
     with np.errstate(over="ignore", invalid="ignore"):  # a motion without bound is no number, and said to be none
         rmse = float(np.sqrt(np.mean(difference**2)))
     sigma = record.noise.sigma
@@ -59,7 +59,7 @@ def score_record(record: Trace, reading: np.ndarray) -> RecordScore:
 
 def _signal(record: Trace) -> float:
     """Standard deviation of the counted samples of a record, SI."""
-    return max(float(np.std(record.response[record.skip :])), 1e-300)
+    return max(float(np.std(record.response[record.counted])), 1e-300)
 
 
 def combine(scores: Sequence[RecordScore]) -> Score | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -13,6 +14,8 @@ from ..errors import UserError
 from ..model import Model, build_model, make_effect
 from .linear_choice import LEVELS, LinearChoice, choose_linear
 
+_ENOUGH = 400_000  # samples that compare linear models: of many records a part tells it, and the fit then sees all
+
 
 @lru_cache(maxsize=8)
 def linear_choice(campaign: Campaign) -> LinearChoice | None:
@@ -20,7 +23,9 @@ def linear_choice(campaign: Campaign) -> LinearChoice | None:
     known, and where there is nothing to fit."""
     if not isinstance(campaign.device, Oscillator) or not campaign.fitted:
         return None
-    return choose_linear(campaign.fitted, campaign.linear)
+    records = campaign.fitted
+    every = math.ceil(sum(len(record.time) for record in records) / _ENOUGH)
+    return choose_linear(records[::every], campaign.linear)
 
 
 def start_model(

@@ -130,7 +130,7 @@ class Density:
             return np.concatenate(found, axis=1)
 
         whole = self._batched(drawn, x, noise)
-        edges = np.cumsum([0, *(n.count for n in self.noises)])
+        edges = np.cumsum([0, *(len(r.time) - n.first for r, n in zip(self.records, self.noises, strict=True))])
         return [whole[:, a:b] for a, b in zip(edges[:-1], edges[1:], strict=True)]
 
     def _moving(self, record: int) -> bool:

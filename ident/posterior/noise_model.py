@@ -28,7 +28,8 @@ class Noise(NamedTuple):
     """The noise of one record.
 
     **Arguments:** `ar` (k,); `gain`: σ over that of the innovations; `first` sample whose innovation counts, and how
-    many do, `count`; `freedom` ν, infinite where the floor is known; `log_sigma`, ln of the innovations' σ, SI.
+    many do, `count`, without masked ones; `freedom` ν, infinite where the floor is known; `log_sigma`, ln of the
+    innovations' σ, SI.
     """
 
     ar: np.ndarray
@@ -43,7 +44,7 @@ def record_noise(record: Trace, sigma: SigmaChoice) -> Noise:
     """The noise of a record; `sigma`, what the fit's error bars stand on."""
     ar = np.asarray(record.noise.ar, float)
     first = record.skip + len(ar)
-    count = len(record.time) - first
+    count = int(np.count_nonzero(record.counted[first:]))
     gain = math.sqrt(variance_of(ar, 1.0))
     doubt = record.noise.relative_error
     if sigma == "scaled":
@@ -55,11 +56,11 @@ def record_noise(record: Trace, sigma: SigmaChoice) -> Noise:
 
 
 def whiten(noise: Noise, residual: np.ndarray) -> np.ndarray:
-    """Innovations in units of their σ, of residuals (..., n) in noise floors: (..., count)."""
+    """Innovations in units of their σ, of residuals (..., n) in noise floors: (..., n − first)."""
     found = residual[..., noise.first :]
     for j, weight in enumerate(noise.ar):
         earlier = noise.first - 1 - j
-        found = found - weight * residual[..., earlier : earlier + noise.count]
+        found = found - weight * residual[..., earlier : earlier + found.shape[-1]]
     return found * noise.gain
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..campaign.campaign import Campaign
+from ..campaign.clipping import CLIPPED
 from ..campaign.device import Platform
 from ..campaign.drive import drive_frequency
 from ..campaign.judge import judge
@@ -18,7 +19,6 @@ from .quantity import Scale, scale, show_in, significant
 from .sheet import Column, Mark, Sheet
 from .sweep_words import sweep_dict, sweep_remarks, sweep_words, what_the_sweeps_tell
 
-_CLIPPED = 1e-3
 _SAME = SAME_LEVEL
 _SAME_FREQUENCY = 1.01  # a third of the half-width of a resonance of quality 15: nearer ones tell it no better
 
@@ -137,7 +137,7 @@ def remarks(record: Record, campaign: Campaign) -> tuple[str, ...]:
     if isinstance(record, Sweep):
         return sweep_remarks(record, campaign)
     found = judge(record)
-    clipped = (f"{found.clipped:.1%} of the response sticks to a limit",) if found.clipped > _CLIPPED else ()
+    clipped = (f"{found.clipped:.1%} of the response sticks to a limit",) if found.clipped > CLIPPED else ()
     return (*clipped, *found.remarks)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..campaign.device import Device
+from ..campaign.suspect import ALL
 from ..diagnosis.beyond import NAME
 from ..diagnosis.diagnose import Diagnosis
 from ..diagnosis.enough import ANOTHER_LAW, adequate, contradicted
@@ -38,9 +39,12 @@ def _verdict_words(found: Diagnosis) -> str:
     """The verdict by the fitted records."""
     loop = found.discovery
     final = loop.final
-    settled = [suspect.file for suspect in found.suspects if suspect.settles]
-    if settled:
-        return f"No physics is named before {listed(settled)} is corrected or left out: that alone explains the misfit."
+    first = [suspect.file for suspect in found.suspects if suspect.first]
+    if first == [ALL]:
+        return "No physics is named: that all responses come late explains more of the misfit than any effect does."
+    if first:
+        what = "that explains more of the misfit than any effect does"
+        return f"No physics is named before {listed(first)} is corrected or left out: {what}."
     error = f"error over noise {ratio_text(final.fitted.error_over_noise)}"
     if loop.verdict == "adequate":
         return f"The model is adequate: {error}, and no effect of the library would lower it beyond chance."

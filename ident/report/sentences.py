@@ -10,6 +10,7 @@ import numpy as np
 from ..campaign.device import Platform
 from ..campaign.drive import drive_frequency
 from ..campaign.suspect import suspects_by_data
+from ..diagnosis.suspects import alone_off
 from ..fit.carry_over import expected_error
 from ..fit.one_tone import gain_of
 from ..fit.result import Fit
@@ -49,12 +50,20 @@ def verdict(fit: Fit) -> str:
         text = f"{model} does not describe {records}: the error is {ratio_text(ratio)} times the noise floor"
         text += f" (worst in {worst.name}, {ratio_text(worst.error_over_noise)})." if n > 1 else "."
         text += " Something is missing from it; `ident diagnose` looks for it."
-    text += _heldout(fit)
+    text += _heldout(fit) + _not_counted(fit)
     if ratio <= GOOD:
         fitted = [e for e in fit.estimates if e.fitted]
         known = sum(not e.flags for e in fitted)
         text += f" {known} of {len(fitted)} fitted parameters are determined and differ from zero."
     return text if fit.converged else text + " The fit did not converge; its numbers are provisional."
+
+
+def _not_counted(fit: Fit) -> str:
+    clipped = [(r.name, r.masked) for r in fit.campaign.traces if r.masked is not None and np.any(r.masked)]
+    if not clipped:
+        return ""
+    share = listed([f"{np.mean(masked):.1%} of {name}" for name, masked in clipped])
+    return f" Clipped samples were not counted, {share}: where the response is largest, nothing judges the model."
 
 
 def _heldout(fit: Fit) -> str:
@@ -79,9 +88,10 @@ def _heldout(fit: Fit) -> str:
 
 def sentences(fit: Fit) -> tuple[Sentence, ...]:
     """What must be known before a number of this fit is used, warnings first."""
-    suspects = [Sentence(f"Suspect record {one.sentence}", True) for one in suspects_by_data(fit.campaign)]
-    found = [*suspects, *_error_bars(fit), *_noise(fit), *_numerics(fit), *_physics(fit)]
-    return tuple(sorted(found, key=lambda s: not s.warning))
+    found = (*suspects_by_data(fit.campaign), *alone_off(fit))
+    suspects = [Sentence(f"Suspect record {one.sentence}", True) for one in found]
+    told = [*suspects, *_error_bars(fit), *_noise(fit), *_numerics(fit), *_physics(fit)]
+    return tuple(sorted(told, key=lambda s: not s.warning))
 
 
 def _error_bars(fit: Fit) -> list[Sentence]:

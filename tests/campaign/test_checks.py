@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ident.campaign import read_campaign
-from ident.campaign.checks import clipped_fraction
+from ident.campaign.clipping import clipped_fraction
 from tests.broken import csv_text, signals
 
 

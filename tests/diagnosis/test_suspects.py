@@ -8,11 +8,14 @@ import numpy as np
 import pytest
 
 from ident.campaign import Campaign, Trace, read_campaign
-from ident.campaign.suspect import suspects_by_data
+from ident.campaign.clipping import clipped_mask
+from ident.campaign.record import Channel, NoiseFloor
+from ident.campaign.suspect import ALL, suspects_by_data
 from ident.diagnosis.diagnose import diagnose
 from ident.diagnosis.document import diagnosis_dict
 from ident.diagnosis.nuisance import nuisances
-from ident.diagnosis.suspects import find_suspects
+from ident.diagnosis.score import prepare
+from ident.diagnosis.suspects import alone_off, find_suspects
 from ident.effects.registry import registry
 from ident.fit import fit
 from ident.model import build_model
@@ -53,10 +56,12 @@ def test_a_fault_is_named_with_its_size_and_no_physics_is(kind, clean):
     campaign = spoiled(clean, name, **changes)
     found = diagnose(fit(build_model(campaign), campaign), registry())
     (suspect,) = found.suspects
-    assert (suspect.file, suspect.kind) == (name, kind) and suspect.settles
+    assert (suspect.file, suspect.kind) == (name, kind) and suspect.first
     assert abs(suspect.size / size - 1) < 0.02
     assert found.discovery.steps == () and found.discovery.verdict != "identified"
     assert name in verdict_words(found) and name in advice(found)[0]
+    (beforehand,) = alone_off(fit(build_model(campaign), campaign))
+    assert (beforehand.file, beforehand.kind) == (name, kind)
     (told,) = diagnosis_dict(found)["records"]
     assert (told["file"], told["suspect"]) == (name, kind) and told["probability"] > 0.9
 
@@ -65,7 +70,7 @@ def test_the_response_of_a_held_out_record_from_another_is_named(clean):
     other = next(r for r in clean.traces if r.name == "sine_9V_505Hz.csv")
     noise = other.noise.sigma * np.random.default_rng(3).standard_normal(len(other.time))  # else it is a duplicate
     campaign = spoiled(clean, "sine_5V_450Hz.csv", response=lambda _: other.response + noise)
-    (suspect,) = find_suspects(fit(build_model(campaign), campaign))
+    (suspect,) = find_suspects(fit(build_model(campaign), campaign), registry())
     assert (suspect.file, suspect.kind) == ("sine_5V_450Hz.csv", "wrong-record")
     assert "sine_9V_505Hz.csv" in suspect.says
 
@@ -73,7 +78,8 @@ def test_the_response_of_a_held_out_record_from_another_is_named(clean):
 @pytest.mark.parametrize("name", ["platform_clean", "mystery_platform", "platform_fe"])
 def test_sound_records_are_not_suspected_whatever_the_model_lacks(name):
     campaign = read_campaign(DATA / name)
-    assert find_suspects(fit(build_model(campaign, ()), campaign)) == ()
+    found = fit(build_model(campaign, ()), campaign)
+    assert find_suspects(found, registry()) == () and alone_off(found) == ()
 
 
 def test_what_the_data_alone_tell(clean):
@@ -81,29 +87,69 @@ def test_what_the_data_alone_tell(clean):
     twice = replace(clean, records=(*clean.records, replace(first, name="again.csv")))
     assert [(s.file, s.kind) for s in suspects_by_data(twice)] == [("again.csv", "duplicate")]
     limit = 0.6 * np.max(np.abs(first.response))
-    clipped = spoiled(clean, first.name, response=lambda r: np.clip(r.response, -limit, limit))
+    response = np.clip(first.response, -limit, limit)
+    clipped = spoiled(clean, first.name, response=lambda _: response, masked=lambda _: clipped_mask(response))
     assert [(s.file, s.kind) for s in suspects_by_data(clipped)] == [(first.name, "clipping")]
     assert suspects_by_data(clean) == ()
 
 
-def test_the_number_that_brings_a_record_back():
+def record_of(response: np.ndarray) -> Trace:
+    """A record with a noise floor of 0.01, which starts from rest."""
+    n = len(response)
+    time, volts = np.arange(n) * 1e-4, Channel("V", 1.0)
+    return Trace("a.csv", time, np.sin(time), response, volts, volts, NoiseFloor(0.01), start="rest")
+
+
+def test_the_number_that_brings_a_record_back_and_the_record_read_so():
     time = np.arange(1500)
     curve = np.sin(time / 9) * (1 - np.exp(-time / 200))
     noise = 0.01 * np.random.default_rng(4).standard_normal(1500)
-    moved = np.interp(time - 4.5, time, curve)
+    at = lambda when: np.interp(when, time, curve)
+    shorter = np.concatenate([curve[:700], at(np.arange(720, 1520))])[:1480]
     for measured, kind, size in (
         (1.25 * curve, "gain", 1.25),
         (-curve, "sign", -1.0),
-        (moved, "delay", 4.5),
+        (at(time - 4.0), "delay", 4.0),
         (curve + time / 700, "drift", None),
+        (shorter, "delay", -20.0),
     ):
-        best = nuisances(measured + noise, curve, 0.01)[0]
+        n = len(measured)
+        best = nuisances(record_of(measured + noise[:n]), curve[:n])[0]
         assert best.kind == kind and best.error < 1.2
         assert size is None or abs(best.size - size) < 0.02 * abs(size)
+        assert best.corrected is not None
+        counted = best.corrected.counted
+        assert np.mean(counted) > 0.97
+        assert np.std((best.corrected.response - curve[:n])[counted]) < 0.013
+
+
+def test_a_lag_of_all_records_is_told_as_one_that_no_record_can_place(clean):
+    records = tuple(replace(r, response=late(r)) for r in clean.traces)
+    campaign = replace(clean, records=records)
+    found = diagnose(fit(build_model(campaign), campaign), registry())
+    (suspect,) = found.suspects
+    assert (suspect.file, suspect.kind) == (ALL, "delay") and abs(suspect.size - 3.0) < 0.1
+    assert "no record can place" in suspect.sentence and found.discovery.steps == ()
+
+
+def test_clipped_samples_have_no_weight(clean):
+    first = clean.traces[0]
+    limit = 0.6 * float(np.max(np.abs(first.response)))
+    response = np.clip(first.response, -limit, limit)
+    masked = clipped_mask(response)
+    assert masked is not None and abs(float(np.mean(masked)) - np.mean(np.abs(first.response) >= limit)) < 0.01
+    campaign = spoiled(clean, first.name, response=lambda _: response, masked=lambda _: masked)
+    found = fit(build_model(campaign), campaign)
+    whole = fit(build_model(clean), clean)
+    assert found.fitted.error_over_noise < 1.05 and found.fitted.n == whole.fitted.n - np.count_nonzero(masked)
+    for one, other in zip(found.estimates, whole.estimates, strict=True):
+        assert one.error and other.error and abs(one.value - other.value) < 4 * one.error
+    assert prepare(found).n == found.fitted.n
 
 
 def test_a_level_is_no_drift():
     # Seen of a device whose sensor has an offset: "the response drifts by 0.13 noise floors".
     predicted = np.sin(np.linspace(0.0, 40.0, 700))
     measured = predicted + 0.3 + 0.01 * np.random.default_rng(0).standard_normal(700)
-    assert next(one for one in nuisances(measured, predicted, 0.01) if one.kind == "drift").error == np.inf
+    found = nuisances(record_of(measured), predicted)
+    assert next(one for one in found if one.kind == "drift").error == np.inf

@@ -1,0 +1,59 @@
+"""Samples that stick to the limit of a range: they say that the response was beyond it, and not where."""
+
+from __future__ import annotations
+
+import numpy as np
+
+CLIPPED = 1e-3
+"""Share of clipped samples from which on a record is suspect; fewer may be a coarse converter's."""
+
+_BESIDE = 6  # samples at least, on each side of a gap, that say how the curve crosses it
+_DEGREE = 4
+
+
+def clipped_samples(signal: np.ndarray) -> np.ndarray:
+    """(n,) whether a sample sticks to the largest or smallest value, as a saturated amplifier or converter leaves it.
+
+    A limit counts if it is reached in at least two runs of three or more equal samples and is far more crowded than
+    the values next to it (the top of a coarsely quantised sine is a few samples wide, but so are its neighbours).
+    """
+    stuck = np.zeros(len(signal), dtype=bool)
+    levels, counts = np.unique(signal, return_counts=True)
+    if len(levels) < 8:
+        return stuck
+    for limit, own, near in ((levels[-1], counts[-1], counts[-6:-1]), (levels[0], counts[0], counts[1:6])):
+        at_limit = np.concatenate(([0], (signal == limit).astype(int), [0]))
+        edges = np.flatnonzero(np.diff(at_limit))
+        lengths = edges[1::2] - edges[::2]
+        inner = (edges[::2] > 0) & (edges[1::2] < len(signal))
+        long = np.sum((lengths >= 3) & inner)
+        if long >= 2 and own > 4 * np.max(near):
+            stuck |= signal == limit
+    return stuck
+
+
+def clipped_mask(signal: np.ndarray) -> np.ndarray | None:
+    """The clipped samples, if there are more than a few: they say that the response was beyond the limit, not where."""
+    stuck = clipped_samples(signal)
+    return stuck if np.mean(stuck) > CLIPPED else None
+
+
+def clipped_fraction(signal: np.ndarray) -> float:
+    """Share of samples that are clipped; see `clipped_samples`."""
+    return float(np.mean(clipped_samples(signal)))
+
+
+def across_gaps(signal: np.ndarray, masked: np.ndarray) -> np.ndarray:
+    """The signal (n,) with each run of masked samples replaced by the polynomial through what lies on both sides."""
+    filled, n = np.array(signal, dtype=float), len(signal)
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], masked.astype(int), [0]])))
+    for first, stop in zip(edges[::2], edges[1::2], strict=True):
+        beside = max(_BESIDE, stop - first)
+        near = np.arange(max(first - beside, 0), min(stop + beside, n))
+        known = near[~masked[near]]
+        if len(known) > 2 * _DEGREE and known[0] < first and known[-1] >= stop:
+            middle, half = (first + stop) / 2, (stop - first) / 2 + beside
+            line = np.polynomial.polynomial.polyfit((known - middle) / half, signal[known], _DEGREE)
+            gap = np.arange(first, stop)
+            filled[gap] = np.polynomial.polynomial.polyval((gap - middle) / half, line)
+    return filled

@@ -1,0 +1,217 @@
+"""One record is faulty, or all are in one way: what all records then say together.
+
+A fault is a hypothesis like an effect: the campaign with one record read as it should have been, or without it, and
+the model fitted to all of it. What it leaves is weighed by the same evidence as what an effect leaves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from ..campaign.campaign import Campaign
+from ..campaign.record import Sweep, Trace
+from ..fit import Fit
+from ..fit.finish import Minimum
+from ..fit.fit import minimise
+from ..fit.guess import GRID_STEP, coarse_frequency
+from ..fit.reading import read
+from ..model import Model
+from .nuisance import Nuisance, best_scale, moved, nuisances, rms, stretched
+
+_SCALES = (0.5, 2.0, 0.1, 10.0, 0.9, 1.1, 0.95, 1.05, 0.98, 1.02, 0.99, 1.01)
+_DELAYS = (-10, -6, -4, -2.5, -1.5, -0.7, 0, 0.7, 1.5, 2.5, 4, 6, 10)  # samples that all records may be late
+_TRIED = 3  # explanations of a record that are fitted together with the others, the best first
+_ROUNDS = 3  # of the fault's number and the device's in turn
+_BETTER = 0.99  # of the error: less is not worth another round
+_STEPS = 40
+OF_FREQUENCY = "% of frequency"
+
+
+class Fault(NamedTuple):
+    """A hypothesis: `record`, its place among the traces, is faulty as `told` says; all are if that is None.
+
+    **Arguments:** `campaign`: the records as they should have been read; `values` (m,) SI of the model fitted to them;
+    `left` (n,), what it leaves of them in noise floors, and `apart`, what a device of its own leaves of a record that
+    is left out; `numbers` that were fitted in all; `worst`: error over noise of the worst record.
+    """
+
+    record: int | None
+    told: Nuisance
+    campaign: Campaign
+    values: np.ndarray
+    left: np.ndarray
+    numbers: int
+    worst: float
+    apart: np.ndarray = np.zeros(0)
+
+    @property
+    def whole(self) -> np.ndarray:
+        """What is left of all records."""
+        return np.concatenate([self.left, self.apart])
+
+
+def faults_of(fitted: Fit, i: int, most: float = np.inf) -> list[Fault]:
+    """Ways in which one record may be faulty, each fitted together with the other records; none if one of those stands
+    above `most` noise floors without it."""
+    model, campaign, record = fitted.model, fitted.campaign, fitted.campaign.traces[i]
+    others = without(campaign, i)
+    rest = _told_by(fitted, others)
+    if rest is None or residual_of(rest, others)[1] > most:
+        return []
+    own = _minimum(model, _only(campaign, record), None)  # a device of its own: another load, or another device
+    ratio = 1.0 if own is None else float(own.values[0]) / float(rest.values[0])
+    tried = explanations(model, rest.values, campaign.traces, i, (*_SCALES, ratio))[:_TRIED]
+    found = [fault for told in tried if (fault := _together(fitted, i, told, rest.values)) is not None]
+    if own is not None:
+        left, worst = residual_of(rest, others)
+        apart, at_own = residual_of(own, _only(campaign, record))
+        told = Nuisance("wrong-record", 100 * (ratio - 1), OF_FREQUENCY, at_own)
+        numbers = len(rest.static.free) + len(own.static.free)
+        found.append(Fault(i, told, others, rest.values, left, numbers, max(worst, at_own), apart))
+    return found
+
+
+def common_delay(fitted: Fit) -> Fault | None:
+    """All responses come late, or early, alike: a lag that no record can place. A filter's is the same time in every
+    record, a converter's the same number of samples."""
+    steps = {record.step for record in fitted.campaign.fitted}
+    alike = [_common_delay(fitted, None)] + [_common_delay(fitted, min(steps))] * (len(steps) > 1)
+    return min(filter(None, alike), key=lambda fault: rms(fault.left, 1.0), default=None)
+
+
+def _common_delay(fitted: Fit, step: float | None) -> Fault | None:
+    """All responses come late by the same number of samples, of `step` s if that is not each record's own."""
+    model, campaign = fitted.model, fitted.campaign
+
+    def earlier(record: Trace | Sweep, late: float) -> Trace | Sweep:
+        own = late * step / record.step if step and isinstance(record, Trace) else late
+        return moved(record, own) if isinstance(record, Trace) else record
+
+    def read_so(late: float) -> Campaign:
+        return replace(campaign, records=tuple(earlier(record, late) for record in campaign.records))
+
+    def error(late: float) -> float:
+        found = _minimum(model, read_so(late), fitted.values)
+        return np.inf if found is None else rms(residual_of(found, read_so(late))[0], 1.0)
+
+    coarse = min(_DELAYS, key=error)
+    reach = max(0.75, abs(coarse) / 2)
+    bounds, options = (coarse - reach, coarse + reach), {"xatol": 2e-4}
+    best: Any = minimize_scalar(error, bounds=bounds, method="bounded", options=options)
+    late = float(best.x)
+    found = _minimum(model, read_so(late), fitted.values)
+    if found is None:
+        return None
+    left, worst = residual_of(found, read_so(late))
+    told = Nuisance("delay", late, "samples", rms(left, 1.0))
+    return Fault(None, told, read_so(late), found.values, left, len(found.static.free) + 1, worst)
+
+
+def without(campaign: Campaign, i: int) -> Campaign:
+    """The campaign without its i-th trace."""
+    gone = campaign.traces[i]
+    return replace(campaign, records=tuple(r for r in campaign.records if r is not gone))
+
+
+def residual_of(found: Minimum, campaign: Campaign) -> tuple[np.ndarray, float]:
+    """What a minimum leaves, (n,) in noise floors, and the error over noise of the worst trace."""
+    residuals, tape = found.best.found.residuals, found.data.tape
+    parts = [residuals[own][r.counted] for r, own in zip(campaign.fitted, tape.slices, strict=True)]
+    worst = max((rms(part, 1.0) for part in parts if len(part)), default=0.0)
+    return np.concatenate([*parts, residuals[tape.samples :]]), worst
+
+
+def _together(fitted: Fit, i: int, told: Nuisance, values: np.ndarray) -> Fault | None:
+    """A fault and the device, each found anew as the other is known better."""
+    model, campaign, record = fitted.model, fitted.campaign, fitted.campaign.traces[i]
+    best: Fault | None = None
+    for _ in range(_ROUNDS):
+        if told.corrected is None:
+            break
+        read_so = _instead(campaign, record, told.corrected)
+        found = _minimum(model, read_so, values)
+        if found is None:
+            break
+        left, worst = residual_of(found, read_so)
+        fault = Fault(i, told, read_so, found.values, left, len(found.static.free) + 1, worst)
+        if best is not None and not rms(fault.left, 1.0) < _BETTER * rms(best.left, 1.0):
+            break
+        best, values = fault, found.values
+        told = _anew(model, values, record, told)
+    return best
+
+
+def explanations(
+    model: Model, values: np.ndarray, traces: Sequence[Trace], i: int, scales: Sequence[float] = _SCALES
+) -> list[Nuisance]:
+    """What may be wrong with a record that a model with given values predicts, best first."""
+    record = traces[i]
+    readings = read(model, values, traces)
+    if not np.all(np.isfinite(readings[i])):
+        return []
+    found = [*nuisances(record, readings[i]), _time_scale(model, values, record, scales)]
+    for j, (other, reading) in enumerate(zip(traces, readings, strict=True)):
+        if j != i and len(reading) == len(record.response) and np.all(np.isfinite(reading)):
+            misfit = rms((record.response - reading)[record.counted], record.noise.sigma)
+            as_that = replace(record, drive=other.drive, time=other.time, start=other.start, period=other.period)
+            found.append(Nuisance("wrong-record", float(j), other.name, misfit, as_that))
+    return sorted((one for one in found if np.isfinite(one.error)), key=lambda one: one.error)
+
+
+def _anew(model: Model, values: np.ndarray, record: Trace, told: Nuisance) -> Nuisance:
+    """The same explanation of a record, its number by what the model says now."""
+    if told.kind == "time-scale":
+        return _time_scale(model, values, record, (told.size,))
+    reading = read(model, values, [record])[0]
+    if told.kind == "wrong-record" or not np.all(np.isfinite(reading)):
+        return told
+    same = lambda one: (one.kind in ("gain", "sign"), one.unit) == (told.kind in ("gain", "sign"), told.unit)
+    return next(filter(same, nuisances(record, reading)))
+
+
+def _time_scale(model: Model, values: np.ndarray, record: Trace, scales: Sequence[float]) -> Nuisance:
+    """The record's time runs s times as fast as it says."""
+
+    def error(scale: float) -> float:
+        reading = read(model, values, [stretched(record, scale)])[0]
+        misfit = (record.response - reading)[record.counted]
+        return rms(misfit, record.noise.sigma) if np.all(np.isfinite(misfit)) else 1e300
+
+    scale, least = best_scale(error, scales)
+    return Nuisance("time-scale", scale, "1", least, stretched(record, scale))
+
+
+def _told_by(fitted: Fit, others: Campaign) -> Minimum | None:
+    """What the other records tell.
+
+    The fit starts where that of all ended, unless the others point to another resonance: one record may have led it
+    astray.
+    """
+    initial: np.ndarray | None = fitted.values
+    if fitted.model.form in ("oscillator", "overdamped"):
+        frequency = coarse_frequency(others.fitted, fitted.campaign.fitted)
+        far = abs(math.log(frequency / fitted.values[0])) >= 1.5 * GRID_STEP
+        initial = None if far else initial
+    return _minimum(fitted.model, others, initial)
+
+
+def _only(campaign: Campaign, record: Trace) -> Campaign:
+    return replace(campaign, records=(replace(record, holdout=False),))
+
+
+def _instead(campaign: Campaign, record: Trace, other: Trace) -> Campaign:
+    return replace(campaign, records=tuple(other if r is record else r for r in campaign.records))
+
+
+def _minimum(model: Model, campaign: Campaign, initial: np.ndarray | None) -> Minimum | None:
+    try:
+        found = minimise(model, campaign, initial=initial, most=_STEPS)
+    except (FloatingPointError, np.linalg.LinAlgError):
+        return None
+    return found if np.all(np.isfinite(found.best.found.residuals)) and np.all(np.isfinite(found.values)) else None
