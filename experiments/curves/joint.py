@@ -88,7 +88,8 @@ def write(stage: Stage, rng: np.random.Generator, folder: Path) -> None:
             what = file.split("_")[0]
             if kind in (f"{what}s", "both"):
                 write_csv(own / file, columns, values)
-                records.append({"file": file, "kind": what} | ({"start": "rest"} if what == "trace" else {}))
+                start: dict[str, object] = {"start": "rest"} if what == "trace" else {}
+                records.append({"file": file, "kind": what} | start)
         write_campaign(own / "campaign.toml", {"title": f"A platform, {kind}"}, EFFECTS, {}, records)
 
 
@@ -116,9 +117,10 @@ def fitted(folder: Path, true: dict[str, float]) -> Result:
     found = fit(build_model(campaign), campaign)
     off, errors = {}, {}
     for estimate in found.estimates:
-        if estimate.name in true and np.isfinite(estimate.standard_error) and estimate.standard_error > 0:
-            off[estimate.name] = (estimate.value - true[estimate.name]) / estimate.standard_error
-            errors[estimate.name] = estimate.standard_error
+        error = estimate.standard_error
+        if estimate.name in true and error:
+            off[estimate.name] = (estimate.value - true[estimate.name]) / error
+            errors[estimate.name] = error
     return Result(off, errors)
 
 

@@ -2,7 +2,9 @@
 
 The drive that is needed is linear in the amplitudes, but its modulus is not: where phases were not measured, a spring
 that turns the drive by a right angle changes nothing to first order and much to second. The few numbers are therefore
-searched, which takes milliseconds. Weights are those of the model where a search ends, as in a fit; traces beside the sweeps count as linear.
+searched, which takes milliseconds. Weights are those of the model where a search ends, as in a fit: a drive that does
+not depend on the amplitude agrees with any that was measured at one level, and says nothing. Traces beside the sweeps
+count as linear.
 
 Source: G. A. F. Seber, C. J. Wild, Nonlinear Regression, 1989, §14.2 (Levenberg and Marquardt).
 """

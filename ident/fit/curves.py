@@ -142,7 +142,7 @@ class Curves:
         return there(above), there(below)
 
     def with_deviations(self, off: np.ndarray) -> Curves:
-        """The same if the noise of the amplitude changes the logarithm of the drive by (2, points), on its two sides."""
+        """The same if the noise of the amplitude changes the logarithm of the drive by (2, points), on both sides."""
         return replace(self, white=self._whitening(off))
 
     def _whitening(self, off: np.ndarray) -> np.ndarray:

@@ -242,7 +242,7 @@ def _corrected(
         with np.errstate(invalid="ignore", over="ignore"):
             moved = -_least(np.nan_to_num(matrix), np.nan_to_num(right)[..., None])[..., 0]
         moved = np.clip(moved, -0.5, 0.5)
-        w[np.ix_(left, _UNKNOWN(n))] += moved * there.scale[:, _UNKNOWN(n)]
+        w[left[:, None], _UNKNOWN(n)] += moved * there.scale[:, _UNKNOWN(n)]
         look.put(left, seen.moved(moved))
         rounds[left] += 1
         good[left] = _near(equations, moved)

@@ -22,7 +22,7 @@ import numpy as np
 from .periodic import FREQUENCY, LEVEL, Look, Periodic, Seat, empty_look, ride
 
 _CLOSE = 1e-5  # of the scale of an unknown: the last step of Newton's method, which leaves its square
-_MOST = 40  # steps of Newton's method
+_MOST, _PATIENCE = 40, 10  # steps of Newton's method in all, and without coming half as near again
 _LEAST = 1 / 16  # of a step
 _FARTHEST = 0.5  # of the scale of an unknown, in one step
 _STUCK = 1e-12  # squared share below which a memory neither forgets nor moves: it stays where it is
@@ -145,7 +145,10 @@ def at_amplitude(model: Periodic, points: Points, start: np.ndarray | None = Non
         first[lost] = begin(model, few)
         search.put(lost, _newton(model, few, first[lost], _some(seat, lost)))
     w, seen, found = search
-    w[~found] = first[~found]
+    lost = ~found
+    if np.any(lost):
+        w[lost] = first[lost]
+        seen.put(lost, model.look(w[lost], _some(seat, lost), np.eye(n + 1, n + 2)))
     return Controlled(model, points, w, seat, _equations(seen, seat, points)[1], seen, found)
 
 
@@ -168,6 +171,7 @@ def _newton(model: Periodic, points: Points, start: np.ndarray, seat: Seat) -> _
     n, left = model.size, np.arange(len(start))
     search = _Search(start.copy(), empty_look(len(start), n, n + 1), np.zeros(len(start), bool))
     w, miss, share = search.unknowns, np.full(len(start), np.inf), np.ones(len(start))
+    least, waited = miss.copy(), np.zeros(len(start), int)
     for _ in range(_MOST):
         own, there = _some(points, left), _some(seat, left)
         seen = model.look(w[left], there, np.eye(n + 1, n + 2))
@@ -176,12 +180,15 @@ def _newton(model: Periodic, points: Points, start: np.ndarray, seat: Seat) -> _
         # At the kink of a play full steps may lead to and fro for ever.
         share[left] = np.clip(np.where(now > miss[left], 0.5, 2.0) * share[left], _LEAST, 1.0)
         miss[left] = now
+        nearer = now < 0.5 * least[left]
+        least[left] = np.where(nearer, now, least[left])
+        waited[left] = np.where(nearer, 0, waited[left] + 1)
         with np.errstate(invalid="ignore", over="ignore"):
             step = -_solved(np.nan_to_num(jacobian), np.nan_to_num(equations)[..., None])[..., 0]
         farthest = np.max(np.abs(step[:, [0, 1, n]]), axis=1)  # a memory may be far from where it settles
         close = np.maximum(now, farthest) < _CLOSE
         step *= np.where(close, 1.0, np.minimum(share[left], _FARTHEST / np.maximum(farthest, 1e-300)))[:, None]
-        on = np.isfinite(now)
+        on = np.isfinite(now) & (waited[left] < _PATIENCE)
         w[left[on], : n + 1] += step[on] * there.scale[on, : n + 1]
         search.look.put(left, seen.moved(step))
         search.found[left] = close & (w[left, LEVEL] > 0)

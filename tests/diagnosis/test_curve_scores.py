@@ -28,3 +28,13 @@ def test_a_missing_spring_is_named_with_its_size() -> None:
     assert found[0].values["k3"] == pytest.approx(CUBIC, rel=0.15)
     assert "static-force" not in [one.name for one in found], "a constant force does not reach the fundamental"
     assert locate(bench).fails
+
+
+def test_a_drive_that_depends_on_no_amplitude_explains_no_curve() -> None:
+    """Friction and hardly any device beside it need the same drive everywhere, as was measured at one level."""
+    device = Oscillator(output="m")
+    campaign = Campaign("", (sweep(0.5, CUBIC, False, 1, 3e-4),), device)
+    bench = prepare(fit(Model(device), campaign))
+    found = score(bench, {name: built_in()[name] for name in ("coulomb-friction", "cubic-stiffness")})
+    assert found[0].name == "cubic-stiffness"
+    assert found[0].predicted_gain > 0.9
