@@ -178,7 +178,8 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
 def _skip_samples(spec: RecordSpec, time: np.ndarray, every: int) -> int:
     """How many samples of those kept, every so many of the file's, are not counted."""
     step = (time[-1] - time[0]) / (len(time) - 1)
-    skip = math.ceil(spec.skip / every if isinstance(spec.skip, int) else spec.skip / step - 1e-6)
+    # Whole numbers stay whole: a file may give one that no float holds.
+    skip = -(-spec.skip // every) if isinstance(spec.skip, int) else math.ceil(spec.skip / step - 1e-6)
     if skip > len(time) - 20:
         what = f"skip = {spec.skip} leaves fewer than 20 of {len(time)} samples to count"
         raise UserError(what, where=spec.where or spec.file, do="skip less")

@@ -7,7 +7,6 @@ noise floor is estimated from what is left, so that it is that of the samples wh
 from __future__ import annotations
 
 import numpy as np
-from scipy.signal import resample_poly, welch
 
 MANY = 100_000  # samples of a record: fewer are read in a moment and fitted in seconds as they are
 PER_PERIOD = 40  # samples that are kept of the fastest motion: the solver takes about as many steps
@@ -26,6 +25,8 @@ def thinning(drive: np.ndarray, response: np.ndarray) -> int:
 
 def thinned(signal: np.ndarray, every: int) -> np.ndarray:
     """Every so many samples of a signal (n,), filtered without phase against what would alias."""
+    from scipy.signal import resample_poly  # here, because its import costs more than reading a campaign
+
     return np.asarray(resample_poly(signal, 1, every, padtype="line"))
 
 
@@ -37,6 +38,8 @@ def thinned_mask(masked: np.ndarray, every: int) -> np.ndarray:
 
 def _fastest(signal: np.ndarray, share: float) -> float:
     """Frequency, per sample, above which a signal has less than a share of its power beyond noise."""
+    from scipy.signal import welch
+
     frequency, power = welch(signal, nperseg=_SEGMENT, detrend="constant")
     noise = float(np.median(power[len(power) // 2 :]))
     beyond = np.where(power > _NOISE * noise, power, 0.0)

@@ -48,7 +48,8 @@ def test_a_refit_that_a_limit_stopped_does_not_do_without_the_term() -> None:
 
 def heldout(missed: np.ndarray) -> dict[str, Any]:
     """Fields of a fit that misses so much of one held-out record, in noise floors."""
-    record = SimpleNamespace(response=missed, noise=SimpleNamespace(sigma=1.0), skip=0, holdout=True)
+    counted = np.ones(N, dtype=bool)
+    record = SimpleNamespace(response=missed, noise=SimpleNamespace(sigma=1.0), counted=counted, holdout=True)
     return {"campaign": SimpleNamespace(traces=(record,)), "readings": (np.zeros(N),)}
 
 

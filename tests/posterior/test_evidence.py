@@ -80,7 +80,7 @@ def test_initial_states_are_integrated_out_exactly_where_the_motion_is_linear():
     start = density.starts[0]
     for k in range(3):
         forced = density.readings(values[k : k + 1])[0][0] - free @ start
-        covariance = SIGMA**2 * np.eye(len(t)) + 9.0 * free @ free.T
+        covariance = SIGMA**2 * np.eye(len(t)) + free @ free.T
         exact = stats.multivariate_normal(forced, covariance).logpdf(trace.response)
         assert likelihood[k, 0] == pytest.approx(exact, abs=0.02)
 

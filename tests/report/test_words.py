@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from ident.campaign import NoiseFloor, Platform
+from ident.campaign.clipping import clipped_mask
 from ident.fit.identifiability import Combination
 from ident.fit.result import Start
 from ident.report.drive_words import drive_words, only_frequency
@@ -195,7 +196,8 @@ def test_a_record_that_is_clipped_is_named_beside_the_fit(make_fit):
     found = make_fit()
     first, *others = found.campaign.traces
     limit = 0.7 * float(np.max(np.abs(first.response)))
-    clipped = replace(first, response=np.clip(first.response, -limit, limit))
+    response = np.clip(first.response, -limit, limit)
+    clipped = replace(first, response=response, masked=clipped_mask(response))  # as reading it finds
     spoilt = make_fit(campaign=replace(found.campaign, records=(clipped, *others)))
     assert "sticks to a limit" in _warned(spoilt) and first.name in _warned(spoilt)
     assert "Suspect" not in _said(found)
