@@ -155,7 +155,7 @@ def _seen(volts: np.ndarray, slope: np.ndarray, step: float) -> Seen:
 def _force(effect, seen: Seen) -> tuple[np.ndarray, np.ndarray]:
     """Force of an effect that follows the drive alone from the beginning of a record, and its derivatives."""
     hidden, slopes = (jnp.zeros(shape) for shape in forgotten(effect, past=False))
-    return remembered_force(effect, Remembered(hidden, slopes), 1.0, seen)[1:]
+    return remembered_force(effect, Remembered(hidden, slopes), 1.0, seen, history=jnp.zeros(0))[1:]
 
 
 @pytest.mark.parametrize("name", ["bouc-wen", "viscoelastic-support", "second-mode", "sensor-lag", "electrostriction"])
