@@ -21,7 +21,7 @@ from ..model import Model
 from .change import try_without
 from .confirm import Confirmed, accept, confirm
 from .enough import ANOTHER_LAW, adequate, contradicted, laws_differ_by, not_worth_adding, worth_a_name
-from .evidence import behind, criteria
+from .evidence import VERY_STRONG, behind, criteria
 from .lacking import lacking
 from .lone_record import prepare_at_best
 from .parts import Parts
@@ -46,7 +46,6 @@ _BROKEN = 0.5  # of what the scores promised: if the refits of the shortlist kee
 _BETRAYED = 0.1  # the same for any of them: then at once
 _NEAR = 0.1  # of the excess: candidates this near the best are confirmed too
 _REFITTED_TIES = 12  # of the names that tie by their scores; a record that says little leaves more than that
-_TIED_CRITERION = 10.0  # difference of the information criterion below which data do not choose
 
 
 def discover(
@@ -233,7 +232,7 @@ def _best(tried: list[Confirmed], bench: Bench, current: Fit, first: Bench) -> _
     contradict."""
     first_choice: _Best | None = None
     for found, after in _accepted(tried, bench, current):
-        if first_choice is not None and behind(found, first_choice.confirmed) > _TIED_CRITERION:
+        if first_choice is not None and behind(found, first_choice.confirmed) > VERY_STRONG:
             break
         shown = working(after)
         if not np.isfinite(after.fitted.error_over_noise) or not np.isfinite(shown.fitted.error_over_noise):
@@ -316,7 +315,7 @@ def _may_be_best(candidate: Candidate, real: list[Candidate], tried: list[Confir
         # Where short refits rank, what they reached is the least that a candidate gains, not the most.
         return candidate.drop > kept * (1.0 if bench.credible else _BROKEN)
     excess = max(bench.chi2 - bench.n, 1e-9)
-    return candidate.drop > min(promised, kept) - max(_NEAR * excess, _TIED_CRITERION)
+    return candidate.drop > min(promised, kept) - max(_NEAR * excess, VERY_STRONG)
 
 
 def _in_order(tried: list[Confirmed], bench: Bench) -> list[Confirmed]:

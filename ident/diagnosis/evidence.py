@@ -18,7 +18,10 @@ import numpy as np
 from ..fit import Fit
 from ..fit.independent import independent_samples
 
-_CLEARLY_WORSE = 2.0  # of 2 ln(odds): less is not worth a mention (R. E. Kass, A. E. Raftery, 1995, JASA 90, 773, §3.2)
+# Differences of 2 ln(odds), in words: R. E. Kass, A. E. Raftery, Bayes factors, 1995, JASA 90, 773, §3.2.
+VERY_STRONG = 10.0  # below it records do not choose
+STRONG = 6.0
+_CLEARLY_WORSE = 2.0  # less is not worth a mention
 
 
 class Weighed(Protocol):

@@ -12,11 +12,9 @@ from ..fit import Fit
 from .change import try_without
 from .confirm import accept, confirm
 from .enough import ANOTHER_LAW
-from .evidence import behind
+from .evidence import STRONG, behind
 from .score import prepare, score, significant
 from .trajectory import Diverged
-
-_STRONG = 6.0  # difference of criteria: R. E. Kass, A. E. Raftery, Bayes factors, 1995, J. Am. Stat. Assoc. 90, §3.2
 
 
 class Parts(NamedTuple):
@@ -69,9 +67,9 @@ def take_apart(
         except Diverged:  # a motion without bound explains nothing
             continue
         worse = behind(bench, whole) + 2 * np.log(len(library)) * (len(names) - 1)
-        if names and worse < -_STRONG:
+        if names and worse < -STRONG:
             near = whole.fit_chi2 - bench.fit_chi2 < ANOTHER_LAW * without.excess
             return [*alike, Parts(effect.name, tuple(names), current, True, last, near)]
-        if names and worse < _STRONG:
+        if names and worse < STRONG:
             alike.append(Parts(effect.name, tuple(names), current, False, last))
     return alike

@@ -13,7 +13,7 @@ from ..fit.rebuild import fit_at
 from .change import ENOUGH, try_without, values_without
 from .confirm import accept, confirm, is_possible
 from .enough import ANOTHER_LAW, SAME_SHAPE, laws_differ_by, superfluous
-from .evidence import behind, criteria, predicts_worse
+from .evidence import VERY_STRONG, behind, criteria, predicts_worse
 from .parts import Parts, take_apart
 from .score import Bench, Candidate, prepare, score, significant
 from .shorten import working
@@ -21,7 +21,6 @@ from .trajectory import Diverged
 
 Library = Mapping[str, type[AbstractEffect]]
 _MOST_CHANGES = 10  # each has to be for the better, but by two measures: criterion and held-out error
-_CLEARLY = 10.0  # of the information criterion: by so much a rival must be better to be swapped in
 _PROMISING = 0.5  # of what the score of the one in place promises: a rival that promises less is not tried
 _HURT = 1.02  # held-out error may grow by this factor before a term is refused
 
@@ -98,7 +97,7 @@ def _replaced(name: str, last: Fit, full: Bench, bench: Bench, library: Library)
         return None
     after = accept(best, bench.fit)
     # A part of it is the simpler answer; a law with more numbers may owe its lead to them.
-    margin = 0.0 if best.candidate.name in library[name].contains else _CLEARLY
+    margin = 0.0 if best.candidate.name in library[name].contains else VERY_STRONG
     wider = best.model.numbers > last.model.numbers
     there = prepare(after)
     lead = full.fit_chi2 - there.fit_chi2

@@ -22,7 +22,7 @@ from ..fit.reading import read
 from ..model import Model
 from .confirm import confirm
 from .enough import ANOTHER_LAW, MOST_OF_IT
-from .evidence import Left, criteria
+from .evidence import VERY_STRONG, Left, criteria
 from .faults import OF_FREQUENCY, Fault, common_delay, explanations, faults_of
 from .nuisance import DROPPED, Nuisance, rms
 from .refits import FEW
@@ -41,7 +41,6 @@ _FLOOR = 1.3  # error over noise up to which records agree; floors are known to 
 _FAR = 3.0  # times worse than the others agree, from which on a record disagrees
 _BACK = 1.5  # times as bad as the others agree, up to which a corrected held-out record is one of them
 _MOST = 8  # records that may be faulty, the worst first
-_CLEARLY = 10.0  # of 2 ln(odds): very strong evidence (R. E. Kass, A. E. Raftery, 1995, JASA 90, 773, §3.2)
 _EFFECTS = 3  # that are refitted beside a fault, and without one
 _SURE, _LIKELY = 0.95, 0.9
 """Of suspects that settle everything down to the noise, and of the others; see experiments/faulty_records."""
@@ -137,7 +136,7 @@ def _most_likely(fitted: Fit, inside: Sequence[int], library: Library) -> tuple[
         common = common_delay(fitted)
         faults += [] if common is None else [common]
     weights = criteria([Left(left, fitted.freedom), *(_beside(left, fault.whole, fault.numbers) for fault in faults)])
-    if not weights[0] - min(weights) > _CLEARLY:
+    if not weights[0] - min(weights) > VERY_STRONG:
         return None
     best = faults[int(np.argmin(weights)) - 1]
     scores = [s for s in fitted.trace_scores if not s.holdout]
@@ -150,7 +149,7 @@ def _most_likely(fitted: Fit, inside: Sequence[int], library: Library) -> tuple[
     faulty = faulty._replace(left=np.concatenate([faulty.left, best.apart]), numbers=faulty.numbers + 1)
     weights = criteria([sound, _beside(sound.left, faulty.left, faulty.numbers)])
     most = faulty.excess < MOST_OF_IT * sound.excess and sound.excess - faulty.excess > shapes
-    if not (most and weights[0] - weights[1] > _CLEARLY):
+    if not (most and weights[0] - weights[1] > VERY_STRONG):
         return None
     read_so = best.campaign if best.record is None else fitted.campaign
     return _suspect(fitted, best, sound, faulty), faulty._replace(traces=read_so.traces)

@@ -13,9 +13,9 @@ from ..fit.independent import independent_samples
 from .confirm import Confirmed
 from .enough import ANOTHER_LAW
 from .equivalences import equivalence, exact_partners, what_separates
+from .evidence import VERY_STRONG
 from .score import Bench, Candidate
 
-TIED_CRITERION = 10.0  # difference of information criteria below which records do not choose between two effects
 TIED_SIGNATURE = 0.99  # share of a signature that another effect reproduces, above which a refit has to decide
 KNOWN_SIGNATURE = 0.95  # the same for effects that are known to pass for one another
 AS_MUCH = 0.9  # of what the best one explains: an effect that explains less is no rival, however few samples there are
@@ -89,14 +89,14 @@ def tie_set(
         wider = best.name in library[other.name].contains
         price = float(np.log(bench.n)) if wider else 1.0
         behind = n * float(np.log(left / least)) + price * (other.dof - best.dof)
-        as_much = left - least < max(TIED_CRITERION, (1.0 - AS_MUCH) * (bench.excess + bench.n - least))
+        as_much = left - least < max(VERY_STRONG, (1.0 - AS_MUCH) * (bench.excess + bench.n - least))
         alike = reproduced(bench, best, other)
         enough = KNOWN_SIGNATURE if equivalence(best.name, other.name) else TIED_SIGNATURE
         shape = ANOTHER_LAW * bench.excess
         as_simple = both and refits[other.name].model.numbers <= refits[best.name].model.numbers + 1
         near = as_simple and not wider and left - least < shape
         unseen_yet = not both and bench.credible and not wider and alike > enough and _may_catch_up(library[other.name])
-        if (behind < TIED_CRITERION and as_much) or near or unseen_yet:
+        if (behind < VERY_STRONG and as_much) or near or unseen_yet:
             found.append(_tie(best, other, behind, alike, library))
     named = {tie.name for tie in found}
     in_motion = all(record.start != "rest" for record in bench.fit.campaign.fitted)
@@ -141,7 +141,7 @@ def _tie(best: Candidate, other: Candidate, behind: float, alike: float, library
     known = equivalence(best.name, other.name)
     if known is not None:
         why = known.why
-    elif behind >= TIED_CRITERION:
+    elif behind >= VERY_STRONG:
         why = f"it explains within {100 * ANOTHER_LAW:.2g} % as much, and laws of one kind differ by that"
     elif alike > 0.95:
         why = f"on these records it reproduces {100 * alike:.3g} % of the same trace"

@@ -10,15 +10,13 @@ from ..effects.effect import AbstractEffect
 from ..fit import Fit
 from .confirm import accept, confirm
 from .enough import adequate, not_worth_adding, worth_a_name
-from .evidence import Left, behind
+from .evidence import VERY_STRONG, Left, behind
 from .pairs import best_pair
 from .prune import hurts
 from .score import Bench, Candidate, prepare, score
 from .shorten import working
 from .steps import Step
 from .trajectory import Diverged
-
-_STRONG = 10.0  # difference of criteria: R. E. Kass, A. E. Raftery, Bayes factors, 1995, J. Am. Stat. Assoc. 90, §3.2
 
 
 def hidden_by_each_other(
@@ -36,9 +34,9 @@ def hidden_by_each_other(
     if single is not None:
         name, left = single
         with_it = best_pair(bench, candidates, name)
-        if adequate(left) or with_it is None or behind(pair, with_it) > -_STRONG:
+        if adequate(left) or with_it is None or behind(pair, with_it) > -VERY_STRONG:
             return None
-    return pair.names if behind(pair, _instead(bench, single and single[1])) < -_STRONG else None
+    return pair.names if behind(pair, _instead(bench, single and single[1])) < -VERY_STRONG else None
 
 
 def both(
@@ -62,7 +60,7 @@ def both(
             now = prepare(working(before))
     except Diverged:
         return None
-    better = behind(Left(now.residual, now.numbers), _instead(bench, single)) < -_STRONG
+    better = behind(Left(now.residual, now.numbers), _instead(bench, single)) < -VERY_STRONG
     return (steps, now) if better and not hurts(current, before) else None
 
 
