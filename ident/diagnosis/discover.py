@@ -145,7 +145,7 @@ def _replayed(start: Fit, needed: Pruned, library: Library, at_best: Bench) -> l
 
 def _tied_at_the_end(step: Step, last: Fit, start: Fit, library: Library, report: Report) -> Step:
     """A step with the ties that are left once the later terms are in: what they explain had blurred the comparison."""
-    if len(step.tie_set) < 2 or step.role != "effect":
+    if len(step.tie_set) < 2 or step.role != "effect" or last.model.carries(step.added):
         return step
     report(f"what {step.added} could be mistaken for")
     try:

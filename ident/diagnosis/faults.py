@@ -31,6 +31,7 @@ _TRIED = 3  # explanations of a record that are fitted together with the others,
 _ROUNDS = 3  # of the fault's number and the device's in turn
 _BETTER = 0.99  # of the error: less is not worth another round
 _STEPS = 40
+_FEW = 4  # from a neighbouring delay: enough to tell which one is near
 OF_FREQUENCY = "% of frequency"
 
 
@@ -138,15 +139,15 @@ def _common_delay(fitted: Fit, step: float | None) -> Fault | None:
 
     known = {0.0: fitted.values}
 
-    def error(late: float) -> float:
+    def error(late: float, most: int = _STEPS) -> float:
         nearest = known[min(known, key=lambda other: abs(other - late))]  # from there it takes a step or two
-        found = _minimum(model, read_so(late), nearest)
+        found = _minimum(model, read_so(late), nearest, most)
         if found is None:
             return np.inf
         known[late] = found.values
         return rms(residual_of(found, read_so(late))[0], 1.0)
 
-    coarse = min(sorted(_DELAYS, key=abs), key=error)
+    coarse = min(sorted(_DELAYS, key=abs), key=lambda late: error(late, _FEW))
     reach = max(0.75, abs(coarse) / 2)
     bounds, options = (coarse - reach, coarse + reach), {"xatol": 2e-4}
     best: Any = minimize_scalar(error, bounds=bounds, method="bounded", options=options)
@@ -241,9 +242,9 @@ def _instead(campaign: Campaign, record: Trace, other: Trace) -> Campaign:
     return replace(campaign, records=tuple(other if r is record else r for r in campaign.records))
 
 
-def _minimum(model: Model, campaign: Campaign, initial: np.ndarray | None) -> Minimum | None:
+def _minimum(model: Model, campaign: Campaign, initial: np.ndarray | None, most: int = _STEPS) -> Minimum | None:
     try:
-        found = minimise(model, campaign, initial=initial, most=_STEPS)
+        found = minimise(model, campaign, initial=initial, most=most)
     except (FloatingPointError, np.linalg.LinAlgError):
         return None
     return found if np.all(np.isfinite(found.best.found.residuals)) and np.all(np.isfinite(found.values)) else None

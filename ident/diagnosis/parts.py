@@ -53,7 +53,7 @@ def take_apart(
     alike: list[Parts] = []
     for effect in (library[name] for name in added):
         simple = {n: library[n] for n in effect.contains if n in library and n not in last.model.names}
-        if not simple:
+        if not simple or last.model.carries(effect.name):
             continue
         report(f"is {effect.name} the sum of simpler effects?")
         whole, current, names = prepare(last), try_without(last, effect.name, start), []

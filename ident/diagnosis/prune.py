@@ -141,6 +141,8 @@ def _changed(
     """The effects and the fit after the first change that is for the better; None if there is none."""
     full = prepare(last)
     for i, name in enumerate(names):
+        if last.model.carries(name):
+            continue
         report(f"does the model still need {name}?")
         without = try_without(last, name, first.fit)
         try:

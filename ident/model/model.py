@@ -59,6 +59,10 @@ class Model:
             raise UserError(f"the model has no effect {name}", do=f"it has: {', '.join(self.names) or 'none'}")
         return replace(self, effects=tuple(e for e in self.effects if e.name != name))
 
+    def carries(self, name: str) -> bool:
+        """Whether another effect builds on this one, which then cannot go alone."""
+        return any(effect.needs == name for effect in self.effects)
+
     @property
     def names(self) -> tuple[str, ...]:
         return tuple(effect.name for effect in self.effects)

@@ -21,6 +21,7 @@ SMOOTH, KINKED = 1e-5, 2e-3  # of the effect's own size, with 4 steps per sample
 
 SMOOTH_LAWS = {
     "cubic-stiffness": (dict(k3=0.1 * K / 25e-12), lambda t, z, v, h: -0.1 * K * z * (z / 5e-6) ** 2),
+    "quintic-stiffness": (dict(k5=0.1 * K / 625e-24), lambda t, z, v, h: -0.1 * K * z * (z / 5e-6) ** 4),
     "quadratic-stiffness": (dict(k2=0.1 * K / 5e-6), lambda t, z, v, h: -0.1 * K * z * z / 5e-6),
     "static-force": (dict(force0=0.1 * K * 5e-6), lambda t, z, v, h: 0.1 * K * 5e-6),
     "voltage-stiffness": (
