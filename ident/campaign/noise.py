@@ -18,6 +18,7 @@ LONGEST = 8192
 _SURER = 1.5
 """Times: doubts are themselves estimates. Of 1044 sines of the hidden-effect generator 7 had floors 7 to 89 times too
 high, few periods near a sharp resonance; with this 6 of them are within 40 %, and 7 others change, none by more."""
+_EXTRAPOLATED = 0.1  # relative error, at least, of a floor that is read off the free frequencies
 _LOUD = 0.03  # of the response: a floor below is not asked whether the record's parts agree
 _SHORT = 200  # samples of a part at least: the series and the transient take some fifty numbers
 _FAR_BELOW = 0.5  # of the floor of the whole: parts that agree with it scatter by a tenth
@@ -59,9 +60,10 @@ def noise_floor(
         found = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
     elif period <= 8 * HARMONICS or _highest_harmonic(drive, period) <= HARMONICS // 3:
         found = _of_parts(response[-LONGEST:], period, mains, _short_period(response[-LONGEST:], period, mains))
-        far_above = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
-        if _SURER * far_above[0].relative_error < found[0].relative_error:
-            found = far_above  # a motion beyond description adds to what is left of it, but hardly so high
+        if _SURER * _EXTRAPOLATED < found[0].relative_error:
+            far_above = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
+            if _SURER * far_above[0].relative_error < found[0].relative_error:
+                found = far_above  # a motion beyond description adds to what is left of it, but hardly so high
     else:
         found = _repeats(response, period)
     fit, method = found
@@ -247,7 +249,7 @@ def _free_frequencies(drive: np.ndarray, response: np.ndarray) -> tuple[Autoregr
         fits.append((low, fit))
     for (low, fit), (next_low, above) in zip(fits, fits[1:], strict=False):
         if np.mean(fit.spectrum[next_low:]) < 1.15 * np.mean(above.spectrum[next_low:]):
-            error = min(1.0, float(np.hypot(1.5 * fit.relative_error, 0.1)))
+            error = min(1.0, float(np.hypot(1.5 * fit.relative_error, _EXTRAPOLATED)))
             share = 1 - low / last
             return replace(fit, relative_error=error), f"extrapolated from the upper {share:.0%} of the frequencies"
     # No plateau: products of the drive, or a filter, reach up to the highest frequencies.
