@@ -162,22 +162,21 @@ def _removed(
         room = len(response) // 2 - harmonics.shape[1]  # as many samples as numbers fitted are left to tell the noise
         levels = tuple(level for level in levels if np.sum(own <= level) <= room) or levels[:1]
         decaying, own = decaying[:, own <= levels[-1]], own[own <= levels[-1]]
-        columns, level_of = np.column_stack([harmonics, decaying]), np.concatenate([level_of, own])
+        columns, level_of = np.hstack([harmonics, decaying]), np.concatenate([level_of, own])
     basis, kept = orthonormal(columns)
-    level_of, weights = level_of[kept], basis.T @ response
+    level_of, weights = level_of[kept], basis.T @ response  # the columns stand in the order of their levels
+    up_to = {level: int(np.sum(level_of <= level)) for level in levels}
 
     def residual(level: int) -> np.ndarray:
-        inside = level_of <= level
-        return response - basis[:, inside] @ weights[inside]
+        return response - basis[:, : up_to[level]] @ weights[: up_to[level]]
 
     highest = levels[-1]
     fit = fit_autoregression(residual(highest), leverage_of(basis))
     least = _whitened_energy(residual(highest), fit)
     for level in levels[:-1]:
-        count = int(np.sum(level_of <= level))
-        if _whitened_energy(residual(level), fit) - least < 1.5 * (len(level_of) - count) + 6.0:
-            inside = basis[:, level_of <= level]
-            return _Removed(fit_autoregression(residual(level), leverage_of(inside)), inside, level, residual(level))
+        rest, inside = residual(level), basis[:, : up_to[level]]
+        if _whitened_energy(rest, fit) - least < 1.5 * (len(level_of) - up_to[level]) + 6.0:
+            return _Removed(fit_autoregression(rest, leverage_of(inside)), inside, level, rest)
     return _Removed(fit, basis, highest, residual(highest))
 
 

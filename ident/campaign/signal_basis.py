@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import linalg
 
 LEVELS = 5
 """How many sets of columns there are: no transient; the transient; with its products of second order; of third order;
@@ -41,8 +42,8 @@ def harmonic_columns(n: int, drive_rate: float | None, count: int) -> np.ndarray
             if k * drive_rate >= np.pi * (1 - 1e-9):
                 break
             power = power * first
-            columns += [np.real(power), np.imag(power)]
-    return np.column_stack(columns)
+            columns += [power.real, power.imag]
+    return np.array(columns).T
 
 
 def transient_columns(n: int, drive_rate: float | None, pole: Pole, highest: int) -> tuple[np.ndarray, np.ndarray]:
@@ -87,15 +88,16 @@ def transient_columns(n: int, drive_rate: float | None, pole: Pole, highest: int
             add(2 * own + 2 * order * drive, 2, (3, 4, 4))
             add(3 * own + order * drive, 3, (3, 4, 4))
     columns.sort(key=lambda one: one[0])
-    return np.column_stack([column for _, column in columns]), np.array([level for level, _ in columns])
+    return np.array([column for _, column in columns]).T, np.array([level for level, _ in columns])
 
 
 def orthonormal(columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(n, M) an orthonormal basis of the columns' span, and (N,) which of the N columns added to it."""
     norms = np.sqrt(np.einsum("ij,ij->j", columns, columns))
-    basis, triangle = np.linalg.qr(columns / np.where(norms > 0, norms, 1.0))
+    # SciPy's takes half the time of NumPy's; the inverse of the triangle would take less, and lose orthogonality.
+    basis, triangle = linalg.qr(columns / np.where(norms > 0, norms, 1.0), mode="economic", check_finite=False)
     kept = np.abs(np.diag(triangle)) > 1e-9
-    return basis[:, kept], kept
+    return (basis if kept.all() else basis[:, kept]), kept
 
 
 def _thinned(values: np.ndarray, block: int) -> np.ndarray:
