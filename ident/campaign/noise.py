@@ -60,7 +60,7 @@ def noise_floor(
         found = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
     elif period <= 8 * HARMONICS or _highest_harmonic(drive, period) <= HARMONICS // 3:
         found = _of_parts(response[-LONGEST:], period, mains, _short_period(response[-LONGEST:], period, mains))
-        if _SURER * _EXTRAPOLATED < found[0].relative_error:
+        if found[0].relative_error > _SURER * _EXTRAPOLATED:
             far_above = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
             if _SURER * far_above[0].relative_error < found[0].relative_error:
                 found = far_above  # a motion beyond description adds to what is left of it, but hardly so high

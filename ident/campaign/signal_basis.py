@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy import linalg
@@ -94,8 +95,9 @@ def transient_columns(n: int, drive_rate: float | None, pole: Pole, highest: int
 def orthonormal(columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(n, M) an orthonormal basis of the columns' span, and (N,) which of the N columns added to it."""
     norms = np.sqrt(np.einsum("ij,ij->j", columns, columns))
-    # SciPy's takes half the time of NumPy's; the inverse of the triangle would take less, and lose orthogonality.
-    basis, triangle = linalg.qr(columns / np.where(norms > 0, norms, 1.0), mode="economic", check_finite=False)
+    # SciPy's takes half the time of NumPy's.
+    found: Any = linalg.qr(columns / np.where(norms > 0, norms, 1.0), mode="economic", check_finite=False)
+    basis, triangle = found
     kept = np.abs(np.diag(triangle)) > 1e-9
     return (basis if kept.all() else basis[:, kept]), kept
 

@@ -66,7 +66,7 @@ def test_records_are_judged_one_by_one_and_together(make_fit):
 
 @pytest.mark.parametrize("width", [80, 100])
 def test_the_terminal_text_fits_its_window(make_fit, width):
-    text = fit_text(make_fit(misfit=0.4), width, offset=True)
+    text = fit_text(make_fit(misfit=0.4), width)
     assert max(len(line) for line in text.splitlines()) <= width
     assert "\x1b" not in text
     assert "…" not in text  # nothing is cut off
