@@ -91,7 +91,7 @@ def fourier_basis(n: int, period: float, harmonics: int) -> np.ndarray:
     power = np.ones(n, dtype=complex)
     for k in range(harmonics):
         power *= first
-        rows[2 * k + 1], rows[2 * k + 2] = power.real, power.imag
+        rows[2 * k + 1], rows[2 * k + 2] = np.real(power), np.imag(power)
     return rows.T
 
 

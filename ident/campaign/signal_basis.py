@@ -43,7 +43,7 @@ def harmonic_columns(n: int, drive_rate: float | None, count: int) -> np.ndarray
             if k * drive_rate >= np.pi * (1 - 1e-9):
                 break
             power = power * first
-            columns += [power.real, power.imag]
+            columns += [np.real(power), np.imag(power)]
     return np.array(columns).T
 
 

@@ -36,17 +36,15 @@ from .whiten import Piece, make_piece, whiten
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """A fit prepared for regressions: whitened residual (n,) without what the model absorbs, and how to project a
-    column.
-
+    """A fit prepared for regressions: whitened residual (n,) without what the model absorbs, and how to project a column.
     The numbers of the sweeps follow those of the traces, one sweep after another.
 
     **Arguments:** `starts`: first sample of each record within n; `absorbed`: (n, q) orthonormal, the span of `known`
     (k, n), which moving the parameters along `directions` (k, m) does; `left` (n,) and `fit_chi2`: the whitened
     residual as the fit left it and its χ², with which refits are compared; `plane`: what the sweeps say while
-    parameters move; `credible`: whether the model's own
-    parameters could be followed along the measured motion, on which the score statistics rest (see `prepare`);
-    `instead_of`: the bench of the best fit, if this one is of other values (see `lone_record`).
+    parameters move; `credible`: whether the model's own parameters could be followed along the measured motion, on
+    which the score statistics rest (see `prepare`); `instead_of`: the bench of the best fit, if this one is of other
+    values (see `lone_record`).
     """
 
     fit: Fit
@@ -65,8 +63,12 @@ class Bench:
     @property
     def n(self) -> int:
         """How many samples count."""
-        silent = sum(np.count_nonzero(piece.masked) for piece in self.pieces if piece.masked is not None)
-        return len(self.residual) - int(silent)
+        return len(self.residual) - sum(int(np.sum(one.masked)) for one in self.pieces if one.masked is not None)
+
+    @property
+    def places(self) -> tuple[slice, ...]:
+        """Where each record's numbers are, silent ones too; those of the sweeps last."""
+        return tuple(slice(a, b) for a, b in itertools.pairwise((*self.starts, len(self.residual))))
 
     @property
     def chi2(self) -> float:

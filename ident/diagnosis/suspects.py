@@ -63,7 +63,7 @@ def alone_off(fitted: Fit) -> tuple[Suspect, ...]:
     found = [
         fault for i, rest in rests.items() if rest and rest.worst <= _FLOOR for fault in faults_of(fitted, i, rest)
     ]
-    settled = [one for one in found if one.worst <= _FLOOR and _beyond_an_effect(one, fitted.values)]
+    settled = [one for one in found if one.worst <= _FLOOR and _beyond_an_effect(one.told, fitted.values)]
     if not settled:
         return ()
     best = min(settled, key=lambda one: rms(one.whole, 1.0))
@@ -135,7 +135,7 @@ def _most_likely(fitted: Fit, inside: Sequence[int], look: Look) -> tuple[Suspec
     left, sound = _left(fitted), _with_physics(fitted, look)
     if sound.worst <= _FLOOR:
         return None  # so told all records agree
-    faults = likeliest(fitted, inside, lambda fault: _beyond_an_effect(fault, fitted.values))
+    faults = likeliest(fitted, inside, lambda fault: _beyond_an_effect(fault.told, fitted.values))
     if all(fault.worst > _FLOOR for fault in faults):
         common = common_delay(fitted)
         faults += [] if common is None else [common]
@@ -179,7 +179,7 @@ def _with_physics(fitted: Fit, look: Look) -> _Explained:
 
 def _explained(fitted: Fit, bench: Bench, model: Model, values: np.ndarray, left: np.ndarray, n: int) -> _Explained:
     """A model by what it leaves of the samples that count."""
-    parts = np.split(left, bench.starts[1:])
+    parts = [left[own] for own in bench.places]
     counts = [r.counted[r.skip :] for r in fitted.campaign.fitted]
     parts[: len(counts)] = [part[own] for part, own in zip(parts, counts, strict=False)]
     return _Explained(model, values, np.concatenate(parts), n, max(rms(part, 1.0) for part in parts if len(part)))
@@ -198,14 +198,14 @@ def _suspect(fitted: Fit, best: Fault, sound: _Explained, faulty: _Explained) ->
     return Suspect(name, told.kind, told.size, told.unit, sure, words, first=True)
 
 
-def _beyond_an_effect(fault: Fault, values: np.ndarray) -> bool:
+def _beyond_an_effect(told: Nuisance, values: np.ndarray) -> bool:
     """Whether a record differs by more than what a missing effect makes of it, the library's or not.
 
     To a sine every nonlinear device is a linear one, of another frequency and quality at each level (N. Minorsky,
     Nonlinear Oscillations, 1962, ch. 14): friction that shows in the weakest record alone makes another device of it.
     A resonance that lies beside that of the others by more than half its width is beyond that.
     """
-    told, half_width = fault.told, 0.5 / max(float(values[1]), 1.0)
+    half_width = 0.5 / max(float(values[1]), 1.0)
     if told.kind == "time-scale":
         return abs(told.size - 1) > half_width
     return told.unit != OF_FREQUENCY or abs(told.size) > 100 * half_width
@@ -222,7 +222,7 @@ def _held_out(traces: Sequence[Trace], known: _Explained, i: int) -> Suspect | N
     if not before > _FAR * agree:
         return None
     told = next(iter(explanations(known.model, known.values, traces, i)), None)
-    if told is None or told.error > _BACK * agree:
+    if told is None or told.error > _BACK * agree or not _beyond_an_effect(told, known.values):
         return None
     words = f"{_words(told, traces)}; so read, it agrees with the others (error over noise {before:.3g} → "
     words += f"{told.error:.3g}, theirs {agree:.3g})"
