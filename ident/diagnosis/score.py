@@ -36,7 +36,7 @@ from .whiten import Piece, make_piece, whiten
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """A fit prepared for regressions: whitened residual (n,) without what the model absorbs, and how to project a column.
+    """A fit prepared for regressions: whitened residual (n,) without what the model absorbs, how to project a column.
     The numbers of the sweeps follow those of the traces, one sweep after another.
 
     **Arguments:** `starts`: first sample of each record within n; `absorbed`: (n, q) orthonormal, the span of `known`
@@ -204,8 +204,8 @@ def prepare(fit: Fit, believed: bool = False) -> Bench:
 def _without(bench: Bench, known: np.ndarray, directions: np.ndarray) -> Bench:
     """The bench with what rows (k, n) can absorb taken out of its residual."""
     absorbed = orthonormal(known)
-    residual = bench.left - absorbed @ (absorbed.T @ bench.left)
-    found = replace(bench, absorbed=absorbed, residual=residual, known=known, directions=directions)
+    rest = bench.left - absorbed @ (absorbed.T @ bench.left)
+    found = replace(bench, absorbed=absorbed, residual=rest, known=known, directions=directions)
     if bench.plane is None or not len(directions):
         return found
     nothing = Moves(*(part[:0] for part in bench.plane.own))
