@@ -237,7 +237,8 @@ def _words(one: Nuisance, traces: Sequence[Trace]) -> str:
         known = any(trace.name == one.unit for trace in traces)
         return (
             f"the response is that of {one.unit}" if known
-            else f"it belongs to another device or load, with a resonance {one.size:+.2g} % off"
+            else f"it belongs to another device or load, with a resonance {one.size:+.2g} % off, or its time runs "
+            f"{1 + one.size / 100:.3g} times as fast as it says"
         )  # fmt: skip
     return {
         "delay": f"the response comes {abs(one.size):.3g} samples {'late' if one.size > 0 else 'early'}",
