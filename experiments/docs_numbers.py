@@ -1,7 +1,7 @@
 """Run the commands of the documents and hold every excerpt and number to what comes out.
 
-`python -m experiments.docs_numbers [FOLDER]`; run folders are left in FOLDER if it is given, and a check that was stopped
-goes on there. `--figure` draws the figures of the tutorial and of the README again.
+`python -m experiments.docs_numbers [FOLDER]`; run folders are left in FOLDER if it is given, where a check that was
+stopped goes on. `--figure` draws the figures of the tutorial and of the README again.
 """
 
 from __future__ import annotations
