@@ -44,11 +44,13 @@ _SURE, _LIKELY = 0.95, 0.9
 def find_suspects(fitted: Fit, look: Callable[[], Look], report: Report = lambda _: None) -> tuple[Suspect, ...]:
     """The suspect records of a fit's campaign: what the data alone tell, and what the records tell of one another;
     `look`: what the library says of the fit, if it is asked."""
-    found = list(suspects_by_data(fitted.campaign))
+    alone = suspects_by_data(fitted.campaign)
     if not _disagree(fitted) or is_long(fitted.campaign):
-        return tuple(found)
+        return alone
     report("do the records agree with one another?")
-    return tuple(found + _by_others(fitted, look()))
+    others = _by_others(fitted, look())
+    said = {(one.file, one.kind) for one in others}
+    return (*(one for one in alone if (one.file, one.kind) not in said), *others)
 
 
 @lru_cache(maxsize=8)  # the terminal and the page ask
