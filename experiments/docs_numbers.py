@@ -1,7 +1,7 @@
 """Run the commands of the documents and hold every excerpt and number to what comes out.
 
-`python -m experiments.docs_numbers [FOLDER]`; run folders are left in FOLDER if it is given. `--figure` draws the
-figures of the tutorial and of the README again.
+`python -m experiments.docs_numbers [FOLDER]`; run folders are left in FOLDER if it is given, where a check that was
+stopped goes on. `--figure` draws the figures of the tutorial and of the README again.
 """
 
 from __future__ import annotations
@@ -167,13 +167,16 @@ def _leaves(work: Path, models: dict[str, str], names: list[str], file: str) -> 
 
 def main(work: Path, figure: bool) -> int:
     """Run everything; the number of things that do not hold."""
-    (work / "data").symlink_to(ROOT / "data")
-    wrong, said = [], {}
+    if not (work / "data").exists():
+        (work / "data").symlink_to(ROOT / "data")
+    wrong, kept = [], work / "printed.json"
+    said = json.loads(kept.read_text(encoding="utf-8")) if kept.exists() else {}
     tutorial, readme = (list(steps(page.read_text(encoding="utf-8"))) for page in (TUTORIAL, README))
     for command, shown in [*tutorial, *(step for step in readme if step[1]), (README_RUN, [])]:
         if command not in said:
             print(f"$ {command}", flush=True)
             said[command] = run(command, work).splitlines()
+            kept.write_text(json.dumps(said), encoding="utf-8")
         printed = said[command]
         wrong += [f"{command} no longer prints: {line}" for line in shown if not any(same(line, p) for p in printed)]
     wrong += check_claims(work)

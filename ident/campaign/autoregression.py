@@ -11,6 +11,7 @@ N. M. Laird, D. B. Rubin, J. R. Stat. Soc. B 39 (1977) 1; the order by G. Schwar
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -39,10 +40,25 @@ def leverage_of(basis: np.ndarray) -> np.ndarray:
 
 def ar_spectrum(ar: np.ndarray, innovation: float, n: int) -> np.ndarray:
     """(n//2 + 1,) power spectrum σ²/|1 − Σ a_j e^{−iωj}|²; its mean over all frequencies is the variance."""
-    polynomial = np.zeros(n)
-    polynomial[0] = 1.0
-    polynomial[1 : len(ar) + 1] = -np.asarray(ar)
-    return innovation / np.abs(np.fft.rfft(polynomial)) ** 2
+    polynomial = np.append(1.0, -np.asarray(ar))
+    lags = np.correlate(polynomial, polynomial, "full")[len(ar) :]  # |…|² is a sum of as many cosines
+    lags[1:] *= 2.0
+    return innovation / np.maximum(_cosines(n)[: len(lags)].T @ lags, 1e-300)
+
+
+@lru_cache(maxsize=8)  # records of a campaign are as long as one another
+def _cosines(n: int) -> np.ndarray:
+    """(MAX_ORDER + 1, n//2 + 1) cos ωk at the frequencies of a periodogram of n samples: few lags need no FFT."""
+    return np.cos(2 * np.pi / n * np.outer(np.arange(MAX_ORDER + 1), np.arange(n // 2 + 1)))
+
+
+def _autocovariance(power: np.ndarray, order: int, n: int) -> np.ndarray:
+    """(order + 1,) of a process with this power (n//2 + 1,): its inverse Fourier transform at the first lags."""
+    both = 2.0 * power  # each frequency and its negative
+    both[0] = power[0]
+    if n % 2 == 0:
+        both[-1] = power[-1]
+    return _cosines(n)[: order + 1] @ both / n
 
 
 def levinson(covariance: np.ndarray, order: int) -> tuple[np.ndarray, float]:
@@ -79,7 +95,7 @@ def _fit_order(
     spectrum = start
     ar, innovation, bound = np.zeros(order), 1.0, 1e6 * float(np.mean(start))
     for _ in range(60):
-        covariance = np.fft.irfft(_expectation(power, missing, spectrum), n)[: order + 1]
+        covariance = _autocovariance(_expectation(power, missing, spectrum), order, n)
         ar, innovation = levinson(covariance, order)
         if innovation > bound:  # a root at a frequency that nobody sees: the power there feeds itself
             return ar, bound, start, np.inf

@@ -14,6 +14,7 @@ from .clipping import CLIPPED, clipped_fraction
 from .device import Device, Oscillator
 from .table import Column
 
+_LASTS = 0.97  # of a free motion's first quarter in its last: its quality would be 77 times its periods
 _STILL_UNIFORM = 0.01  # of an interval: a sine of 20 samples a period is then read 0.3 % wrong at most
 
 
@@ -183,6 +184,10 @@ def check_drive(
             )
         if not undriven:
             notes.append(f"{file}: the drive is constant; the record is taken as a free decay.")
+        quarter = len(response) // 4
+        early, late = (float(np.std(part)) for part in (response[:quarter], response[-quarter:]))
+        if late > _LASTS * early:
+            notes.append(f"{file}: nothing drives it, and yet its motion does not die away; was the drive recorded?")
     varying = response - np.mean(response)
     copy = (drive - np.mean(drive)) * (np.std(response) / max(float(np.std(drive)), 1e-300))
     if np.ptp(drive) > 0 and min(np.max(np.abs(varying - copy)), np.max(np.abs(varying + copy))) < 1e-6 * np.std(

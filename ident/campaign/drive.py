@@ -104,25 +104,29 @@ def _fourier_series(drive: np.ndarray, period: float) -> tuple[np.ndarray, np.nd
 def _fourier_slope(drive: np.ndarray, period: float, grid: np.ndarray) -> np.ndarray:
     """Derivative of the Fourier series of a periodic drive."""
     weights, order = _fourier_series(drive, period)
-    rates = 2 * np.pi / period * order
+    rate = 2 * np.pi / period
+    weights = weights * 1j * rate * order
     if period == round(period):  # the grid meets the same phases in every period
         per_sample = round(1.0 / (grid[1] - grid[0]))
-        one = _series(weights * 1j * rates, rates, np.arange(int(period) * per_sample) / per_sample)
+        one = _series(weights, order, rate, np.arange(int(period) * per_sample) / per_sample)
         return np.resize(one, len(grid))
-    return _series(weights * 1j * rates, rates, grid)
+    return _series(weights, order, rate, grid)
 
 
-def _series(weights: np.ndarray, rates: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Σ Re(w exp(i r x)); by FFT where the points are one period, evenly spaced."""
+def _series(weights: np.ndarray, order: np.ndarray, rate: float, points: np.ndarray) -> np.ndarray:
+    """Σ Re(w exp(i k r x)) of the orders k; by FFT where the points are one period, evenly spaced."""
     base = 2 * np.pi / (len(points) * (points[1] - points[0]))
-    order = np.round(rates / base).astype(int)
-    if np.allclose(order * base, rates, rtol=1e-9, atol=0.0) and np.max(order) < len(points) // 2:
+    if np.isclose(base, rate, rtol=1e-9, atol=0.0) and np.max(order) < len(points) // 2:
         spectrum = np.zeros(len(points) // 2 + 1, dtype=complex)
         spectrum[order] = 0.5 * weights * len(points)
         return np.fft.irfft(spectrum, len(points))
-    total = np.zeros(len(points))
-    for weight, rate in zip(weights, rates, strict=True):
-        total += (weight * np.exp(1j * rate * points)).real
+    first, total = np.exp(1j * rate * points), np.zeros(len(points))
+    power = np.ones(len(points), dtype=complex)
+    by_order = dict(zip(order.tolist(), weights.tolist(), strict=True))
+    for k in range(1, int(np.max(order)) + 1):
+        power *= first  # a product costs a tenth of an exponential
+        if k in by_order:
+            total += (by_order[k] * power).real
     return total
 
 

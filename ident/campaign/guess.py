@@ -85,17 +85,17 @@ def _measured(column: Column) -> Dimension | None:
         return None
     meant = amplitude_unit(column.unit, reads, drives)
     if meant is not None and not meant.unit:  # bare decibels: no platform moves a millimetre per volt
-        return VOLTAGE if float(np.max(column.numbers())) > -60.0 else LENGTH
+        return VOLTAGE if float(np.max(column.numbers(), initial=-np.inf)) > -60.0 else LENGTH
     found = find_unit(meant.unit if meant is not None else column.unit)
     return None if found is None else found.dimension
 
 
 def _travel(column: Column) -> float:
-    """How far a column of displacements goes to either side, m; 0 if its header states no length."""
+    """How far a column of displacements goes to either side, m; 0 if its header states no length, or it is empty."""
     unit = find_unit(column.unit) if column.unit else None
-    if unit is None or unit.dimension != LENGTH:
+    if unit is None or unit.dimension != LENGTH or not len(numbers := column.numbers()):
         return 0.0
-    return 0.5 * float(np.ptp(column.numbers())) * unit.factor
+    return 0.5 * float(np.ptp(numbers)) * unit.factor
 
 
 def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:

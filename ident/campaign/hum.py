@@ -20,9 +20,10 @@ def with_hum(
     n = len(residual)
     time, power, covariance = np.arange(n), 0.0, np.zeros(MAX_ORDER + 1)
     rest, own = residual, []
-    for line in lines:
-        columns = np.column_stack([np.cos(line * time), np.sin(line * time)])
-        inside = columns - basis @ (basis.T @ columns)
+    waves = np.array([wave(line * time) for line in lines for wave in (np.cos, np.sin)]).reshape(-1, n).T
+    beside = waves - basis @ (basis.T @ waves)
+    for k, line in enumerate(lines):
+        columns, inside = waves[:, 2 * k : 2 * k + 2], beside[:, 2 * k : 2 * k + 2]
         seen = np.sum(inside**2) / np.sum(columns**2)
         if seen < 0.3:  # the record is too short to tell it from the signal
             continue

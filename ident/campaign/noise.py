@@ -18,6 +18,7 @@ LONGEST = 8192
 _SURER = 1.5
 """Times: doubts are themselves estimates. Of 1044 sines of the hidden-effect generator 7 had floors 7 to 89 times too
 high, few periods near a sharp resonance; with this 6 of them are within 40 %, and 7 others change, none by more."""
+_EXTRAPOLATED = 0.1  # relative error, at least, of a floor that is read off the free frequencies
 _LOUD = 0.03  # of the response: a floor below is not asked whether the record's parts agree
 _SHORT = 200  # samples of a part at least: the series and the transient take some fifty numbers
 _FAR_BELOW = 0.5  # of the floor of the whole: parts that agree with it scatter by a tenth
@@ -59,9 +60,10 @@ def noise_floor(
         found = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
     elif period <= 8 * HARMONICS or _highest_harmonic(drive, period) <= HARMONICS // 3:
         found = _of_parts(response[-LONGEST:], period, mains, _short_period(response[-LONGEST:], period, mains))
-        far_above = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
-        if _SURER * far_above[0].relative_error < found[0].relative_error:
-            found = far_above  # a motion beyond description adds to what is left of it, but hardly so high
+        if found[0].relative_error > _SURER * _EXTRAPOLATED:
+            far_above = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
+            if _SURER * far_above[0].relative_error < found[0].relative_error:
+                found = far_above  # a motion beyond description adds to what is left of it, but hardly so high
     else:
         found = _repeats(response, period)
     fit, method = found
@@ -160,22 +162,21 @@ def _removed(
         room = len(response) // 2 - harmonics.shape[1]  # as many samples as numbers fitted are left to tell the noise
         levels = tuple(level for level in levels if np.sum(own <= level) <= room) or levels[:1]
         decaying, own = decaying[:, own <= levels[-1]], own[own <= levels[-1]]
-        columns, level_of = np.column_stack([harmonics, decaying]), np.concatenate([level_of, own])
+        columns, level_of = np.hstack([harmonics, decaying]), np.concatenate([level_of, own])
     basis, kept = orthonormal(columns)
-    level_of, weights = level_of[kept], basis.T @ response
+    level_of, weights = level_of[kept], basis.T @ response  # the columns stand in the order of their levels
+    up_to = {level: int(np.sum(level_of <= level)) for level in levels}
 
     def residual(level: int) -> np.ndarray:
-        inside = level_of <= level
-        return response - basis[:, inside] @ weights[inside]
+        return response - basis[:, : up_to[level]] @ weights[: up_to[level]]
 
     highest = levels[-1]
     fit = fit_autoregression(residual(highest), leverage_of(basis))
     least = _whitened_energy(residual(highest), fit)
     for level in levels[:-1]:
-        count = int(np.sum(level_of <= level))
-        if _whitened_energy(residual(level), fit) - least < 1.5 * (len(level_of) - count) + 6.0:
-            inside = basis[:, level_of <= level]
-            return _Removed(fit_autoregression(residual(level), leverage_of(inside)), inside, level, residual(level))
+        rest, inside = residual(level), basis[:, : up_to[level]]
+        if _whitened_energy(rest, fit) - least < 1.5 * (len(level_of) - up_to[level]) + 6.0:
+            return _Removed(fit_autoregression(rest, leverage_of(inside)), inside, level, rest)
     return _Removed(fit, basis, highest, residual(highest))
 
 
@@ -247,7 +248,7 @@ def _free_frequencies(drive: np.ndarray, response: np.ndarray) -> tuple[Autoregr
         fits.append((low, fit))
     for (low, fit), (next_low, above) in zip(fits, fits[1:], strict=False):
         if np.mean(fit.spectrum[next_low:]) < 1.15 * np.mean(above.spectrum[next_low:]):
-            error = min(1.0, float(np.hypot(1.5 * fit.relative_error, 0.1)))
+            error = min(1.0, float(np.hypot(1.5 * fit.relative_error, _EXTRAPOLATED)))
             share = 1 - low / last
             return replace(fit, relative_error=error), f"extrapolated from the upper {share:.0%} of the frequencies"
     # No plateau: products of the drive, or a filter, reach up to the highest frequencies.

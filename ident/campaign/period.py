@@ -86,14 +86,13 @@ def _mismatch(signal: np.ndarray) -> np.ndarray:
 
 def fourier_basis(n: int, period: float, harmonics: int) -> np.ndarray:
     """(n, 1 + 2K) columns 1, cos, sin of the harmonics 1..K of a period in samples."""
-    phase = 2 * np.pi / period * np.arange(n)
-    first = np.exp(1j * phase)
-    columns = [np.ones(n)]
+    first = np.exp(2j * np.pi / period * np.arange(n))
+    rows = np.ones((1 + 2 * harmonics, n))
     power = np.ones(n, dtype=complex)
-    for _ in range(harmonics):
-        power = power * first
-        columns += [np.real(power), np.imag(power)]
-    return np.column_stack(columns)
+    for k in range(harmonics):
+        power *= first
+        rows[2 * k + 1], rows[2 * k + 2] = np.real(power), np.imag(power)
+    return rows.T
 
 
 def least_squares(basis: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -62,6 +62,7 @@ def propose(paths: Sequence[Path], folder: Path, columns: Mapping[str, str | int
     alone = [path for path in paths if path not in second]
     joined = {path: _joined(path, tables[path], pairs.get(path), columns or {}) for path in alone}
     chosen = {path: (dict(columns), "") if columns else _columns_by_content(joined[path]) for path in alone}
+    chosen = _compared(chosen)
     units = {path: _units(renamed(joined[path], chosen[path][0])) for path in alone}
     device, device_notes = guess_device([renamed(joined[path], chosen[path][0], units[path]) for path in alone])
     proposals = [
@@ -183,6 +184,17 @@ def _columns_by_content(table: Table) -> tuple[dict[str, str | int], str]:
         why = f'which of "{drive.header}" and "{others[0].header}" is the drive is not said; the smoother is taken'
     chosen = {"time": time, "drive": drive, "response": others[0]}
     return {role: _name(column, table) for role, column in chosen.items()}, why
+
+
+def _compared(
+    chosen: Mapping[Path, tuple[dict[str, str | int], str]],
+) -> dict[Path, tuple[dict[str, str | int], str]]:
+    """The choices, with a word where the drive stands in another column than in most files: were channels exchanged?"""
+    doubtful = [told["drive"] for told, why in chosen.values() if why]
+    usual = max(doubtful, key=doubtful.count, default="")
+    word = f'; in most files it is "{usual}": were the channels exchanged?'
+    return {path: (told, f"{why}{word}" if why and told["drive"] != usual else why)
+            for path, (told, why) in chosen.items()}  # fmt: skip
 
 
 def _units(table: Table) -> dict[str, str]:

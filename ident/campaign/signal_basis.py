@@ -19,6 +19,10 @@ LEVELS = 5
 and all of these changing slowly, as an amplitude-dependent frequency makes them."""
 
 
+_LONG = 4096  # samples: of fewer a QR takes no time
+_INDEPENDENT = 1e-5
+"""Of its length, what a column must have beside those before it: the square is then far above rounding."""
+
 FIRST = 600
 """Samples (8 per period) in which the transient is looked for: later it has died, or is as plain as before."""
 
@@ -91,11 +95,32 @@ def transient_columns(n: int, drive_rate: float | None, pole: Pole, highest: int
 
 
 def orthonormal(columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(n, M) an orthonormal basis of the columns' span, and (N,) which of the N columns added to it."""
+    """(n, M) an orthonormal basis of the columns' span, and (N,) which of the N columns added to it.
+
+    Long columns that are far enough from dependent: twice by the Cholesky factor of their products, which takes a third
+    of the time of a QR.   Y. Yamamoto et al., Electron. Trans. Numer. Anal. 44 (2015) 306.
+    """
     norms = np.sqrt(np.einsum("ij,ij->j", columns, columns))
-    basis, triangle = np.linalg.qr(columns / np.where(norms > 0, norms, 1.0))
+    columns = columns / np.where(norms > 0, norms, 1.0)
+    plain = _by_cholesky(columns) if len(columns) >= _LONG else None
+    if plain is not None:
+        return plain, np.ones(columns.shape[1], dtype=bool)
+    basis, triangle = np.linalg.qr(columns)
     kept = np.abs(np.diag(triangle)) > 1e-9
     return basis[:, kept], kept
+
+
+def _by_cholesky(columns: np.ndarray) -> np.ndarray | None:
+    """The basis, (n, M), of columns of length 1; None if they are too near to dependent for it."""
+    for _ in range(2):
+        try:
+            factor = np.linalg.cholesky(columns.T @ columns)
+        except np.linalg.LinAlgError:
+            return None
+        if np.min(np.diag(factor)) < _INDEPENDENT:
+            return None
+        columns = columns @ np.linalg.inv(factor).T
+    return columns
 
 
 def _thinned(values: np.ndarray, block: int) -> np.ndarray:

@@ -91,5 +91,7 @@ def _same(one: Trace, other: Trace) -> bool:
     """Whether two responses are one recording: noise never repeats."""
     if len(one.response) != len(other.response):
         return False
-    size = float(np.std(one.response))
-    return float(np.max(np.abs(one.response - other.response))) <= 1e-9 * size
+    allowed = 1e-9 * judge(one).size
+    return all(  # a few samples tell most of them apart
+        float(np.max(np.abs(one.response[part] - other.response[part]))) <= allowed for part in (slice(8), slice(None))
+    )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Hashable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -64,6 +65,11 @@ class Bench:
         """How many samples count."""
         silent = sum(np.count_nonzero(piece.masked) for piece in self.pieces if piece.masked is not None)
         return len(self.residual) - int(silent)
+
+    @property
+    def places(self) -> tuple[slice, ...]:
+        """Where each record's numbers are, silent ones too; those of the sweeps last."""
+        return tuple(slice(a, b) for a, b in pairwise((*self.starts, len(self.residual))))
 
     @property
     def chi2(self) -> float:

@@ -26,14 +26,13 @@ def chance(bench: Bench, basis: np.ndarray, tried: int) -> float:
     residual are whitened with it and the F test is made there.
     """
     left = bench.residual - basis @ (basis.T @ bench.residual)
-    ends = [*bench.starts[1:], bench.n]
     y, x = [], []
-    for first, last in zip(bench.starts, ends, strict=True):
-        part = left[first:last]
+    for own in bench.places:
+        part = left[own]
         taps = prediction_filter(part[None])
         size = float(np.std(convolved(taps, part))) or 1.0
-        y.append(convolved(taps, bench.residual[first:last]) / size)
-        x.append(convolved(taps, basis[first:last]) / size)
+        y.append(convolved(taps, bench.residual[own]) / size)
+        x.append(convolved(taps, basis[own]) / size)
     target, regressors = np.concatenate(y), np.concatenate(x)
     q, _ = np.linalg.qr(regressors)
     drop = float(np.sum((q.T @ target) ** 2))
@@ -54,10 +53,10 @@ def chance_of(bench: Bench, basis: np.ndarray) -> float:
         return chance(bench, basis, basis.shape[1])
     y: list[np.ndarray] = []
     x: list[np.ndarray] = []
-    for first, last in zip(bench.starts, [*bench.starts[1:], bench.n], strict=True):
-        part = bench.residual[first:last]
+    for own in bench.places:
+        part = bench.residual[own]
         taps = prediction_filter(part[None])
-        both = np.column_stack([part, basis[first:last]])
+        both = np.column_stack([part, basis[own]])
         white = convolved(taps, both)
         white = white / (float(np.std(white[:, 0])) or 1.0)
         y.append(white[:, 0])

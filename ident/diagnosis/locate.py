@@ -76,12 +76,13 @@ _BANDS = np.concatenate([np.arange(0.0, 1.5, 0.1), [1.5, 2.0, 2.5, 3.0, 4.0, 6.0
 class _Samples(NamedTuple):
     """Counted samples of one record: white residual and where each was taken, all (n,).
 
-    **Arguments:** `time`: 0 to 1 of the record; `z`, `v`: −1 to 1 of their largest; `phase`: of the drive, 0 to 360°,
-    and `turns`, its periods since the first sample; None if the drive is not periodic; `frequency`: of the drive at
-    each point of a sweep, whose `step` is 0.
+    **Arguments:** `known`: false where a sample says nothing, and `white` is zero; `time`: 0 to 1 of the record; `z`,
+    `v`: −1 to 1 of their largest; `phase`: of the drive, 0 to 360°, and `turns`, its periods since the first sample;
+    None if the drive is not periodic; `frequency`: of the drive at each point of a sweep, whose `step` is 0.
     """
 
     white: np.ndarray
+    known: np.ndarray
     time: np.ndarray
     z: np.ndarray
     v: np.ndarray
@@ -99,17 +100,17 @@ def locate(bench: Bench) -> Where:
     records = (*bench.fit.campaign.fitted, *bench.fit.campaign.fitted_sweeps)
     samples = _all_samples(bench)
     floor_error = float(np.sqrt(np.mean([r.noise.relative_error**2 for r in records])))
-    squares = np.concatenate([s.white for s in samples]) ** 2
+    squares = np.concatenate([s.white[s.known] for s in samples]) ** 2
 
     def pooled(axis: str, field: str, low: float, high: float) -> View:
-        place = np.concatenate([getattr(s, field) for s in samples])
+        place = np.concatenate([getattr(s, field)[s.known] for s in samples])
         return view(axis, place, np.linspace(low, high, _BINS + 1), squares, floor_error)
 
     resonance = 1.0 / bench.fit.scales.period
     freedom = float(bench.n - bench.absorbed.shape[1])
     white = [s.white for s in samples]
     return Where(
-        _by_record(bench),
+        _by_record(bench, samples),
         bench.chi2 - freedom,
         chance_of(bench.chi2, freedom, floor_error),
         pooled("part of the record", "time", 0, 1),
@@ -131,17 +132,16 @@ def locate(bench: Bench) -> Where:
 
 def _all_samples(bench: Bench) -> list[_Samples]:
     scene, found = bench.scene, []
-    ends = [*bench.starts[1:], bench.n][: len(scene.paths)]
-    starts = bench.starts[: len(scene.paths)]
-    places = zip(bench.fit.campaign.fitted, scene.tape.spans, scene.paths, starts, ends, strict=True)
-    for record, span, path, first, last in places:
+    places = bench.places[: len(scene.paths)]
+    for record, span, path, own in zip(bench.fit.campaign.fitted, scene.tape.spans, scene.paths, places, strict=True):
         n, stride = span.samples, 2 * span.substeps
         z, v = (x[stride * record.skip :: stride] for x in path)
         z = z - np.mean(z)
         turns = None if record.period is None else np.arange(record.skip, n) / float(record.period)
         found.append(
             _Samples(
-                bench.residual[first:last],
+                bench.residual[own],
+                record.counted[record.skip :],
                 np.arange(n - record.skip) / (n - record.skip),
                 z / (float(np.max(np.abs(z))) or 1.0),
                 v / (float(np.max(np.abs(v))) or 1.0),
@@ -156,16 +156,16 @@ def _all_samples(bench: Bench) -> list[_Samples]:
 def _all_points(bench: Bench) -> list[_Samples]:
     """The numbers of each sweep: its amplitudes, then its phases."""
     sweeps, found = bench.fit.campaign.fitted_sweeps, []
-    ends = [*bench.starts[1:], bench.n]
-    own = list(zip(bench.starts, ends, strict=True))[len(ends) - len(sweeps) :]
-    for sweep, (first, last) in zip(sweeps, own, strict=True):
-        many = (last - first) // len(sweep.frequency)
-        twice = lambda x, many=many, n=last - first: np.tile(x, many)[:n]
+    for sweep, own in zip(sweeps, bench.places[len(bench.places) - len(sweeps) :], strict=True):
+        count = own.stop - own.start
+        many = count // len(sweep.frequency)
+        twice = lambda x, many=many, n=count: np.tile(x, many)[:n]
         speed = sweep.amplitude * sweep.frequency
         found.append(
             _Samples(
-                bench.residual[first:last],
-                np.linspace(0, 1, last - first, endpoint=False),
+                bench.residual[own],
+                np.ones(count, dtype=bool),
+                np.linspace(0, 1, count, endpoint=False),
                 twice(sweep.amplitude / np.max(sweep.amplitude)),
                 twice(speed / np.max(speed)),
                 None,
@@ -183,10 +183,9 @@ def _phase(drive: np.ndarray, turns: np.ndarray) -> np.ndarray:
     return np.degrees(2 * np.pi * turns + np.angle(1j * fundamental)) % 360
 
 
-def _by_record(bench: Bench) -> tuple[RecordView, ...]:
+def _by_record(bench: Bench, samples: list[_Samples]) -> tuple[RecordView, ...]:
     """Error ÷ noise floor of every record; fitted ones are judged on the white residual."""
-    ends = [*bench.starts[1:], bench.n]
-    white = iter(bench.residual[first:last] for first, last in zip(bench.starts, ends, strict=True))
+    white = iter(s.white[s.known] for s in samples)
     found = []
     pairs = sorted(
         zip(bench.fit.campaign.records, bench.fit.scores, strict=True), key=lambda p: isinstance(p[0], Sweep)
@@ -211,7 +210,7 @@ def _by_record(bench: Bench) -> tuple[RecordView, ...]:
 
 
 def _by_phase(samples: list[_Samples], floor_error: float) -> View | None:
-    periodic = [(s.phase, s.white) for s in samples if s.phase is not None]
+    periodic = [(s.phase[s.known], s.white[s.known]) for s in samples if s.phase is not None]
     if not periodic:
         return None
     phase, white = (np.concatenate(part) for part in zip(*periodic, strict=True))

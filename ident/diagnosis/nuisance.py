@@ -21,6 +21,7 @@ DROPPED = "samples from some sample on"
 _DIPS = 4  # of the mismatch over delays, the deepest
 _SAME = 1.02  # of an error: within that two numbers of lost samples say the same
 _NEAR = 0.05  # of a time scale, around which a better one is looked for
+_SHARP = 1e-6  # of a time scale: after a thousand periods the phase is then right to a hundredth of a radian
 
 
 class Nuisance(NamedTuple):
@@ -149,5 +150,5 @@ def best_scale(error: Callable[[float], float], tried: Sequence[float]) -> tuple
     """The time scale with the least error, among those that slips make and then around it, and that error."""
     begin = min(tried, key=error)
     best: Any = minimize_scalar(error, bounds=(begin * (1 - _NEAR), begin * (1 + _NEAR)), method="bounded",
-                                options={"xatol": 1e-4 * begin})  # fmt: skip
+                                options={"xatol": _SHARP * begin})  # fmt: skip
     return float(best.x), float(best.fun)

@@ -44,11 +44,13 @@ _SURE, _LIKELY = 0.95, 0.9
 def find_suspects(fitted: Fit, look: Callable[[], Look], report: Report = lambda _: None) -> tuple[Suspect, ...]:
     """The suspect records of a fit's campaign: what the data alone tell, and what the records tell of one another;
     `look`: what the library says of the fit, if it is asked."""
-    found = list(suspects_by_data(fitted.campaign))
+    alone = suspects_by_data(fitted.campaign)
     if not _disagree(fitted) or is_long(fitted.campaign):
-        return tuple(found)
+        return alone
     report("do the records agree with one another?")
-    return tuple(found + _by_others(fitted, look()))
+    others = _by_others(fitted, look())
+    said = {(one.file, one.kind) for one in others}
+    return (*(one for one in alone if (one.file, one.kind) not in said), *others)
 
 
 @lru_cache(maxsize=8)  # the terminal and the page ask
@@ -63,7 +65,7 @@ def alone_off(fitted: Fit) -> tuple[Suspect, ...]:
     found = [
         fault for i, rest in rests.items() if rest and rest.worst <= _FLOOR for fault in faults_of(fitted, i, rest)
     ]
-    settled = [one for one in found if one.worst <= _FLOOR and _beyond_an_effect(one, fitted.values)]
+    settled = [one for one in found if one.worst <= _FLOOR and _beyond_an_effect(one.told, fitted.values)]
     if not settled:
         return ()
     best = min(settled, key=lambda one: rms(one.whole, 1.0))
@@ -135,7 +137,7 @@ def _most_likely(fitted: Fit, inside: Sequence[int], look: Look) -> tuple[Suspec
     left, sound = _left(fitted), _with_physics(fitted, look)
     if sound.worst <= _FLOOR:
         return None  # so told all records agree
-    faults = likeliest(fitted, inside, lambda fault: _beyond_an_effect(fault, fitted.values))
+    faults = likeliest(fitted, inside, lambda fault: _beyond_an_effect(fault.told, fitted.values))
     if all(fault.worst > _FLOOR for fault in faults):
         common = common_delay(fitted)
         faults += [] if common is None else [common]
@@ -179,7 +181,7 @@ def _with_physics(fitted: Fit, look: Look) -> _Explained:
 
 def _explained(fitted: Fit, bench: Bench, model: Model, values: np.ndarray, left: np.ndarray, n: int) -> _Explained:
     """A model by what it leaves of the samples that count."""
-    parts = np.split(left, bench.starts[1:])
+    parts = [left[own] for own in bench.places]
     counts = [r.counted[r.skip :] for r in fitted.campaign.fitted]
     parts[: len(counts)] = [part[own] for part, own in zip(parts, counts, strict=False)]
     return _Explained(model, values, np.concatenate(parts), n, max(rms(part, 1.0) for part in parts if len(part)))
@@ -198,14 +200,14 @@ def _suspect(fitted: Fit, best: Fault, sound: _Explained, faulty: _Explained) ->
     return Suspect(name, told.kind, told.size, told.unit, sure, words, first=True)
 
 
-def _beyond_an_effect(fault: Fault, values: np.ndarray) -> bool:
+def _beyond_an_effect(told: Nuisance, values: np.ndarray) -> bool:
     """Whether a record differs by more than what a missing effect makes of it, the library's or not.
 
     To a sine every nonlinear device is a linear one, of another frequency and quality at each level (N. Minorsky,
     Nonlinear Oscillations, 1962, ch. 14): friction that shows in the weakest record alone makes another device of it.
     A resonance that lies beside that of the others by more than half its width is beyond that.
     """
-    told, half_width = fault.told, 0.5 / max(float(values[1]), 1.0)
+    half_width = 0.5 / max(float(values[1]), 1.0)
     if told.kind == "time-scale":
         return abs(told.size - 1) > half_width
     return told.unit != OF_FREQUENCY or abs(told.size) > 100 * half_width
@@ -222,7 +224,7 @@ def _held_out(traces: Sequence[Trace], known: _Explained, i: int) -> Suspect | N
     if not before > _FAR * agree:
         return None
     told = next(iter(explanations(known.model, known.values, traces, i)), None)
-    if told is None or told.error > _BACK * agree:
+    if told is None or told.error > _BACK * agree or not _beyond_an_effect(told, known.values):
         return None
     words = f"{_words(told, traces)}; so read, it agrees with the others (error over noise {before:.3g} → "
     words += f"{told.error:.3g}, theirs {agree:.3g})"
@@ -237,7 +239,8 @@ def _words(one: Nuisance, traces: Sequence[Trace]) -> str:
         known = any(trace.name == one.unit for trace in traces)
         return (
             f"the response is that of {one.unit}" if known
-            else f"it belongs to another device or load, with a resonance {one.size:+.2g} % off"
+            else f"it belongs to another device or load, with a resonance {one.size:+.2g} % off, or its time runs "
+            f"{1 + one.size / 100:.3g} times as fast as it says"
         )  # fmt: skip
     return {
         "delay": f"the response comes {abs(one.size):.3g} samples {'late' if one.size > 0 else 'early'}",

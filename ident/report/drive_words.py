@@ -62,5 +62,5 @@ def _sweep_words(record: Sweep, level: partial[str]) -> str:
 
 def _rounded(value: float, unit: str, device: Device) -> str:
     """An SI value with three digits, no zeros behind the point."""
-    chosen = scale(abs(value), unit, device)
+    chosen = scale(abs(float(f"{value:.2e}")), unit, device)  # 0.99999 V is 1 V, not 1000 mV
     return f"{neat(value / chosen.factor, 3)} {chosen.unit}".strip()

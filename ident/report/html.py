@@ -17,7 +17,7 @@ from .curve_figure import curve_figure
 from .dynamic_stiffness_figure import dynamic_stiffness_figure
 from .figures import record_figure
 from .linear_words import linear_sheet
-from .offset_table import offset_sheets
+from .offset_table import offset_sheet
 from .overview import overview_figure
 from .sentences import GOOD, sentences, verdict
 from .sheet import Sheet
@@ -115,14 +115,13 @@ def _pictures(fit: Fit) -> tuple[Picture, list[_Record], list[str]]:
     rows = list(zip(fit.campaign.traces, fit.readings, fit.trace_scores, strict=True))
     worst = sorted(rows, key=lambda row: -row[2].error_over_noise)[:_MOST_FIGURES]
     shown = {id(row[0]) for row in worst}
-    tables = offset_sheets(fit)
     records, figures = [], {}
     for trace, reading, score in sorted(rows, key=lambda row: row[2].holdout):
         if id(trace) not in shown:
             continue
         caption = f"{trace.name}: model over data, residual in noise floors, response against the drive"
         image = png(record_figure(trace, reading, score, device, figures))
-        records.append(_Record(trace.name, Picture(caption, image), tables.get(trace.name)))
+        records.append(_Record(trace.name, Picture(caption, image), offset_sheet(trace, reading, device)))
     omitted = [trace.name for trace, _, _ in rows if id(trace) not in shown]
     for curve in fit.curves:
         caption = (

@@ -6,7 +6,6 @@ import numpy as np
 
 from ..campaign.device import Device
 from ..campaign.record import Trace
-from ..fit.result import Fit
 from ..posterior.offset import Offset, offsets
 from .drive_words import drive_words
 from .quantity import Scale, scale, show_in
@@ -21,11 +20,10 @@ _FIXED = {"rad": Scale(np.pi / 180, "°"), "1": Scale(0.01, "%")}
 _NOTE = "Second half of the record; data and model share its transient. Apart: difference over its error."
 
 
-def offset_sheets(fit: Fit) -> dict[str, Sheet]:
-    """One table for each record whose drive can be folded on a period, by the record's name."""
-    device = fit.model.device
-    found = [(r, offsets(r, z)) for r, z in zip(fit.campaign.traces, fit.readings, strict=True)]
-    return {record.name: _sheet(record, rows, device) for record, rows in found if rows is not None}
+def offset_sheet(record: Trace, reading: np.ndarray, device: Device) -> Sheet | None:
+    """The table of one record and the model's reading (n,) of it; None if its drive cannot be folded on a period."""
+    rows = offsets(record, reading)
+    return None if rows is None else _sheet(record, rows, device)
 
 
 def _sheet(record: Trace, rows: tuple[Offset, ...], device: Device) -> Sheet:

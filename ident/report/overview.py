@@ -14,11 +14,17 @@ if TYPE_CHECKING:
 
 
 _ROOM = 58  # characters beside the bars
+_MOST_BARS = 60  # a picture of two pages: more are not compared by eye, and their labels take seconds
 
 
 def overview_figure(fit: Fit) -> Figure:
-    """Error over noise of each record as a bar, fitted ones above held-out ones, with a line at 1."""
-    pairs = sorted(zip(fit.scores, fit.campaign.records, strict=True), key=lambda pair: pair[0].holdout)
+    """Error over noise of each record as a bar, fitted ones above held-out ones, with a line at 1; of very many records
+    those held out and the worst."""
+    every = list(zip(fit.scores, fit.campaign.records, strict=True))
+    worst = sorted(range(len(every)), key=lambda k: (not every[k][0].holdout, -every[k][0].error_over_noise))[
+        :_MOST_BARS
+    ]
+    pairs = sorted([every[k] for k in sorted(worst)], key=lambda pair: pair[0].holdout)
     ratios = [score.error_over_noise for score, _ in pairs]
     height = 0.36 * len(pairs) + 1.1
     figure = new_figure(10.6, height)
@@ -53,4 +59,7 @@ def overview_figure(fit: Fit) -> Figure:
     if any(score.holdout for score, _ in pairs):
         figure.text(0.25, top, "■", fontsize=11, color=HELDOUT, va="center")
         figure.text(0.265, top, "held out: only judged", fontsize=9.5, color=FAINT, va="center")
+    if len(pairs) < len(every):
+        words = f"held-out and worst ones: {len(pairs)} of {len(every)} records"
+        figure.text(0.985, top, words, fontsize=9.5, color=FAINT, va="center", ha="right")
     return figure

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from ..errors import visible
 from ..fit.result import Fit
 from .linear_words import linear_sheet
-from .offset_table import offset_sheets
 from .sentences import sentences, verdict
 from .sheet import Sheet, rich_table
 from .tables import combination_sentences, correlation_sentences, parameter_sheet, record_sheet, start_sheet
@@ -16,8 +15,8 @@ if TYPE_CHECKING:
     from rich.console import Group, RenderableType
 
 
-def fit_view(fit: Fit, *, offset: bool = False) -> Group:
-    """The whole fit for a `rich` console: `console.print(fit_view(fit))`; `offset` adds the zero-point offsets."""
+def fit_view(fit: Fit) -> Group:
+    """The whole fit for a `rich` console: `console.print(fit_view(fit))`."""
     from rich.console import Group
 
     parts: list[RenderableType] = [_paragraph(verdict(fit)), _table(parameter_sheet(fit))]
@@ -25,15 +24,13 @@ def fit_view(fit: Fit, *, offset: bool = False) -> Group:
     parts += _list("Strong correlations", correlation_sentences(fit))
     parts += [_table(record_sheet(fit)), _table(start_sheet(fit))]
     parts += [_table(sheet) for sheet in [linear_sheet(fit)] if sheet is not None]
-    if offset:
-        parts += [_table(sheet) for sheet in offset_sheets(fit).values()]
     parts += _list("To know", tuple(("! " if s.warning else "") + s.text for s in sentences(fit)))
     return Group(*parts)
 
 
-def fit_text(fit: Fit, width: int = 96, *, offset: bool = False) -> str:
+def fit_text(fit: Fit, width: int = 96) -> str:
     """The same as plain text."""
-    return _plain(fit_view(fit, offset=offset), width)
+    return _plain(fit_view(fit), width)
 
 
 def sheet_text(sheet: Sheet, width: int = 96) -> str:

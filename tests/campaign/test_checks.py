@@ -65,7 +65,13 @@ def test_a_free_decay_is_noted(tmp_path):
     time = np.arange(800) * 5e-5
     values = np.c_[time, np.zeros(800), np.exp(-50 * time) * np.cos(2 * np.pi * 500 * time)]
     trace, notes = _notes(tmp_path, values)
-    assert "free decay" in notes and trace.period is None
+    assert "free decay" in notes and trace.period is None and "die away" not in notes
+
+
+def test_a_motion_that_goes_on_without_a_drive_asks_for_the_drive(tmp_path):
+    time = np.arange(800) * 5e-5
+    _, notes = _notes(tmp_path, np.c_[time, np.zeros(800), np.sin(2 * np.pi * 500 * time)])
+    assert "does not die away; was the drive recorded?" in notes
 
 
 def test_a_drive_beyond_the_device_is_noted(tmp_path):

@@ -82,6 +82,19 @@ def test_columns_told_on_the_command_line(tmp_path):
     assert_one_line(ident("new", tmp_path / "mine", tmp_path / "a.csv"), "exists already")
 
 
+def test_channels_that_were_exchanged_in_one_file_are_told(tmp_path):
+    rng, time = np.random.default_rng(2), np.arange(400) / 4000
+    drive = np.sin(2 * np.pi * 90 * time)
+    response = 0.3 * np.sin(2 * np.pi * 90 * time - 0.8) + 0.01 * rng.standard_normal(400)
+    for k in range(3):
+        pair = (response, drive) if k == 1 else (drive, response)
+        rows = "\n".join(f"{t:.6f},{a:.5f},{b:.5f}" for t, a, b in zip(time, *pair, strict=True))
+        (tmp_path / f"run{k}.csv").write_text(f"Temps (s),CH1 (V),CH2 (V)\n{rows}\n", encoding="utf-8")
+    text = propose([tmp_path / f"run{k}.csv" for k in range(3)], tmp_path)
+    assert text.count('drive = "CH1 (V)"') == 2 and text.count('drive = "CH2 (V)"') == 1
+    assert text.count('in most files it is "CH1 (V)": were the channels exchanged?') == 1
+
+
 @pytest.mark.parametrize("header", ["t_s,Voltage_V,x_mm", "time (s),Force [N],Displacement [mm]"])
 def test_what_moves_millimetres_is_no_platform(header, tmp_path):
     """A loudspeaker, and a mass that is pushed: the columns say what drives them."""

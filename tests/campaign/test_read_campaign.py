@@ -201,3 +201,10 @@ def test_campaigns_and_data_do_not_mix(folder):
         read_campaign([folder / "a.csv", folder / "campaign.toml"])
     with pytest.raises(UserError):
         read_campaign([])
+
+
+@pytest.mark.parametrize("response", ["z (um)", "z (V)", "gain (dB)"])
+def test_empty_columns_are_too_few_samples(response):
+    empty = {name: np.zeros(0) for name in ("time (s)", "drive (V)", response)}
+    with pytest.raises(UserError, match="too few|no column|instantaneous"):
+        read_campaign(empty)

@@ -14,6 +14,7 @@ from ident.campaign.suspect import ALL, Suspect, suspects_by_data
 from ident.diagnosis.bench import prepare
 from ident.diagnosis.diagnose import diagnose
 from ident.diagnosis.document import diagnosis_dict
+from ident.diagnosis.locate import locate
 from ident.diagnosis.look import first_look
 from ident.diagnosis.nuisance import nuisances
 from ident.diagnosis.suspects import alone_off, find_suspects
@@ -152,7 +153,11 @@ def test_clipped_samples_have_no_weight(clean):
     assert found.fitted.error_over_noise < 1.05 and found.fitted.n == whole.fitted.n - np.count_nonzero(masked)
     for one, other in zip(found.estimates, whole.estimates, strict=True):
         assert one.error and other.error and abs(one.value - other.value) < 4 * one.error
-    assert prepare(found).n == found.fitted.n
+    bench = prepare(found)
+    assert bench.n == found.fitted.n
+    where = locate(bench)  # where samples say nothing there is no bin, and every record has its own
+    assert [view.name for view in where.records if not view.holdout] == [r.name for r in campaign.fitted]
+    assert all(0.9 < view.ratio < 1.1 for view in where.records) and not where.fails
 
 
 def test_a_level_is_no_drift():

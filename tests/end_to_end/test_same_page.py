@@ -60,6 +60,12 @@ def test_after_discover_diagnose_and_sample(campaign, tmp_path):
     outcome = ident("discover", campaign, "-o", run)
     assert outcome.code == 0, outcome.err
     assert json.loads((run / "run.json").read_text(encoding="utf-8"))["fitted"]["error_over_noise"] < 1.3
+    found = json.loads((run / "diagnosis.json").read_text(encoding="utf-8"))
+    assert (found["verdict"], found["final"]["effects"], found["records"]) == ("identified", ["cubic-stiffness"], [])
+    assert found["start"]["error_over_noise"] > 2 and found["final"]["holdout_error_over_noise"] < 1.3
+    best = found["ranking"][0]
+    assert best["effect"] == "cubic-stiffness" and best["size"] > 20 * best["size_error"] > 0
+    assert abs(best["predicted_gain"] - best["confirmed_gain"]) < 0.2 and best["confirmed_gain"] > 0.9
     page, same = again(run)
     assert page == same and "Which effect is missing" in page and "How the error fell" in page
     told = json.loads(ident("diagnose", run, "--json").out)

@@ -9,7 +9,7 @@ import pytest
 
 from ident.campaign import NoiseFloor
 from ident.posterior.offset import MEASURES, offsets
-from ident.report.offset_table import offset_sheets
+from ident.report.offset_table import offset_sheet
 
 from .conftest import SIGMA, clean, sine_trace
 
@@ -85,7 +85,9 @@ def test_records_that_cannot_be_folded_have_no_offsets(make_fit):
 
 def test_the_table_marks_what_the_model_misses(make_fit):
     trace = sine_trace("a.csv", 8.0, 317.0, offset=0.3e-6)
-    (sheet,) = offset_sheets(make_fit(traces=(trace,))).values()
+    fit = make_fit(traces=(trace,))
+    sheet = offset_sheet(trace, fit.readings[0], fit.model.device)
+    assert sheet is not None
     assert "8 V sine at 317 Hz" in sheet.title
     assert sheet.marks[0] == "warning"  # the model has no mean
     assert sheet.rows[0][1].startswith("300")

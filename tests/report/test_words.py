@@ -66,7 +66,7 @@ def test_records_are_judged_one_by_one_and_together(make_fit):
 
 @pytest.mark.parametrize("width", [80, 100])
 def test_the_terminal_text_fits_its_window(make_fit, width):
-    text = fit_text(make_fit(misfit=0.4), width, offset=True)
+    text = fit_text(make_fit(misfit=0.4), width)
     assert max(len(line) for line in text.splitlines()) <= width
     assert "\x1b" not in text
     assert "…" not in text  # nothing is cut off
@@ -176,6 +176,8 @@ def test_the_limits_of_the_hysteresis_and_of_d31_are_said(make_fit):
 def test_a_record_is_named_by_its_drive(make_fit):
     trace = make_fit().campaign.traces[0]
     assert drive_words(trace, Platform()) == "8 V sine at 317 Hz"
+    one = replace(trace, drive=trace.drive * 0.999999 / 8)
+    assert drive_words(one, Platform()) == "1 V sine at 317 Hz"
     assert drive_words(replace(trace, load=40e-6), Platform()) == "8 V sine at 317 Hz, 40 mg load"
     assert drive_words(replace(trace, period=None), Platform()).startswith("changing drive, up to 7.98 V, around 3")
     assert drive_words(replace(trace, drive=np.full_like(trace.drive, 2.0), period=None), Platform()) == "constant 2 V"
