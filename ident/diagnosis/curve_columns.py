@@ -129,7 +129,7 @@ def _columns(
         offset = -shown / steady.tone
         change = -push / (gain * steady.level) + stretch * offset.real + 1j * offset.imag
         drives.append(steady.needed * change)
-        shares.append(driven / (gain * steady.level))
+        shares.append(driven / (gain * points.level))
     return np.array(drives), np.array(shares)
 
 
