@@ -4,7 +4,9 @@ Nothing here is `ident`: an oscillator whose stiffness and damping are polynomia
 
     |ω0(A)² − ω² + i ω c(A)| A = g U,   ω0(A) = k₀ + Σ k_i A^i,   c(A) = Σ c_j A^j,
 
-to level 1.5 alone, to 0.5 alone, and to 1.5 with a little of 0.5. Laws that level 1.5 does not tell apart disagree at 0.5.
+to level 1.5 alone and to 0.5 alone. Criterion: n ln(χ²/χ² of the first law) + ln n for every number more. No single law
+beside the cubic spring brings the error at 0.5 below 8 %, and of the laws with many numbers, which fit 1.5 alike, some do
+and some do not.
 """
 
 from __future__ import annotations
@@ -19,7 +21,6 @@ from experiments import public_data
 
 FITTED, JUDGED = 1.5, 0.5
 START = {"k0": 37.9, "k2": 5.5, "c0": 0.45}  # Hz, of the largest amplitude of all levels
-LITTLE = 0.1  # weight of a point of level 0.5 beside one of 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,26 +96,41 @@ def read() -> dict[float, Level]:
 
 def main() -> None:
     """Print and assert."""
+    if not public_data.available("magnetic_oscillator", ("frid_frf_4levels.csv",)):
+        print("skipped: set IDENT_BENCHMARKS")
+        return
     levels = read()
-    taught, judged = levels[FITTED], levels[JUDGED]
-    both = {taught: 1.0, judged: LITTLE}
+    taught, judged = {levels[FITTED]: 1.0}, {levels[JUDGED]: 1.0}
+    plain = fitted(taught, (0, 2), (0,))
     cases = {
-        "cubic spring, linear damping": fitted({taught: 1.0}, (0, 2), (0,)),
-        "and quintic spring": fitted({taught: 1.0}, (0, 2, 4), (0,)),
-        "and damping v|v|": fitted({taught: 1.0}, (0, 2), (0, 1)),
-        "and damping v³": fitted({taught: 1.0}, (0, 2), (0, 2)),
-        "damping v|v| alone": fitted({taught: 1.0}, (0, 2), (1,)),
-        "all powers, a little of 0.5": fitted(both, (0, 1, 2, 3, 4), (0, 1, 2, 3)),
-        "cubic spring, linear damping, 0.5 alone": fitted({judged: 1.0}, (0, 2), (0,)),
+        "cubic spring, viscous": plain,
+        "and a quintic spring": fitted(taught, (0, 2, 4), (0,)),
+        "and damping v|v|": fitted(taught, (0, 2), (0, 1)),
+        "and damping v³": fitted(taught, (0, 2), (0, 2)),
+        "springs to z⁵, damping to v⁵": fitted(taught, (0, 2, 4), (0, 2, 4)),
+        "springs to z⁷, damping to v⁵": fitted(taught, (0, 2, 4, 6), (0, 2, 4)),
+        "springs to z⁵, even ones too, viscous": fitted(taught, (0, 1, 2, 3, 4), (0,)),
+        "the same, damping to v³v": fitted(taught, (0, 1, 2, 3, 4), (0, 1, 2, 3)),
+        "cubic spring, viscous, of 0.5 alone": fitted(judged, (0, 2), (0,)),
     }
-    n = len(taught.frequency)
-    first, found = cases["cubic spring, linear damping"], {}
-    chi2 = lambda law: float(np.sum(law.residuals(taught) ** 2))
-    print(f"{'law':42} error at {FITTED:g} and {JUDGED:g}, % of peak   n ln(χ²/χ² of the first) + k ln n at {FITTED:g}")
+    n, first = len(levels[FITTED].frequency), _chi2(plain, levels[FITTED])
+    found: dict[str, tuple[float, float, float]] = {}
+    print(f"{'law':40} error at {FITTED:g}, at {JUDGED:g}, % of peak; criterion at {FITTED:g}")
     for name, law in cases.items():
-        price = (len(law.numbers) - len(first.numbers)) * np.log(n)
-        found[name] = law.error(taught), law.error(judged), n * np.log(chi2(law) / chi2(first)) + price
-        print(f"{name:42} {found[name][0]:6.2f} {found[name][1]:6.2f} {found[name][2]:+10.1f}")
+        price = (len(law.numbers) - len(plain.numbers)) * np.log(n)
+        criterion = n * np.log(_chi2(law, levels[FITTED]) / first) + price
+        found[name] = law.error(levels[FITTED]), law.error(levels[JUDGED]), criterion
+        print(f"{name:40} {found[name][0]:6.2f} {found[name][1]:10.2f} {criterion:+20.1f}")
+    *taught_alone, own = found.values()
+    assert own[1] < 1.5  # the level has a law of the simplest kind
+    simple = [one for one in taught_alone if one[2] > -10]
+    assert len(simple) == 4 and min(one[1] for one in simple) > 8  # no single law beside the cubic spring gets there
+    rich = [one[1] for one in taught_alone if one[2] < -100]
+    assert min(rich) < 4 and max(rich) > 9  # with five numbers more, as good a fit may be right or wrong
+
+
+def _chi2(law: Law, level: Level) -> float:
+    return float(np.sum(law.residuals(level) ** 2))
 
 
 if __name__ == "__main__":
