@@ -1,12 +1,12 @@
 """What level 1.5 of the magnetic oscillator tells of level 0.5: `python -m experiments.real.magnetic_reach`.
 
-Nothing here is `ident`: an oscillator whose stiffness and damping are polynomials of the amplitude A is fitted by SciPy,
+Nothing here is `ident`: SciPy fits an oscillator whose stiffness and damping are polynomials of the amplitude A,
 
     |ω0(A)² − ω² + i ω c(A)| A = g U,   ω0(A) = k₀ + Σ k_i A^i,   c(A) = Σ c_j A^j,
 
-to level 1.5 alone and to 0.5 alone. Criterion: n ln(χ²/χ² of the first law) + ln n for every number more. No single law
-beside the cubic spring brings the error at 0.5 below 8 %, and of the laws with many numbers, which fit 1.5 alike, some do
-and some do not.
+to level 1.5 alone and to 0.5 alone. Criterion: n ln(χ²/χ² of the first law) + ln n for every number more. No single
+law beside the cubic spring brings the error at 0.5 below 8 %, and of the laws with many numbers, which fit 1.5 alike,
+some do and some do not.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Level:
 
 @dataclass(frozen=True)
 class Law:
-    """Powers of the amplitude in the stiffness and in the damping, and their `numbers`, the drive's last, logarithmic."""
+    """Powers of the amplitude in stiffness and damping, and their `numbers`, the logarithm of the drive's last."""
 
     stiffness: tuple[int, ...]
     damping: tuple[int, ...]
@@ -110,7 +110,7 @@ def main() -> None:
         "springs to z⁵, damping to v⁵": fitted(taught, (0, 2, 4), (0, 2, 4)),
         "springs to z⁷, damping to v⁵": fitted(taught, (0, 2, 4, 6), (0, 2, 4)),
         "springs to z⁵, even ones too, viscous": fitted(taught, (0, 1, 2, 3, 4), (0,)),
-        "the same, damping to v³v": fitted(taught, (0, 1, 2, 3, 4), (0, 1, 2, 3)),
+        "the same, damping to v⁴": fitted(taught, (0, 1, 2, 3, 4), (0, 1, 2, 3)),
         "cubic spring, viscous, of 0.5 alone": fitted(judged, (0, 2), (0,)),
     }
     n, first = len(levels[FITTED].frequency), _chi2(plain, levels[FITTED])
