@@ -127,7 +127,7 @@ def turned_by_jumps(
     volts, a, b = wrong[-1]
     assert a is not None and b is not None
     notes.append(
-        f"{file}: up and down are exchanged: at {volts:.4g} the curve called up jumps at {a.frequency:.6g} Hz, below "
-        f"the one called down ({b.frequency:.6g} Hz), which no device does; they are read the other way round."
+        f"{file}: up and down are exchanged: at level {volts:.4g} the curve called up jumps at {a.frequency:.6g} Hz, "
+        f"below the one called down ({b.frequency:.6g} Hz), which no device does; they are read the other way round."
     )
     return ~up

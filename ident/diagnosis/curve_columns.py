@@ -27,10 +27,10 @@ from ..programs import program
 from ..response import Equation
 from ..response.controlled import Controlled
 from ..response.lane import Numbers
-from ..response.memory import Seen, memory_along
+from ..response.memory import Seen
 from ..response.periodic import batches, bound, joined
+from ..response.steady_memory import steady_memory
 
-_STUCK = 1e-12  # as in `response.controlled`
 _STEPS = 128  # of a period
 _ROUNDING = 1e-9  # of a force: a smaller fundamental is none
 
@@ -129,7 +129,7 @@ def _columns(
         offset = -shown / steady.tone
         change = -push / (gain * steady.level) + stretch * offset.real + 1j * offset.imag
         drives.append(steady.needed * change)
-        shares.append(driven / (gain * steady.level))
+        shares.append(driven / (gain * points.level))
     return np.array(drives), np.array(shares)
 
 
@@ -148,10 +148,10 @@ def terms_along(
             z = real * jnp.cos(angle) - imaginary * jnp.sin(angle)
             v = -omega * (real * jnp.sin(angle) + imaginary * jnp.cos(angle))
             voltage, rate, still = level * jnp.cos(angle), -level * omega * jnp.sin(angle), 0.0 * angle
-            seen = Seen(z, v, voltage, rate, still, step, omega, system.gain, 0.0)
+            seen = Seen(z, v, voltage, rate, still, step, omega, jax.lax.stop_gradient(system.gain), 0.0)
             found = (0.0 * z + 0.0 * system.gain,) * 3
             for effect in system.effects:
-                path = _steady_memory(effect, seen)
+                path = steady_memory(effect, lambda _: seen, jnp.zeros(0))
                 one = lambda z, v, h, u, r, effect=effect: _of(effect, system.drive(u, r), z, v, h)
                 said = jax.vmap(one, in_axes=(0, 0, 1 if effect.state0() else None, 0, 0))(z, v, path, voltage, rate)
                 found = tuple(a + b for a, b in zip(found, said, strict=True))
@@ -170,21 +170,6 @@ def _of(effect: Any, drive: Any, z: Any, v: Any, hidden: Any) -> tuple[Any, Any,
     driven = effect.drive(tuple(hidden), drive, 0.0) if effect.overrides("drive") else 0.0
     shown = effect.sensor(state, drive, 0.0) if effect.overrides("sensor") else 0.0
     return force + 0.0 * z, driven + 0.0 * z, shown + 0.0 * z
-
-
-def _steady_memory(effect: Any, seen: Seen) -> Any:
-    """Hidden states (h, points) of an effect that a motion has carried along for ever: after two periods, one step of
-    Newton's method, which is exact for a linear memory and leaves alone a play that is stuck."""
-    if not effect.state0():
-        return jnp.zeros((0, 1))
-    hidden = tuple(jnp.asarray(h, float) for h in effect.begun(seen.first))
-    for _ in range(2):
-        hidden, _ = memory_along(effect, hidden, seen)
-    end = lambda h: jnp.stack(memory_along(effect, tuple(h), seen)[0])
-    begin = jnp.stack(hidden)
-    miss, left = end(begin) - begin, jnp.eye(len(hidden)) - jax.jacfwd(end)(begin)
-    step = jnp.linalg.solve(left.T @ left + _STUCK * jnp.eye(len(hidden)), left.T @ miss)
-    return jnp.stack(memory_along(effect, tuple(begin + step), seen)[1])
 
 
 def _fundamental(x: Any, angle: Any) -> tuple[Any, Any]:

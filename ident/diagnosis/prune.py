@@ -41,7 +41,16 @@ def hurts(before: Fit, after: Fit) -> bool:
         return False
     if after.holdout.error_over_noise <= _HURT * before.holdout.error_over_noise:
         return False
-    return predicts_worse(before, after)
+    return _worse_in_each(before, after) and predicts_worse(before, after)
+
+
+def _worse_in_each(before: Fit, after: Fit) -> bool:
+    """Whether held-out records are predicted worse where each counts by its own error, whatever its noise floor: far
+    above the floors the record with the lowest would else decide alone, and outvote another that became ten times
+    better."""
+    pairs = [(a, b) for a, b in zip(before.scores, after.scores, strict=True) if a.holdout]
+    growth = [np.log(max(b.error_over_noise, 1.0) / max(a.error_over_noise, 1.0)) for a, b in pairs]
+    return bool(np.average(growth, weights=[a.n for a, _ in pairs]) > np.log(_HURT))
 
 
 def confirmed(before: Fit, after: Fit) -> bool:

@@ -52,8 +52,8 @@ class Check:
         for path in self.strangers:
             yield f"  ! {path} has not run here: a fit needs --trust, and whether it is right was not checked"
         yield from (f"  ! {suspect.sentence}" for suspect in self.suspects)
-        if not data.fitted:
-            yield "  ! a fit needs at least one trace that is not held out"
+        if not data.fitted and not data.fitted_sweeps:
+            yield "  ! a fit needs at least one record that is not held out"
         yield from ("\nWhat these records tell apart", *(f"  {sentence}" for sentence in self.tells_apart))
 
     def as_json(self) -> dict[str, Any]:

@@ -20,12 +20,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .periodic import FREQUENCY, LEVEL, Look, Periodic, Seat, empty_look, ride
+from .steady_memory import STUCK
 
 _CLOSE = 1e-5  # of the scale of an unknown: the last step of Newton's method, which leaves its square
 _MOST, _PATIENCE = 40, 10  # steps of Newton's method in all, and without coming half as near again
 _LEAST = 1 / 16  # of a step
 _FARTHEST = 0.5  # of the scale of an unknown, in one step
-_STUCK = 1e-12  # squared share below which a memory neither forgets nor moves: it stays where it is
 
 
 class Points(NamedTuple):
@@ -239,4 +239,4 @@ def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     known = np.all(np.isfinite(square), axis=(1, 2)) & np.all(np.isfinite(aim), axis=(1, 2))
     square, aim = np.where(known[:, None, None], square, 0.0), np.where(known[:, None, None], aim, 0.0)
     largest = np.maximum(np.einsum("kii->ki", square).max(axis=1, initial=0.0), 1.0)
-    return np.linalg.solve(square + _STUCK * largest[:, None, None] * np.eye(matrix.shape[1]), aim)
+    return np.linalg.solve(square + STUCK * largest[:, None, None] * np.eye(matrix.shape[1]), aim)

@@ -2,6 +2,8 @@
 
     V = U cos ωt,   y = (z, ż, hidden …),   y(T) = Φ(y(0); U, f, parameters),   T = 1/f
 
+The hidden states of y are those that see the motion; what follows the drive alone has settled (`steady_memory`).
+
 A steady response is a fixed point of Φ. Everything that is asked about steady responses, their branches, their
 stability and their derivatives, is asked through this one program; `look` runs it for many points side by side. Clocks
 stand still at the switching-on: a drift has no steady response, and none is simulated.
@@ -23,8 +25,9 @@ from jax import Array, lax
 from ..effects.effect import State
 from ..programs import Program, program
 from .lane import Numbers
-from .memory import Seen, memory_along
+from .memory import Seen
 from .runge_kutta import runge_kutta, stages, steps_of
+from .steady_memory import driven_memory, steady_memory
 from .system import Equation, System, assemble, derivative, reading, slices, tangents
 
 LEVEL, FREQUENCY = -2, -1  # places of U and f in the unknowns w = (y, U, f) of a point
@@ -107,7 +110,7 @@ class Periodic:
     @property
     def size(self) -> int:
         """Numbers in the state y."""
-        return 2 + sum(len(effect.state0()) for effect in self.equation.model.effects)
+        return 2 + self.equation.stepped
 
     @property
     def angle(self) -> np.ndarray:
@@ -139,19 +142,6 @@ class Periodic:
         return Look(miss.T, tone, shown[2], np.moveaxis(slope, 0, 2)[:d], tone_slope[:d], shown_slope[2, :d])
 
 
-def motion_parts(equation: Equation) -> tuple[tuple[slice | None, ...], tuple[slice, ...]]:
-    """Where each effect's hidden states are: of those integrated with the motion, as of `system.slices`; of all of
-    them, in y."""
-    parts, places, first = slices(equation), [], 2 + equation.stepped
-    for effect, own in zip(equation.model.effects, parts, strict=True):
-        if own is not None:
-            places.append(slice(2 + own.start, 2 + own.stop))
-        else:
-            places.append(slice(first, first + len(effect.state0())))
-            first += len(effect.state0())
-    return parts, tuple(places)
-
-
 def bound(equation: Equation, constants: Numbers, values: Numbers, load: Any, frequency: Any) -> System:
     """The system of a model under a sine of a frequency, Hz."""
     system = assemble(equation, constants, values)
@@ -169,22 +159,18 @@ def undispersed(system: System, step: Any) -> System:
 def one_period(equation: Equation, system: System, y: Any, level: Any, frequency: Any, angle: Any) -> tuple[Any, Any]:
     """The state after a period, (n,), and the readings at the beginning of each step, (steps,).
 
-    A memory of the drive alone is integrated before the motion, as in a transient.
+    A memory of the drive alone has settled before the motion begins: it is part of the force.
     """
-    parts, places = motion_parts(equation)
+    parts = slices(equation)
     step = 2.0 / (frequency * (angle.shape[0] - 1))
     system = undispersed(system, step)
-    voltage, rate = level * jnp.cos(angle), -level * system.omega * jnp.sin(angle)
-    still = 0.0 * angle
-    seen = Seen(still, still, voltage, rate, still, step, system.omega, system.gain, 0.0)
-    forces, remembered = [], {}
-    for i, (effect, own) in enumerate(zip(system.effects, parts, strict=True)):
-        if own is not None:
-            continue
-        end, path = memory_along(effect, tuple(y[places[i]]), seen)
-        acting = lambda h, u, r, effect=effect: effect.drive(tuple(h), system.drive(u, r), 0.0)
-        forces.append(jax.vmap(acting, in_axes=(1, 0, 0))(jnp.stack(path), voltage, rate))
-        remembered[i] = end
+    forces = []
+    for effect, own in zip(system.effects, parts, strict=True):
+        if own is None:
+            path = driven_memory(effect, system.gain, level, frequency, angle)
+            acting = lambda h, u, r, effect=effect: effect.drive(tuple(h), system.drive(u, r), 0.0)
+            voltage, rate = level * jnp.cos(angle), -level * system.omega * jnp.sin(angle)
+            forces.append(jax.vmap(acting, in_axes=(1, 0, 0))(path, voltage, rate))
     # Cosine and sine are those of all points: only a remembered force has to be kept for each.
     grids = (jnp.cos(angle), jnp.sin(angle), *((sum(forces),) if forces else ()))
 
@@ -194,9 +180,8 @@ def one_period(equation: Equation, system: System, y: Any, level: Any, frequency
         shown = reading(system, parts, state, at[0][:3], slope(state, at[0])[1])
         return runge_kutta(slope, state, at, step), shown
 
-    begin = tuple(y[i] for i in range(2 + equation.stepped))
-    after, shown = lax.scan(advance, begin, steps_of(grids))
-    return jnp.stack([*after, *(h for end in remembered.values() for h in end)]), shown
+    after, shown = lax.scan(advance, tuple(y), steps_of(grids))
+    return jnp.stack(after), shown
 
 
 def tones(shown: Array, slopes: Array, angle: Any) -> tuple[Array, Array]:
@@ -278,7 +263,7 @@ def ride(model: Periodic, level: np.ndarray, frequency: np.ndarray, load: np.nda
 
     **Arguments:** `motion`: (points,) complex a, m.
 
-    **Returns:** hidden states at t = 0, (points, n − 2), two periods after they began; and the fundamental of M z̈ −
+    **Returns:** hidden states at t = 0, (points, n − 2), as they have settled; and the fundamental of M z̈ −
     F(z, ż, hidden) with the voltage at zero, N.
     """
     found = []
@@ -295,7 +280,6 @@ def along_motion(
     real: Numbers, imaginary: Numbers, angle: Numbers,
 ) -> tuple:  # fmt: skip
     """`ride` of one set of points, points last."""
-    parts, places = motion_parts(equation)
 
     def point(level: Any, frequency: Any, load: Any, real: Any, imaginary: Any) -> tuple:
         system = bound(equation, constants, values, load, frequency)
@@ -305,28 +289,21 @@ def along_motion(
         v = -omega * (real * jnp.sin(angle) + imaginary * jnp.cos(angle))
         voltage, rate, still = level * jnp.cos(angle), -level * omega * jnp.sin(angle), 0.0 * angle
         seen = Seen(z, v, voltage, rate, still, step, omega, system.gain, 0.0)
-        ends = []
-        for effect in system.effects:
-            hidden = tuple(jnp.asarray(h, float) for h in effect.begun(seen.first))
-            for _ in range(2):
-                hidden, _ = memory_along(effect, hidden, seen)
-            ends.append(hidden)
-        paths = [memory_along(e, h, seen)[1] for e, h in zip(system.effects, ends, strict=True)]
-        acting = 0.0 * z
-        for effect, own, path in zip(system.effects, parts, paths, strict=True):
-            if own is not None and effect.overrides("force"):
+        hidden, acting = [], 0.0 * z
+        for effect, own in zip(system.effects, slices(equation), strict=True):
+            if own is None:
+                continue
+            path = steady_memory(effect, lambda _: seen, jnp.zeros(0))
+            hidden += list(path[:, 0])
+            if effect.overrides("force"):
                 off = system.drive(0.0, 0.0)
                 one = lambda z, v, h, effect=effect, off=off: effect.force(State(z, v, tuple(h)), off, 0.0)
-                acting = acting + jax.vmap(one, in_axes=(0, 0, 1 if path else None))(
-                    z, v, jnp.stack(path) if path else ()
-                )
+                acting = acting + jax.vmap(one, in_axes=(0, 0, 1 if len(path) else None))(z, v, path)
         n = angle.shape[0] - 1
         line = lambda x: (2 / n * jnp.sum(x * jnp.cos(angle[:-1])), -2 / n * jnp.sum(x * jnp.sin(angle[:-1])))
         (push, turn), spring = line(acting[:-1]), system.stiffness - system.mass * omega**2
         needed = (spring * real - omega * system.damping * imaginary - push,
                   spring * imaginary + omega * system.damping * real - turn)  # fmt: skip
-        order = sorted(range(len(ends)), key=lambda i: places[i].start)
-        hidden = [h for i in order for h in ends[i]]
         return jnp.stack(hidden) if hidden else jnp.zeros(0), *needed
 
     return jax.vmap(point, out_axes=-1)(level, frequency, load, real, imaginary)

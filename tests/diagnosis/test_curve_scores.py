@@ -39,3 +39,14 @@ def test_a_drive_that_depends_on_no_amplitude_explains_no_curve() -> None:
     found = score(bench, {name: built_in()[name] for name in ("coulomb-friction", "cubic-stiffness")})
     assert found[0].name == "cubic-stiffness"
     assert found[0].predicted_gain > 0.9
+
+
+def test_noise_of_amplitudes_is_no_law_of_the_actuator() -> None:
+    """A gain that grows and plays that take it off again leave the noise where it is."""
+    device = Oscillator(output="m")
+    model = Model(device) + built_in()["cubic-stiffness"](device)
+    campaign = Campaign("", tuple(sweep(level, CUBIC, True, 5, 3e-4) for level in (0.1, 0.2, 0.5)), device)
+    bench = prepare(fit(model, campaign))
+    assert bench.chi2 < 1.3 * bench.n
+    (found,) = score(bench, {"prandtl-ishlinskii": built_in()["prandtl-ishlinskii"]})
+    assert found.drop < 20  # three numbers: 1 in 5000 by chance

@@ -131,3 +131,54 @@ def test_every_effect_of_the_library_has_steady_responses() -> None:
             Periodic(Equation(model), values, 64), points(np.array([38.0, 40.0]), np.array([0.01, 0.02]))
         )
         assert found.converged.all(), name
+
+
+def with_memory(name: str, **values: float) -> Periodic:
+    """A linear oscillator whose drive has an effect with a memory."""
+    device = Oscillator()
+    model = Model(device) + built_in()[name](device)
+    known = {f"{name}.{key}": value for key, value in values.items()}
+    own = [FREQUENCY, QUALITY, GAIN]
+    return Periodic(Equation(model), np.array([*own, *(known.get(p.name, 0.0) for p in model.parameters[3:])]), STEPS)
+
+
+def needed_force(at: Points) -> np.ndarray:
+    omega, own = 2 * np.pi * at.frequency, 2 * np.pi * FREQUENCY
+    return (own**2 - omega**2 + 1j * own * omega / QUALITY) * at.amplitude / GAIN
+
+
+def test_plays_in_the_drive_are_no_unknowns_and_act_as_exact_ones() -> None:
+    weight, reach = 0.3, 0.5
+    model = with_memory("prandtl-ishlinskii", weight=weight, reach=reach)
+    at = points(np.linspace(38, 42, 9), np.linspace(0.004, 0.012, 9))
+    found = at_amplitude(model, at)
+    assert model.size == 2
+    assert found.converged.all()
+    angle = np.linspace(0, 6 * np.pi, 30001)
+    for needed, force, level in zip(found.needed, needed_force(at), found.level, strict=True):
+        volts, left = level * np.cos(angle), np.zeros(10001, complex)
+        for j in range(6):
+            play, half = np.zeros(len(angle)), reach * (j + 0.5) / 6
+            for k in range(1, len(angle)):
+                play[k] = min(max(play[k - 1], volts[k] - half), volts[k] + half)
+            left += weight / 6 * (volts - play)[-10001:]
+        own = 2 * np.mean((volts[-10001:] - left)[:-1] * np.exp(-1j * angle[-10001:-1]))
+        assert needed / level * own == pytest.approx(force, rel=0.01)  # edges are rounded
+
+
+def test_a_slow_memory_of_the_drive_has_settled_at_once() -> None:
+    late, time, spread = 0.2, 3.0, 4.0  # s: hundreds of periods
+    model = with_memory("creep", late=late, time=time, spread=spread)
+    at = points(np.linspace(38, 42, 5), np.full(5, 0.01))
+    found = at_amplitude(model, at)
+    omega = 2 * np.pi * at.frequency
+    lagging = sum(1 / (1 + 1j * omega * time * spread**j) for j in (-1, 0, 1)) / 3
+    np.testing.assert_allclose(found.needed * (1 + late * lagging), needed_force(at), rtol=1e-4)
+    slopes = found.slopes(np.diag(model.values))
+    for i in (3, 5):  # late, time
+        sides = []
+        for side in (1e-4, -1e-4):
+            values = model.values.copy()
+            values[i] *= 1 + side
+            sides.append(at_amplitude(Periodic(model.equation, values, STEPS), at).needed)
+        np.testing.assert_allclose(slopes[i], (sides[0] - sides[1]) / 2e-4, rtol=1e-3, atol=1e-9)
