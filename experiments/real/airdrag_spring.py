@@ -14,7 +14,7 @@ file = "ringdown_1.csv"
 [[record]]
 file = "ringdown_3.csv"
 holdout = true
-skip = "20 s"
+skip = "30 s"
 """,
     baseline=7.8,
     start=10.0,

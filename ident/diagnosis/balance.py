@@ -96,7 +96,7 @@ class _End(NamedTuple):
 
 def samples_of(bench: Bench) -> int:
     """How many of the bench's numbers are samples of traces."""
-    return bench.n - (0 if bench.plane is None else len(bench.plane.order))
+    return len(bench.residual) - (0 if bench.plane is None else len(bench.plane.order))
 
 
 def _searched(at: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]], x: np.ndarray) -> np.ndarray:

@@ -26,9 +26,8 @@ def chance(bench: Bench, basis: np.ndarray, tried: int) -> float:
     residual are whitened with it and the F test is made there.
     """
     left = bench.residual - basis @ (basis.T @ bench.residual)
-    ends = [*bench.starts[1:], bench.n]
     y, x = [], []
-    for first, last in zip(bench.starts, ends, strict=True):
+    for first, last in zip(bench.starts, bench.ends, strict=True):
         part = left[first:last]
         taps = prediction_filter(part[None])
         size = float(np.std(convolved(taps, part))) or 1.0
@@ -54,7 +53,7 @@ def chance_of(bench: Bench, basis: np.ndarray) -> float:
         return chance(bench, basis, basis.shape[1])
     y: list[np.ndarray] = []
     x: list[np.ndarray] = []
-    for first, last in zip(bench.starts, [*bench.starts[1:], bench.n], strict=True):
+    for first, last in zip(bench.starts, bench.ends, strict=True):
         part = bench.residual[first:last]
         taps = prediction_filter(part[None])
         both = np.column_stack([part, basis[first:last]])

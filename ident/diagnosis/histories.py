@@ -78,6 +78,5 @@ def begun_apart(bench: Bench, model: Model, rows: int) -> np.ndarray | None:
 
 def histories(bench: Bench, changed: np.ndarray, rows: np.ndarray) -> Histories:
     """How `rows` (d, n) change with histories `begun_apart`, with which they are `changed` (h, d, n)."""
-    ends = [*bench.starts[1:], bench.n]
-    places = zip(bench.fit.campaign.fitted, bench.starts, ends, strict=False)
+    places = zip(bench.fit.campaign.fitted, bench.starts, bench.ends, strict=False)
     return Histories(changed - rows, tuple(slice(a, b) for record, a, b in places if record.start != "rest"))

@@ -131,7 +131,7 @@ def locate(bench: Bench) -> Where:
 
 def _all_samples(bench: Bench) -> list[_Samples]:
     scene, found = bench.scene, []
-    ends = [*bench.starts[1:], bench.n][: len(scene.paths)]
+    ends = bench.ends[: len(scene.paths)]
     starts = bench.starts[: len(scene.paths)]
     places = zip(bench.fit.campaign.fitted, scene.tape.spans, scene.paths, starts, ends, strict=True)
     for record, span, path, first, last in places:
@@ -156,7 +156,7 @@ def _all_samples(bench: Bench) -> list[_Samples]:
 def _all_points(bench: Bench) -> list[_Samples]:
     """The numbers of each sweep: its amplitudes, then its phases."""
     sweeps, found = bench.fit.campaign.fitted_sweeps, []
-    ends = [*bench.starts[1:], bench.n]
+    ends = bench.ends
     own = list(zip(bench.starts, ends, strict=True))[len(ends) - len(sweeps) :]
     for sweep, (first, last) in zip(sweeps, own, strict=True):
         many = (last - first) // len(sweep.frequency)
@@ -185,8 +185,7 @@ def _phase(drive: np.ndarray, turns: np.ndarray) -> np.ndarray:
 
 def _by_record(bench: Bench) -> tuple[RecordView, ...]:
     """Error ÷ noise floor of every record; fitted ones are judged on the white residual."""
-    ends = [*bench.starts[1:], bench.n]
-    white = iter(bench.residual[first:last] for first, last in zip(bench.starts, ends, strict=True))
+    white = iter(bench.residual[first:last] for first, last in zip(bench.starts, bench.ends, strict=True))
     found = []
     pairs = sorted(
         zip(bench.fit.campaign.records, bench.fit.scores, strict=True), key=lambda p: isinstance(p[0], Sweep)

@@ -69,6 +69,11 @@ class Bench:
         return len(self.residual) - int(silent)
 
     @property
+    def ends(self) -> tuple[int, ...]:
+        """One past the last sample of each record, and of each sweep, within the residual."""
+        return (*self.starts[1:], len(self.residual))
+
+    @property
     def chi2(self) -> float:
         return float(self.residual @ self.residual)
 
