@@ -29,6 +29,7 @@ from experiments.hidden_effects.generator import draw  # noqa: E402
 from ident.campaign import Campaign  # noqa: E402
 from ident.campaign.outliers import find_outliers, without_outliers  # noqa: E402
 from ident.diagnosis.diagnose import diagnose  # noqa: E402
+from ident.diagnosis.look import first_look  # noqa: E402
 from ident.diagnosis.suspects import find_suspects  # noqa: E402
 from ident.effects.registry import registry  # noqa: E402
 from ident.fit import fit  # noqa: E402
@@ -55,7 +56,7 @@ def run(seed: int, fault: str, hidden: bool, walk: bool = False) -> dict[str, An
         told = {"verdict": diagnosis.verdict, "named": named, "truth": list(effects)}
         told["wrong_physics"] = diagnosis.verdict == "identified" and named != told["truth"]
     else:
-        suspects, told = find_suspects(found, registry()), {}
+        suspects, told = find_suspects(found, lambda: first_look(found, registry(), lambda _: None)), {}
     named = [s for s in suspects if s.kind in _BY_OTHERS or s.kind in EXPECTED.get(fault, ()) or fault == "none"]
     right = any(s.file == f"{faulty}.csv" and s.kind in EXPECTED.get(fault, ()) for s in named)
     return {

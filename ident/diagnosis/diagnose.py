@@ -20,6 +20,7 @@ from .effect_file import write_effect
 from .enough import adequate
 from .experiments import NextExperiment, next_experiments, rank_experiments
 from .locate import Where, locate
+from .look import first_look
 from .prune import hurts
 from .score import Bench, prepare
 from .shorten import is_long, working
@@ -117,11 +118,12 @@ def diagnose(
     report("locating the misfit")
     bench = prepare(working(fitted))
     where = locate(bench)
-    suspects = find_suspects(fitted, library, report)
+    look = first_look(fitted, library, report)
+    suspects = find_suspects(fitted, lambda: look, report)
     if any(suspect.first for suspect in suspects):
         nothing = Discovery("ambiguous", fitted, (), (), {}, (), bench)
         return Diagnosis(nothing, where, suspects=suspects)
-    found = continue_from(fitted, library, report, keep=keep)
+    found = continue_from(fitted, library, report, keep=keep, look=look)
     suspects = judged_again(suspects, found.final, report)
     if found.verdict == "identified" and any(one.kind in BY_OTHERS for one in suspects):
         found = replace(found, verdict="ambiguous")

@@ -9,13 +9,12 @@ sure: with the true effect absent from the library an impostor still lowers the 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
 
 from ..campaign.campaign import Campaign
-from ..effects.effect import AbstractEffect
 from ..fit import Fit, fit
 from ..model import Model
 from .change import try_without
@@ -24,9 +23,9 @@ from .enough import ANOTHER_LAW, adequate, contradicted, laws_differ_by, not_wor
 from .evidence import VERY_STRONG, behind, criteria
 from .lacking import lacking
 from .lone_record import prepare_at_best
+from .look import Library, Look, best_drop, first_look, possible
 from .parts import Parts
 from .prune import Pruned, confirmed, hurts, prune
-from .refits import by_refits
 from .score import Bench, Candidate, prepare, score, significant
 from .shorten import is_long, working
 from .side_by_side import at_once
@@ -35,16 +34,12 @@ from .ties import TieSet, tie_set
 from .together import both, hidden_by_each_other
 from .trajectory import Diverged
 
-Library = Mapping[str, type[AbstractEffect]]
 Report = Callable[[str], None]
 Keep = Callable[["Fit", "Sequence[Step]"], None]
 """Called with the first fit and the steps so far after each of them, so that a walk that is stopped has left them."""
 
 MOST_TERMS = 6
-_SHORTLIST = 3  # twice as many if refits keep less than the scores promised
-_BROKEN = 0.5  # of what the scores promised: if the refits of the shortlist keep less, refits rank the rest
-_BETRAYED = 0.1  # the same for any of them: then at once
-_NEAR = 0.1  # of the excess: candidates this near the best are confirmed too
+_SHORTLIST = 3  # refits to excerpts, of which those on all samples decide
 _REFITTED_TIES = 12  # of the names that tie by their scores; a record that says little leaves more than that
 
 
@@ -63,37 +58,28 @@ def continue_from(
     report: Report = lambda _: None,
     most: int = MOST_TERMS,
     keep: Keep = lambda _, __: None,
+    look: Look | None = None,
 ) -> Discovery:
-    """The loop from a fit."""
+    """The loop from a fit; `look`: at it, if somebody had one already."""
     current, steps = start, []
-    ranking: tuple[Candidate, ...] = ()
-    gains: dict[str, float] = {}
-    bench = prepare_at_best(current)
-    first = bench.instead_of or bench
-    while True:
-        report(f"scoring {len(library) - len(current.model.names)} effects")
-        candidates = score(bench, library, report)
-        if not bench.credible:
-            if not worth_a_name(bench.chi2 - bench.n, first):
-                break  # shapes are not worth a refit of every effect
-            candidates = by_refits(bench, candidates, library, report)
-        ranking = ranking or tuple(candidates)
-        real = significant(candidates)
-        if not real or len(steps) >= most:
-            break
-        if not_worth_adding(bench, max(c.drop for c in real), first) and not hidden_by_each_other(
-            bench, candidates, None, first
+    look = look or first_look(start, library, report)
+    first, gains = look.first, dict[str, float]()
+    ranking = tuple(look.candidates) if look.worth_it else ()
+    while look.worth_it and look.real and len(steps) < most:
+        if not_worth_adding(look.bench, max(c.drop for c in look.real), first) and not hidden_by_each_other(
+            look.bench, look.candidates, None, first
         ):
             break
-        found = _best_step(current, bench, candidates, library, first, gains if not steps else {}, report)
+        found = _best_step(current, look, gains if not steps else {})
         if found is None:
             break
         more, bench = found
         for step in more:
             steps.append(step)
             report(f"added {step.added}: error over noise {step.fit.fitted.error_over_noise:.3g}")
-        current = steps[-1].fit
+        current, look = steps[-1].fit, Look(bench, first, library, report)
         keep(start, steps)
+    bench, candidates = look.bench, look.candidates
     steps = _without_refuted(start, steps, bench)
     alike: tuple[Parts, ...] = ()
     if steps:
@@ -190,31 +176,22 @@ def _role(bench: Bench, found: Confirmed, first: Bench) -> Literal["effect", "sh
     return "effect" if bench is first or worth_a_name(bench.fit_chi2 - found.chi2, first) else "shape-refinement"
 
 
-def _best_step(
-    current: Fit,
-    bench: Bench,
-    candidates: list[Candidate],
-    library: Library,
-    first: Bench,
-    gains: dict[str, float],
-    report: Report,
-) -> tuple[list[Step], Bench] | None:
+def _best_step(current: Fit, look: Look, gains: dict[str, float]) -> tuple[list[Step], Bench] | None:
     """Confirm the best candidates by refits and take the best one, or two that hide each other; the bench of the fit
     with them too."""
-    real = significant(candidates)
-    tried = _tried(bench, real, library, report)
+    bench, first, library, tried = look.bench, look.first, look.library, look.tried
     gains.update({found.candidate.name: found.gain for found in tried})
-    best = None if not_worth_adding(bench, _best_drop(tried, bench), first) else _best(tried, bench, current, first)
+    best = None if not_worth_adding(bench, best_drop(tried, bench), first) else _best(tried, bench, current, first)
     single = best and (best.confirmed.candidate.name, best.left)
-    if names := hidden_by_each_other(bench, candidates, single, first):
-        report(f"trying {' and '.join(names)} together")
+    if names := hidden_by_each_other(bench, look.candidates, single, first):
+        look.report(f"trying {' and '.join(names)} together")
         if two := both(current, bench, names, library, best and best.left):
             return two
     if best is None:
         return None
     found = best.confirmed
     name, predicted = found.candidate.name, found.candidate.predicted_gain
-    ties, tied = _weighed_ties(bench, found, real, library, tried)
+    ties, tied = _weighed_ties(bench, found, look.real, library, tried)
     return [Step(name, predicted, found.gain, ties.names, best.role, best.fit, ties.reasons, tied, bench)], best.left
 
 
@@ -266,56 +243,20 @@ def _accepted(tried: list[Confirmed], bench: Bench, current: Fit) -> Iterator[tu
         yield from sorted(zip(best, fits, strict=True), key=lambda pair: pair[1].fitted.error_over_noise)
 
 
-def _tried(bench: Bench, real: list[Candidate], library: Library, report: Report) -> list[Confirmed]:
-    """Refits of the candidates that may be the best, by their scores; by short refits where the scores broke their
-    word."""
-    tried: list[Confirmed] = []
-    rest, believed = list(real), bench.credible
-    while rest and len(tried) < _SHORTLIST * 2 and _may_be_best(rest[0], _possible(real, tried), tried, bench):
-        candidate = rest.pop(0)
-        report(f"confirming {candidate.name}")
-        tried.append(confirm(bench, library[candidate.name], candidate))
-        least = _BROKEN if len(tried) == _SHORTLIST else _BETRAYED
-        if believed and len(tried) <= _SHORTLIST and _best_drop(tried, bench) < least * real[0].drop:
-            believed, rest = False, by_refits(bench, rest, library, report)
-    return tried
-
-
 def _weighed_ties(
     bench: Bench, found: Confirmed, real: list[Candidate], library: Library, tried: list[Confirmed]
 ) -> tuple[TieSet, tuple[Candidate, ...]]:
     """What an effect ties with, the nearest of those that had only been scored refitted; and the candidates that do."""
-    rivals = _possible(real, tried)
+    rivals = possible(real, tried)
     ties = tie_set(bench, found.candidate, rivals, library, tried)
     known = {one.candidate.name for one in tried}
     scored = [tie.name for tie in ties.ties if tie.name not in known and np.isfinite(tie.behind)][:_REFITTED_TIES]
     if scored:
         more = at_once(lambda c: confirm(bench, library[c.name], c), [c for c in rivals if c.name in scored])
         tried = [*tried, *more]
-        rivals = _possible(real, tried)
+        rivals = possible(real, tried)
         ties = tie_set(bench, found.candidate, rivals, library, tried)
     return ties, tuple(c for c in real if c.name in ties.names)
-
-
-def _possible(candidates: list[Candidate], tried: list[Confirmed]) -> list[Candidate]:
-    """The candidates without those whose refit ended in something that cannot be."""
-    impossible = {found.candidate.name for found in tried if not found.possible}
-    return [c for c in candidates if c.name not in impossible]
-
-
-def _best_drop(tried: list[Confirmed], bench: Bench) -> float:
-    """The most that a refit of a possible effect kept; what the best one promised, if there is none yet."""
-    return max((bench.fit_chi2 - found.chi2 for found in tried if found.possible), default=np.inf)
-
-
-def _may_be_best(candidate: Candidate, real: list[Candidate], tried: list[Confirmed], bench: Bench) -> bool:
-    """Whether a candidate is worth a refit: it promises nearly as much as the best one promised, or as refits kept."""
-    promised, kept = real[0].drop, _best_drop(tried, bench)
-    if len(tried) >= _SHORTLIST:
-        # Where short refits rank, what they reached is the least that a candidate gains, not the most.
-        return candidate.drop > kept * (1.0 if bench.credible else _BROKEN)
-    excess = max(bench.chi2 - bench.n, 1e-9)
-    return candidate.drop > min(promised, kept) - max(_NEAR * excess, VERY_STRONG)
 
 
 def _in_order(tried: list[Confirmed], bench: Bench) -> list[Confirmed]:

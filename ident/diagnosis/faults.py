@@ -7,7 +7,7 @@ the model fitted to all of it. What it leaves is weighed by the same evidence as
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -23,6 +23,7 @@ from ..fit.guess import GRID_STEP, coarse_frequency
 from ..fit.reading import read
 from ..model import Model
 from .nuisance import Nuisance, best_scale, moved, nuisances, rms, stretched
+from .side_by_side import at_once
 
 _SCALES = (0.5, 2.0, 0.1, 10.0, 0.9, 1.1, 0.95, 1.05, 0.98, 1.02, 0.99, 1.01)
 _DELAYS = (-10, -6, -4, -2.5, -1.5, -0.7, 0, 0.7, 1.5, 2.5, 4, 6, 10)  # samples that all records may be late
@@ -56,24 +57,63 @@ class Fault(NamedTuple):
         return np.concatenate([self.left, self.apart])
 
 
-def faults_of(fitted: Fit, i: int, most: float = np.inf) -> list[Fault]:
-    """Ways in which one record may be faulty, each fitted together with the other records; none if one of those stands
-    above `most` noise floors without it."""
+class Rest(NamedTuple):
+    """What the other records tell: `campaign` of them, `values` (m,) SI of the model fitted to them, how many `numbers`
+    were fitted, what it leaves, `left` (n,) in noise floors, and the error over noise of the `worst` of them."""
+
+    campaign: Campaign
+    values: np.ndarray
+    numbers: int
+    left: np.ndarray
+    worst: float
+
+
+def told_by_others(fitted: Fit, i: int) -> Rest | None:
+    """What the records but one tell.
+
+    The fit starts where that of all ended, unless the others point to another resonance: one record may have led it
+    astray.
+    """
+    others = without(fitted.campaign, i)
+    initial: np.ndarray | None = fitted.values
+    if fitted.model.form in ("oscillator", "overdamped"):
+        frequency = coarse_frequency(others.fitted, fitted.campaign.fitted)
+        far = abs(math.log(frequency / fitted.values[0])) >= 1.5 * GRID_STEP
+        initial = None if far else initial
+    found = _minimum(fitted.model, others, initial)
+    return found and Rest(others, found.values, len(found.static.free), *residual_of(found, others))
+
+
+def likeliest(fitted: Fit, records: Sequence[int], allowed: Callable[[Fault], bool]) -> list[Fault]:
+    """The allowed faults of some records, without those that cannot be the best one.
+
+    However a record is read, the others are left no less than they are without it: records are asked in that order,
+    until one would have to leave less than nothing of its own.
+    """
+    samples = sum(np.count_nonzero(r.counted) for r in fitted.campaign.fitted)
+    rests = dict(zip(records, at_once(lambda i: told_by_others(fitted, i), records), strict=True))
+    told = [(float(rest.left @ rest.left) / samples, i, rest) for i, rest in rests.items() if rest is not None]
+    found: list[Fault] = []
+    for least, i, rest in sorted(told, key=lambda one: one[0]):
+        if least >= min((float(np.mean(fault.whole**2)) for fault in found), default=np.inf):
+            break
+        found += filter(allowed, faults_of(fitted, i, rest))
+    return found
+
+
+def faults_of(fitted: Fit, i: int, rest: Rest) -> list[Fault]:
+    """Ways in which one record may be faulty, each fitted together with the other records."""
     model, campaign, record = fitted.model, fitted.campaign, fitted.campaign.traces[i]
-    others = without(campaign, i)
-    rest = _told_by(fitted, others)
-    if rest is None or residual_of(rest, others)[1] > most:
-        return []
     own = _minimum(model, _only(campaign, record), None)  # a device of its own: another load, or another device
     ratio = 1.0 if own is None else float(own.values[0]) / float(rest.values[0])
     tried = explanations(model, rest.values, campaign.traces, i, (*_SCALES, ratio))[:_TRIED]
     found = [fault for told in tried if (fault := _together(fitted, i, told, rest.values)) is not None]
     if own is not None:
-        left, worst = residual_of(rest, others)
         apart, at_own = residual_of(own, _only(campaign, record))
         told = Nuisance("wrong-record", 100 * (ratio - 1), OF_FREQUENCY, at_own)
-        numbers = len(rest.static.free) + len(own.static.free)
-        found.append(Fault(i, told, others, rest.values, left, numbers, max(worst, at_own), apart))
+        numbers = rest.numbers + len(own.static.free)
+        worst = max(rest.worst, at_own)
+        found.append(Fault(i, told, rest.campaign, rest.values, rest.left, numbers, worst, apart))
     return found
 
 
@@ -96,16 +136,22 @@ def _common_delay(fitted: Fit, step: float | None) -> Fault | None:
     def read_so(late: float) -> Campaign:
         return replace(campaign, records=tuple(earlier(record, late) for record in campaign.records))
 
-    def error(late: float) -> float:
-        found = _minimum(model, read_so(late), fitted.values)
-        return np.inf if found is None else rms(residual_of(found, read_so(late))[0], 1.0)
+    known = {0.0: fitted.values}
 
-    coarse = min(_DELAYS, key=error)
+    def error(late: float) -> float:
+        nearest = known[min(known, key=lambda other: abs(other - late))]  # from there it takes a step or two
+        found = _minimum(model, read_so(late), nearest)
+        if found is None:
+            return np.inf
+        known[late] = found.values
+        return rms(residual_of(found, read_so(late))[0], 1.0)
+
+    coarse = min(sorted(_DELAYS, key=abs), key=error)
     reach = max(0.75, abs(coarse) / 2)
     bounds, options = (coarse - reach, coarse + reach), {"xatol": 2e-4}
     best: Any = minimize_scalar(error, bounds=bounds, method="bounded", options=options)
     late = float(best.x)
-    found = _minimum(model, read_so(late), fitted.values)
+    found = _minimum(model, read_so(late), known.get(late, fitted.values))
     if found is None:
         return None
     left, worst = residual_of(found, read_so(late))
@@ -185,20 +231,6 @@ def _time_scale(model: Model, values: np.ndarray, record: Trace, scales: Sequenc
 
     scale, least = best_scale(error, scales)
     return Nuisance("time-scale", scale, "1", least, stretched(record, scale))
-
-
-def _told_by(fitted: Fit, others: Campaign) -> Minimum | None:
-    """What the other records tell.
-
-    The fit starts where that of all ended, unless the others point to another resonance: one record may have led it
-    astray.
-    """
-    initial: np.ndarray | None = fitted.values
-    if fitted.model.form in ("oscillator", "overdamped"):
-        frequency = coarse_frequency(others.fitted, fitted.campaign.fitted)
-        far = abs(math.log(frequency / fitted.values[0])) >= 1.5 * GRID_STEP
-        initial = None if far else initial
-    return _minimum(fitted.model, others, initial)
 
 
 def _only(campaign: Campaign, record: Trace) -> Campaign:

@@ -8,7 +8,7 @@ of one record takes it away. Held-out records are judged by what the fitted ones
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -16,23 +16,19 @@ import numpy as np
 
 from ..campaign.record import Trace
 from ..campaign.suspect import ALL, Suspect, suspects_by_data
-from ..effects.effect import AbstractEffect
 from ..fit import Fit, fit
 from ..fit.reading import read
 from ..model import Model
-from .confirm import confirm
 from .enough import ANOTHER_LAW, MOST_OF_IT
 from .evidence import VERY_STRONG, Left, criteria
-from .faults import OF_FREQUENCY, Fault, common_delay, explanations, faults_of
+from .faults import OF_FREQUENCY, Fault, common_delay, explanations, faults_of, likeliest, told_by_others
+from .look import Look, first_look
 from .nuisance import DROPPED, Nuisance, rms
-from .refits import FEW
-from .score import prepare, score, significant
+from .score import Bench
 from .shorten import is_long
-from .side_by_side import at_once
 from .trajectory import Diverged
 
 Report = Callable[[str], None]
-Library = Mapping[str, type[AbstractEffect]]
 
 BY_OTHERS = ("delay", "gain", "sign", "time-scale", "wrong-record")
 """Kinds of suspects that only other records tell. An effect may be mistaken for them: beside one no name is sure."""
@@ -41,18 +37,18 @@ _FLOOR = 1.3  # error over noise up to which records agree; floors are known to 
 _FAR = 3.0  # times worse than the others agree, from which on a record disagrees
 _BACK = 1.5  # times as bad as the others agree, up to which a corrected held-out record is one of them
 _MOST = 8  # records that may be faulty, the worst first
-_EFFECTS = 3  # that are refitted beside a fault, and without one
 _SURE, _LIKELY = 0.95, 0.9
 """Of suspects that settle everything down to the noise, and of the others; see experiments/faulty_records."""
 
 
-def find_suspects(fitted: Fit, library: Library, report: Report = lambda _: None) -> tuple[Suspect, ...]:
-    """The suspect records of a fit's campaign: what the data alone tell, and what the records tell of one another."""
+def find_suspects(fitted: Fit, look: Callable[[], Look], report: Report = lambda _: None) -> tuple[Suspect, ...]:
+    """The suspect records of a fit's campaign: what the data alone tell, and what the records tell of one another;
+    `look`: what the library says of the fit, if it is asked."""
     found = list(suspects_by_data(fitted.campaign))
     if not _disagree(fitted) or is_long(fitted.campaign):
         return tuple(found)
     report("do the records agree with one another?")
-    return tuple(found + _by_others(fitted, library))
+    return tuple(found + _by_others(fitted, look()))
 
 
 @lru_cache(maxsize=8)  # the terminal and the page ask
@@ -63,7 +59,10 @@ def alone_off(fitted: Fit) -> tuple[Suspect, ...]:
         return ()
     traces = fitted.campaign.traces
     off = [i for i, s in enumerate(fitted.trace_scores) if not s.holdout and s.error_over_noise > _FAR * _FLOOR]
-    found = [fault for i in off[:_MOST] for fault in faults_of(fitted, i, _FLOOR)]
+    rests = {i: told_by_others(fitted, i) for i in off[:_MOST]}
+    found = [
+        fault for i, rest in rests.items() if rest and rest.worst <= _FLOOR for fault in faults_of(fitted, i, rest)
+    ]
     settled = [one for one in found if one.worst <= _FLOOR and _beyond_an_effect(one, fitted.values)]
     if not settled:
         return ()
@@ -85,17 +84,19 @@ def judged_again(suspects: tuple[Suspect, ...], final: Fit, report: Report) -> t
     been missing, and what that hid may show now. What the data of a record alone tell stays."""
     alone = tuple(one for one in suspects if one.kind not in BY_OTHERS)
     names = {one.file for one in alone}
-    return alone + tuple(one for one in find_suspects(final, {}, report) if one.file not in names)
+    again = find_suspects(final, lambda: first_look(final, {}, lambda _: None), report)
+    return alone + tuple(one for one in again if one.file not in names)
 
 
 class _Explained(NamedTuple):
-    """What a model, with one effect more if that helps, says of records; `left` (n,) in white noise floors; `traces`:
-    as the held-out ones among them are to be read."""
+    """What a model, with one effect more if that helps, says of records; `left` (n,) in white noise floors, `worst` the
+    error over noise of the worst record; `traces`: as the held-out ones among them are to be read."""
 
     model: Model
     values: np.ndarray
     left: np.ndarray
     numbers: int
+    worst: float
     traces: Sequence[Trace] = ()
 
     @property
@@ -104,16 +105,17 @@ class _Explained(NamedTuple):
         return max(float(np.mean(self.left**2)) - 1.0, 1e-9)
 
 
-def _by_others(fitted: Fit, library: Library) -> list[Suspect]:
+def _by_others(fitted: Fit, look: Look) -> list[Suspect]:
     traces = fitted.campaign.traces
     errors = [score.error_over_noise for score in fitted.trace_scores]
-    worst = sorted(range(len(traces)), key=lambda i: -errors[i])
-    inside = [i for i in worst if not traces[i].holdout and errors[i] > _FLOOR][:_MOST]
-    outside = [i for i in worst if traces[i].holdout][:_MOST]
+    order = sorted(range(len(traces)), key=lambda i: -errors[i])
+    inside = [i for i in order if not traces[i].holdout and errors[i] > _FLOOR][:_MOST]
+    outside = [i for i in order if traces[i].holdout][:_MOST]
     found: list[Suspect] = []
-    known = _Explained(fitted.model, fitted.values, _left(fitted), fitted.freedom, traces)
+    worst = max(errors[i] for i in order if not traces[i].holdout)
+    known = _Explained(fitted.model, fitted.values, _left(fitted), fitted.freedom, worst, traces)
     if len(fitted.campaign.fitted) > 2 and known.excess > _FLOOR**2 - 1:
-        one = _most_likely(fitted, inside, library)
+        one = _most_likely(fitted, inside, look)
         if one is not None:
             suspect, known = one
             found = [suspect]
@@ -128,10 +130,12 @@ def _left(fitted: Fit) -> np.ndarray:
     return np.concatenate([*parts, residuals[tape.samples :]])
 
 
-def _most_likely(fitted: Fit, inside: Sequence[int], library: Library) -> tuple[Suspect, _Explained] | None:
+def _most_likely(fitted: Fit, inside: Sequence[int], look: Look) -> tuple[Suspect, _Explained] | None:
     """The fault that explains the records better than physics does, if one does."""
-    left = _left(fitted)
-    faults = [fault for i in inside for fault in faults_of(fitted, i) if _beyond_an_effect(fault, fitted.values)]
+    left, sound = _left(fitted), _with_physics(fitted, look)
+    if sound.worst <= _FLOOR:
+        return None  # so told all records agree
+    faults = likeliest(fitted, inside, lambda fault: _beyond_an_effect(fault, fitted.values))
     if all(fault.worst > _FLOOR for fault in faults):
         common = common_delay(fitted)
         faults += [] if common is None else [common]
@@ -142,17 +146,20 @@ def _most_likely(fitted: Fit, inside: Sequence[int], library: Library) -> tuple[
     scores = [s for s in fitted.trace_scores if not s.holdout]
     own = fitted.trace_scores[best.record] if best.record is not None else fitted.fitted
     shapes = ANOTHER_LAW * own.n / sum(s.n for s in scores) * max(own.error_over_noise**2 - 1.0, 1e-9)
-    sound = _with_physics(fitted, library)
     if not sound.excess > shapes:
         return None  # nothing is left to explain
-    faulty = _with_physics(fit(fitted.model, best.campaign, initial=best.values), library)
+    read_so = fit(fitted.model, best.campaign, initial=best.values)
+    try:
+        faulty = _with_physics(read_so, first_look(read_so, look.library, look.report))
+    except Diverged:  # nor does it explain the motion
+        return None
     faulty = faulty._replace(left=np.concatenate([faulty.left, best.apart]), numbers=faulty.numbers + 1)
     weights = criteria([sound, _beside(sound.left, faulty.left, faulty.numbers)])
     most = faulty.excess < MOST_OF_IT * sound.excess and sound.excess - faulty.excess > shapes
     if not (most and weights[0] - weights[1] > VERY_STRONG):
         return None
-    read_so = best.campaign if best.record is None else fitted.campaign
-    return _suspect(fitted, best, sound, faulty), faulty._replace(traces=read_so.traces)
+    campaign = best.campaign if best.record is None else fitted.campaign
+    return _suspect(fitted, best, sound, faulty), faulty._replace(traces=campaign.traces)
 
 
 def _beside(left: np.ndarray, other: np.ndarray, numbers: int) -> Left:
@@ -160,25 +167,22 @@ def _beside(left: np.ndarray, other: np.ndarray, numbers: int) -> Left:
     return Left(other * np.sqrt(len(left) / len(other)), numbers)
 
 
-def _with_physics(before: Fit, library: Library) -> _Explained:
+def _with_physics(fitted: Fit, look: Look) -> _Explained:
     """What the fit leaves, or the fit with the one effect that explains most of it."""
-    alone = _Explained(before.model, before.values, _left(before), before.freedom)
-    try:
-        bench = prepare(before)
-    except Diverged:
-        return alone
-    counts = np.concatenate([np.ones(0, bool), *(_counts(r) for r in before.campaign.fitted)])
-    counts = np.concatenate([counts, np.ones(len(bench.left) - len(counts), bool)])
-    tried = [alone._replace(left=bench.left[counts])]
+    bench = look.bench.instead_of or look.bench
+    told = [(fitted.model, fitted.values, bench.left, fitted.freedom)]
     if bench.chi2 > _FLOOR**2 * bench.n:
-        real = significant(score(bench, library))[:_EFFECTS]
-        found = at_once(lambda one: confirm(bench, library[one.name], one, FEW), real)
-        tried += [_Explained(c.model, c.values, c.left[counts], c.numbers) for c in found if c.possible]
+        told += [(one.model, one.values, one.left, one.numbers) for one in look.tried if one.possible]
+    tried = [_explained(fitted, bench, *one) for one in told]
     return tried[int(np.argmin(criteria(tried)))]
 
 
-def _counts(record: Trace) -> np.ndarray:
-    return record.counted[record.skip :]
+def _explained(fitted: Fit, bench: Bench, model: Model, values: np.ndarray, left: np.ndarray, n: int) -> _Explained:
+    """A model by what it leaves of the samples that count."""
+    parts = np.split(left, bench.starts[1:])
+    counts = [r.counted[r.skip :] for r in fitted.campaign.fitted]
+    parts[: len(counts)] = [part[own] for part, own in zip(parts, counts, strict=False)]
+    return _Explained(model, values, np.concatenate(parts), n, max(rms(part, 1.0) for part in parts if len(part)))
 
 
 def _suspect(fitted: Fit, best: Fault, sound: _Explained, faulty: _Explained) -> Suspect:

@@ -10,14 +10,15 @@ import pytest
 from ident.campaign import Campaign, Trace, read_campaign
 from ident.campaign.clipping import clipped_mask
 from ident.campaign.record import Channel, NoiseFloor
-from ident.campaign.suspect import ALL, suspects_by_data
+from ident.campaign.suspect import ALL, Suspect, suspects_by_data
 from ident.diagnosis.diagnose import diagnose
 from ident.diagnosis.document import diagnosis_dict
+from ident.diagnosis.look import first_look
 from ident.diagnosis.nuisance import nuisances
 from ident.diagnosis.score import prepare
 from ident.diagnosis.suspects import alone_off, find_suspects
 from ident.effects.registry import registry
-from ident.fit import fit
+from ident.fit import Fit, fit
 from ident.model import build_model
 from ident.report.diagnosis_view import advice, verdict_words
 from tests.end_to_end.user import DATA
@@ -37,6 +38,10 @@ def spoiled(campaign: Campaign, name: str, **changes) -> Campaign:
 @pytest.fixture(scope="module")
 def clean() -> Campaign:
     return read_campaign(DATA / "platform_clean")
+
+
+def suspects_of(fitted: Fit) -> tuple[Suspect, ...]:
+    return find_suspects(fitted, lambda: first_look(fitted, registry(), lambda _: None))
 
 
 def late(record: Trace) -> np.ndarray:
@@ -70,7 +75,7 @@ def test_the_response_of_a_held_out_record_from_another_is_named(clean):
     other = next(r for r in clean.traces if r.name == "sine_9V_505Hz.csv")
     noise = other.noise.sigma * np.random.default_rng(3).standard_normal(len(other.time))  # else it is a duplicate
     campaign = spoiled(clean, "sine_5V_450Hz.csv", response=lambda _: other.response + noise)
-    (suspect,) = find_suspects(fit(build_model(campaign), campaign), registry())
+    (suspect,) = suspects_of(fit(build_model(campaign), campaign))
     assert (suspect.file, suspect.kind) == ("sine_5V_450Hz.csv", "wrong-record")
     assert "sine_9V_505Hz.csv" in suspect.says
 
@@ -81,7 +86,7 @@ def test_the_response_of_a_held_out_record_from_another_is_named(clean):
 def test_sound_records_are_not_suspected_whatever_the_model_lacks(name):
     campaign = read_campaign(DATA / name)
     found = fit(build_model(campaign, ()), campaign)
-    assert find_suspects(found, registry()) == () and alone_off(found) == ()
+    assert suspects_of(found) == () and alone_off(found) == ()
 
 
 def test_what_the_data_alone_tell(clean):

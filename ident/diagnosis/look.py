@@ -1,0 +1,101 @@
+"""One look at a fit for what it lacks: every effect scored, the best of them refitted in full simulation.
+
+The search for faulty records and the walk ask the same of the first fit; it is answered once, and only if asked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..effects.effect import AbstractEffect
+from ..fit import Fit
+from .confirm import Confirmed, confirm
+from .enough import worth_a_name
+from .evidence import VERY_STRONG
+from .lone_record import prepare_at_best
+from .refits import by_refits
+from .score import Bench, Candidate, score, significant
+
+Library = Mapping[str, type[AbstractEffect]]
+Report = Callable[[str], None]
+
+_SHORTLIST = 3  # twice as many if refits keep less than the scores promised
+_BROKEN = 0.5  # of what the scores promised: if the refits of the shortlist keep less, refits rank the rest
+_BETRAYED = 0.1  # the same for any of them: then at once
+_NEAR = 0.1  # of the excess: candidates this near the best are confirmed too
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """What the library says of a fit; `bench`: of the fit, `first`: of the one that the walk began with."""
+
+    bench: Bench
+    first: Bench
+    library: Library
+    report: Report
+
+    @cached_property
+    def worth_it(self) -> bool:
+        """Whether scores can be believed, or as much is left as is worth refits instead: shapes are not."""
+        return self.bench.credible or worth_a_name(self.bench.chi2 - self.bench.n, self.first)
+
+    @cached_property
+    def candidates(self) -> list[Candidate]:
+        """Every effect that the model lacks, best first; by short refits where scores cannot be believed."""
+        self.report(f"scoring {len(self.library) - len(self.bench.fit.model.names)} effects")
+        scored = score(self.bench, self.library, self.report)
+        if self.bench.credible or not self.worth_it:
+            return scored
+        return by_refits(self.bench, scored, self.library, self.report)
+
+    @cached_property
+    def real(self) -> list[Candidate]:
+        """Those that chance would not produce."""
+        return significant(self.candidates)
+
+    @cached_property
+    def tried(self) -> list[Confirmed]:
+        """Refits of the candidates that may be the best, by their scores; by short refits where the scores broke their
+        word."""
+        bench, library, tried = self.bench, self.library, list[Confirmed]()
+        rest, believed = list(self.real), bench.credible
+        while rest and len(tried) < _SHORTLIST * 2 and self._may_be_best(rest[0], possible(self.real, tried), tried):
+            candidate = rest.pop(0)
+            self.report(f"confirming {candidate.name}")
+            tried.append(confirm(bench, library[candidate.name], candidate))
+            least = _BROKEN if len(tried) == _SHORTLIST else _BETRAYED
+            if believed and len(tried) <= _SHORTLIST and best_drop(tried, bench) < least * self.real[0].drop:
+                believed, rest = False, by_refits(bench, rest, library, self.report)
+        return tried
+
+    def _may_be_best(self, candidate: Candidate, real: list[Candidate], tried: list[Confirmed]) -> bool:
+        """Whether a candidate is worth a refit: it promises nearly as much as the best one promised, or as refits
+        kept."""
+        bench = self.bench
+        promised, kept = real[0].drop, best_drop(tried, bench)
+        if len(tried) >= _SHORTLIST:
+            # Where short refits rank, what they reached is the least that a candidate gains, not the most.
+            return candidate.drop > kept * (1.0 if bench.credible else _BROKEN)
+        excess = max(bench.chi2 - bench.n, 1e-9)
+        return candidate.drop > min(promised, kept) - max(_NEAR * excess, VERY_STRONG)
+
+
+def first_look(start: Fit, library: Library, report: Report) -> Look:
+    """The look at the fit with which a walk begins."""
+    bench = prepare_at_best(start)
+    return Look(bench, bench.instead_of or bench, library, report)
+
+
+def possible(candidates: list[Candidate], tried: list[Confirmed]) -> list[Candidate]:
+    """The candidates without those whose refit ended in something that cannot be."""
+    impossible = {found.candidate.name for found in tried if not found.possible}
+    return [c for c in candidates if c.name not in impossible]
+
+
+def best_drop(tried: list[Confirmed], bench: Bench) -> float:
+    """The most that a refit of a possible effect kept; what the best one promised, if there is none yet."""
+    return max((bench.fit_chi2 - found.chi2 for found in tried if found.possible), default=np.inf)
