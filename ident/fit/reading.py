@@ -29,13 +29,15 @@ _STILL = 1e-7  # of the largest displacement and velocity
 _LEAST = 1 / 16  # of a step: a shorter one gains nothing
 
 
-def fit_starts(static: Static, data: Data, unknowns: Unknowns) -> tuple[Unknowns, Evaluation]:
-    """Gauss–Newton on the initial states alone; they enter almost linearly, but where a loop remembers them: steps that
-    gain nothing are halved. Never worse than where it began; the model there too."""
+def fit_starts(
+    static: Static, data: Data, unknowns: Unknowns, rounds: int = _ROUNDS
+) -> tuple[Unknowns, Evaluation]:
+    """Gauss–Newton on the initial states alone, in so many rounds at most; they enter almost linearly, but where a loop
+    remembers them: steps that gain nothing are halved. Never worse than where it began; the model there too."""
     light = np.where(np.arange(data.start_scale.shape[1]) < 2, 1e-6, 1.0)
     best, kept = unknowns, evaluate(static, data, unknowns)
     least, share = _cost(kept, best, light), 1.0
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
         steps = _steps(data, kept, best, light)
         if steps is None or share * np.max(np.abs(steps), initial=0.0) < _STILL:
             break
