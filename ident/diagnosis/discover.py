@@ -31,7 +31,7 @@ from .shorten import is_long, working
 from .side_by_side import at_once
 from .steps import Discovery, Step, Verdict
 from .ties import TieSet, tie_set
-from .together import both, hidden_by_each_other
+from .together import both, hidden_by_each_other, simpler_pair
 from .trajectory import Diverged
 
 Report = Callable[[str], None]
@@ -183,7 +183,10 @@ def _best_step(current: Fit, look: Look, gains: dict[str, float]) -> tuple[list[
     gains.update({found.candidate.name: found.gain for found in tried})
     best = None if not_worth_adding(bench, best_drop(tried, bench), first) else _best(tried, bench, current, first)
     single = best and (best.confirmed.candidate.name, best.left)
-    if names := hidden_by_each_other(bench, look.candidates, single, first):
+    names = hidden_by_each_other(bench, look.candidates, single, first)
+    if names is None and best is not None:
+        names = simpler_pair(bench, look.candidates, best.confirmed, best.left)
+    if names is not None:
         look.report(f"trying {' and '.join(names)} together")
         if two := both(current, bench, names, library, best and best.left):
             return two

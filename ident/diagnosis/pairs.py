@@ -28,8 +28,11 @@ class Pair(NamedTuple):
     numbers: int
 
 
-def best_pair(bench: Bench, candidates: Sequence[Candidate], one: str | None = None) -> Pair | None:
-    """The two candidates (one of them as named) that explain the most together, at the best points of their grids."""
+def best_pair(
+    bench: Bench, candidates: Sequence[Candidate], one: str | None = None, most: float = np.inf
+) -> Pair | None:
+    """The two candidates (one of them as named) that explain the most together, at the best points of their grids, with
+    at `most` so many numbers between them."""
     points = [(c.signature, *c.near_signatures) for c in candidates]
     flat = [p for several in points for p in several]
     if len(candidates) < 2 or not flat:
@@ -43,6 +46,8 @@ def best_pair(bench: Bench, candidates: Sequence[Candidate], one: str | None = N
     best, chosen = -np.inf, None
     for i, j in itertools.combinations(range(len(candidates)), 2):
         if one is not None and one not in (candidates[i].name, candidates[j].name):
+            continue
+        if candidates[i].dof + candidates[j].dof > most:
             continue
         price = (candidates[i].dof + candidates[j].dof) * np.log(bench.n)
         for a, b in itertools.product(of[i], of[j]):

@@ -1,4 +1,5 @@
-"""Adding two effects at once, where neither explains alone what both do together (see `pairs`)."""
+"""Adding two effects at once, where neither explains alone what both do together, or where one law with as many numbers
+stands in for both (see `pairs`)."""
 
 from __future__ import annotations
 
@@ -8,7 +9,7 @@ import numpy as np
 
 from ..effects.effect import AbstractEffect
 from ..fit import Fit
-from .confirm import accept, confirm
+from .confirm import Confirmed, accept, confirm
 from .enough import adequate, not_worth_adding, worth_a_name
 from .evidence import VERY_STRONG, Left, behind
 from .pairs import best_pair
@@ -37,6 +38,24 @@ def hidden_by_each_other(
         if adequate(left) or with_it is None or behind(pair, with_it) > -VERY_STRONG:
             return None
     return pair.names if behind(pair, _instead(bench, single and single[1])) < -VERY_STRONG else None
+
+
+def simpler_pair(
+    bench: Bench, candidates: Sequence[Candidate], found: Confirmed, left: Bench
+) -> tuple[str, str] | None:
+    """Names of two other effects with no more numbers between them than one that was `found`, which by their scores
+    explain clearly more; `left`: the bench with it.
+
+    A law with several numbers bends to mimic two simple ones, and is met first by a walk that weighs it against each
+    alone. One that explains the records to the noise is the simpler answer.
+    """
+    numbers = found.numbers - bench.numbers
+    if numbers < 2 or not bench.credible or adequate(left):
+        return None
+    others = [c for c in candidates if c.name != found.candidate.name]
+    pair, one = best_pair(bench, others, most=numbers), found.candidate.signature
+    scored = Left(bench.residual - one.T @ (one @ bench.residual), found.numbers)
+    return pair.names if pair is not None and behind(pair, scored) < -VERY_STRONG else None
 
 
 def both(

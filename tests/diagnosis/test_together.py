@@ -10,9 +10,11 @@ import pytest
 
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
+from ident.campaign.record import NoiseFloor
 from ident.diagnosis.discover import discover
 from ident.diagnosis.pairs import best_pair
 from ident.diagnosis.score import Candidate
+from ident.diagnosis.together import simpler_pair
 from ident.effects.registry import built_in
 from ident.model import Model
 
@@ -44,6 +46,33 @@ def _candidate(name: str, rows: np.ndarray, residual: np.ndarray) -> Candidate:
     signature = np.linalg.qr(rows.T)[0].T
     drop = float(np.sum((signature @ residual) ** 2))
     return Candidate(name, drop, 0.0, len(rows), 0.0, {}, {}, {}, signature)
+
+
+@pytest.mark.parametrize(
+    ("share", "noise", "expected"), [(0.6, 1.0, {"drag", "spring"}), (1.0, 1.0, None), (0.6, 30.0, None)]
+)
+def test_a_law_of_many_numbers_is_weighed_against_two_simple_ones(
+    share: float, noise: float, expected: set[str] | None
+) -> None:
+    """A law of four numbers explains a `share` of what two of one number each explain together: they are asked in its
+    place unless it stands at the noise floor, by what it explains or for the noise."""
+    random = np.random.default_rng(5)
+    drag, spring, *other = np.linalg.qr(random.normal(size=(600, 6)))[0].T
+    signal = 300.0 * (drag + spring)
+    residual = signal + random.normal(size=600)
+    mixed = np.sqrt(share) * signal / np.linalg.norm(signal) + np.sqrt(1 - share) * other[0]
+    loop = _candidate("loop", np.stack([mixed, *other[1:]]), residual)
+    candidates = [loop, *(_candidate(n, c[None], residual) for n, c in (("drag", drag), ("spring", spring)))]
+    floor = NoiseFloor(noise, relative_error=0.01)
+    campaign = SimpleNamespace(fitted=(SimpleNamespace(noise=floor),), fitted_sweeps=())
+    bench = SimpleNamespace(n=600, residual=residual, numbers=3, credible=True, fit=SimpleNamespace(campaign=campaign))
+    kept = residual - loop.signature.T @ (loop.signature @ residual)
+    left = SimpleNamespace(**vars(bench) | {"residual": kept / noise, "chi2": float(kept @ kept) / noise**2})
+    found = SimpleNamespace(candidate=loop, numbers=7)
+    names = simpler_pair(bench, candidates, found, left)  # pyright: ignore[reportArgumentType]  (only what it reads)
+    assert (None if names is None else set(names)) == expected
+    fewer = SimpleNamespace(candidate=loop, numbers=4)  # one number has no two effects in its place
+    assert simpler_pair(bench, candidates, fewer, left) is None  # pyright: ignore[reportArgumentType]
 
 
 @pytest.mark.parametrize(
