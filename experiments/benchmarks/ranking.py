@@ -25,9 +25,10 @@ runtime.configure()
 from experiments.hidden_effects.campaigns import campaign_of  # noqa: E402  (JAX must be configured first)
 from experiments.hidden_effects.generator import draw  # noqa: E402
 from ident.campaign.campaign import Campaign  # noqa: E402
+from ident.diagnosis.bench import prepare  # noqa: E402
 from ident.diagnosis.confirm import confirm  # noqa: E402
 from ident.diagnosis.discover import discover  # noqa: E402
-from ident.diagnosis.score import prepare, score  # noqa: E402
+from ident.diagnosis.score import score  # noqa: E402
 from ident.effects.registry import built_in  # noqa: E402
 from ident.fit import fit  # noqa: E402
 from ident.model import Model  # noqa: E402

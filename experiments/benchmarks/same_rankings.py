@@ -26,10 +26,15 @@ def scores(path: Path) -> None:
     from experiments.hidden_effects.campaigns import campaign_of
     from experiments.hidden_effects.generator import draw
     from experiments.hidden_effects.laws import NAMES
-    from ident.diagnosis.score import prepare, score
+    from ident.diagnosis.score import score
     from ident.effects.registry import built_in
     from ident.fit import fit
     from ident.model import Model
+
+    try:
+        from ident.diagnosis.bench import prepare
+    except ImportError:  # a checkout in which one file did both
+        from ident.diagnosis.score import prepare
 
     library, found = built_in(), []
     known = [name for name in NAMES if name in library and not library[name].needs]

@@ -13,10 +13,10 @@ from typing import Any, Literal
 import numpy as np
 
 from experiments.simulator.signals import Played
+from ident.diagnosis.bench import prepare
 from ident.diagnosis.beyond import go_beyond
 from ident.diagnosis.diagnose import measure_next
 from ident.diagnosis.discover import discover
-from ident.diagnosis.score import prepare
 from ident.diagnosis.steps import Discovery
 from ident.effects.registry import built_in
 from ident.fit import Fit

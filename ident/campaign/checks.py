@@ -107,6 +107,7 @@ def _resolution(column: Column) -> float:
     return 10.0 ** (math.floor(math.log10(largest)) + 1 - max(digits, 1)) if largest > 0 else 0.0
 
 
+PLATFORM_TRAVEL = 1e-3  # m, more than any micro platform moves: beyond it a unit is wrong, or the device is another
 _NO_PLATFORM = (
     '; for a thing that is no platform write device = { kind = "oscillator", output = "m" } in a campaign.toml'
 )
@@ -132,7 +133,7 @@ def check_plausible(
         do = f'correct its unit, in the header or with units = {{ {role} = "{example}" }}{more}'
         return UserError(f"{what} cannot be right for a platform", where=where, do=do)
 
-    if size > 1e-3:
+    if size > PLATFORM_TRAVEL:
         raise error(f"a displacement of {size:.3g} m", "response", "um", _NO_PLATFORM)
     if 0 < size < 1e-12:
         raise error(f"a displacement of only {size:.3g} m", "response", "um")

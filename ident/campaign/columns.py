@@ -63,7 +63,9 @@ _DRIVE = _words(
     "drive signal, input voltage, driving voltage, excitation voltage, v drive, drive v, u drive, anregung"
 )
 _DRIVE_STRONG = _words("drive, driving, input, excitation, stimulus, command, actuation, actuator, vin, uin, anregung")
-_DRIVE_WEAK = _words("v, voltage, volt, volts, u, spannung, in, source")
+_DRIVE_WEAK = _words(
+    "v, voltage, volt, volts, u, spannung, in, source, force, kraft, torque, drehmoment, hammer, shaker, current, strom"
+)
 _RESPONSE = _words(
     "y, z, displacement, disp, deflection, output, response, position, y out, vout, v out, z stage, "
     "stage displacement, weg, auslenkung, out of plane displacement"

@@ -11,6 +11,7 @@ from ident.errors import UserError
 from ident.units import CURRENT, LENGTH, NUMBER, VOLTAGE, Dimension, base_unit, find_unit
 
 from .amplitude_unit import amplitude_unit
+from .checks import PLATFORM_TRAVEL
 from .columns import Role, match_columns, sweep_roles, trace_roles
 from .device import Device, Oscillator, Platform
 from .sweep_form import curve_form
@@ -29,6 +30,8 @@ _READINGS: tuple[Dimension, ...] = (
 
 _PUSHES: tuple[Dimension, ...] = (CURRENT, (1, 1, -2, 0, 0, 0, 0), (1, 0, -2, 0, 0, 0, 0))
 """What may drive a thing that is no platform: a current, a force, an acceleration of its base."""
+
+_BENCH = 0.1  # m: what stands on a bench moves less, and metres in place of micrometres are more
 
 
 def guess_kind(table: Table) -> str:
@@ -87,9 +90,17 @@ def _measured(column: Column) -> Dimension | None:
     return None if found is None else found.dimension
 
 
+def _travel(column: Column) -> float:
+    """How far a column of displacements goes to either side, m; 0 if its header states no length."""
+    unit = find_unit(column.unit) if column.unit else None
+    if unit is None or unit.dimension != LENGTH:
+        return 0.0
+    return 0.5 * float(np.ptp(column.numbers())) * unit.factor
+
+
 def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
     """A platform, unless every response is in one unit that is no length; and a sentence that says so."""
-    outputs, inputs, undriven = set(), set(), 0
+    outputs, inputs, undriven, travel = set(), set(), 0, 0.0
     for table in tables:
         kind = guess_kind(table)
         table = curve_form(table) if kind == "sweep" else table
@@ -101,13 +112,16 @@ def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
             for name in names:
                 if name in found and (dimension := _measured(found[name])) is not None:
                     units.add(dimension)
+                    travel = max(travel, _travel(found[name]) if name == "response" else 0.0)
     reading = outputs.pop() if len(outputs) == 1 else None
     pushed = inputs.pop() if len(inputs) == 1 else VOLTAGE
     alone = len(tables) == undriven
-    if reading is not None and (reading in _READINGS or (reading == LENGTH and (alone or pushed in _PUSHES))):
+    wide = PLATFORM_TRAVEL < travel < _BENCH
+    if reading is not None and (reading in _READINGS or (reading == LENGTH and (alone or wide or pushed in _PUSHES))):
         output, source = base_unit(reading), base_unit(pushed)
         units = f'output = "{output}", input = "{source}"'
         why = f"The response is in {output}" if reading in _READINGS else f"The drive is in {source}"
+        why = f"No platform moves {1e3 * travel:.3g} mm" if reading == LENGTH and wide else why
         why = "No record has a drive" if reading == LENGTH and alone else why
         return Oscillator(output, source), [f"{why}, so the device is taken as an oscillator ({units})."]
     return Platform(), ["No device given: the nominal platform is assumed."]

@@ -13,6 +13,7 @@ from ident.units import NUMBER, find_unit, parse_quantity
 
 from .amplitude_unit import TO_PEAK, AmplitudeUnit, split_convention
 from .channel import channel_of, own_units, plausible_noise
+from .checks import PLATFORM_TRAVEL
 from .columns import Role, match_columns, sweep_roles
 from .device import Device, Oscillator
 from .record import SAME_LEVEL, Channel, NoiseFloor, Sweep, same_level
@@ -164,7 +165,7 @@ def _amplitude(
         found = find_unit(meant.per)
         notes.append(f'{column.file}: "{column.header}" is a response per drive; it is multiplied by the drive level.')
         amplitude = amplitude * level / (found.factor if found else 1.0)
-    if not isinstance(device, Oscillator) and np.max(amplitude) > 1e-3:
+    if not isinstance(device, Oscillator) and np.max(amplitude) > PLATFORM_TRAVEL:
         raise UserError(
             f"an amplitude of {np.max(amplitude):.3g} m cannot be right for a platform",
             where=f'{column.file}, column "{column.header}"',

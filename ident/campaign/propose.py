@@ -15,6 +15,7 @@ from ident.errors import UserError
 from ident.units import LENGTH, VOLTAGE
 
 from .added_drive import with_drive
+from .checks import PLATFORM_TRAVEL
 from .columns import sweep_roles, trace_roles
 from .device import Oscillator, Platform
 from .drive import drive_frequency
@@ -190,7 +191,7 @@ def _units(table: Table) -> dict[str, str]:
     response = found.get("response")
     if response is None or response.unit is not None or not _varies(response):
         return {}
-    return {"response": "V"} if float(np.ptp(response.numbers())) > 1e-3 else {}
+    return {"response": "V"} if float(np.ptp(response.numbers())) > PLATFORM_TRAVEL else {}
 
 
 def _name(column: Column, table: Table) -> str | int:

@@ -19,7 +19,7 @@ import numpy as np
 from .curve_columns import Moves, Plane
 
 if TYPE_CHECKING:
-    from .score import Bench
+    from .bench import Bench
 
 _ROUNDS = 60
 _STARTS = (0.0, 0.3, -0.3)  # of the drive that was there, as size of the effect

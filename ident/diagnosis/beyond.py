@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 from ..effects.registry import registry
 from ..fit import Fit, fit
+from .bench import Bench
 from .change import add
 from .effect_file import write_effect
-from .score import Bench
 from .unknown import Unknown, find_unknown
 
 Report = Callable[[str], None]

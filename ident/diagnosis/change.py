@@ -14,8 +14,9 @@ from ..fit.fit import minimise
 from ..fit.judge import Score
 from ..fit.rebuild import fit_at
 from ..fit.starts import starting_points
+from .bench import prepare
 from .confirm import start_of, with_effect
-from .score import prepare, score
+from .score import score
 
 Report = Callable[[str], None]
 _FEW = 4  # steps after which the better of two starts is known

@@ -14,7 +14,7 @@ from ..campaign.recursive import convolved
 from .whiten import prediction_filter
 
 if TYPE_CHECKING:
-    from .score import Bench
+    from .bench import Bench
 
 _SMALL = 1.5  # χ² per sample up to which the residual may be noise of a colour that the noise floor does not have
 

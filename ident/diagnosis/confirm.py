@@ -17,7 +17,8 @@ from ..fit.guess import DataScales
 from ..fit.one_tone import gain_of
 from ..fit.rebuild import fit_at
 from ..model import Model, make_effect
-from .score import Bench, Candidate
+from .bench import Bench
+from .score import Candidate
 from .shorten import is_long
 from .splits import split_starts, takes_over
 from .whiten import whiten
@@ -65,6 +66,16 @@ def confirm(
     then those of effects accepted before from theirs, as a new term may free them. `base`: values of the other
     parameters to start from, if not those of the bench's fit.
     """
+    asked = (effect, *candidate.values.items(), most, None if base is None else tuple(base))
+    if asked not in bench.refitted:
+        bench.refitted[asked] = _refitted(bench, effect, candidate, most, base)
+    return bench.refitted[asked]
+
+
+def _refitted(
+    bench: Bench, effect: type[AbstractEffect], candidate: Candidate, most: int, base: np.ndarray | None
+) -> Confirmed:
+    """`confirm`, for the first time."""
     before = bench.fit
     model = with_effect(before, effect)
     scored = [candidate, *(candidate._replace(values=values) for values in candidate.near)]

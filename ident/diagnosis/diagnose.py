@@ -14,6 +14,7 @@ from ..effects.effect import AbstractEffect
 from ..effects.registry import registry
 from ..fit import Fit, fit_data
 from ..fit.fit_data import Effects
+from .bench import Bench, prepare
 from .beyond import free_name, go_beyond
 from .discover import Keep, continue_from
 from .effect_file import write_effect
@@ -22,7 +23,6 @@ from .experiments import NextExperiment, next_experiments, rank_experiments
 from .locate import Where, locate
 from .look import first_look
 from .prune import hurts
-from .score import Bench, prepare
 from .shorten import is_long, working
 from .steps import Discovery, Step, Verdict
 from .suspects import BY_OTHERS, find_suspects, judged_again

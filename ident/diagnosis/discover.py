@@ -17,16 +17,16 @@ import numpy as np
 from ..campaign.campaign import Campaign
 from ..fit import Fit, fit
 from ..model import Model
+from .bench import Bench, prepare
 from .change import try_without
 from .confirm import Confirmed, accept, confirm
 from .enough import ANOTHER_LAW, adequate, contradicted, laws_differ_by, not_worth_adding, worth_a_name
 from .evidence import VERY_STRONG, behind, criteria
 from .lacking import lacking
-from .lone_record import prepare_at_best
 from .look import Library, Look, best_drop, first_look, possible
 from .parts import Parts
 from .prune import Pruned, confirmed, hurts, prune
-from .score import Bench, Candidate, prepare, score, significant
+from .score import Candidate, score, significant
 from .shorten import is_long, working
 from .side_by_side import at_once
 from .steps import Discovery, Step, Verdict
@@ -63,7 +63,7 @@ def continue_from(
     """The loop from a fit; `look`: at it, if somebody had one already."""
     current, steps = start, []
     look = look or first_look(start, library, report)
-    first, gains = look.first, dict[str, float]()
+    first, at_best, gains = look.first, look.bench, dict[str, float]()
     ranking = tuple(look.candidates) if look.worth_it else ()
     while look.worth_it and look.real and len(steps) < most:
         if not_worth_adding(look.bench, max(c.drop for c in look.real), first) and not hidden_by_each_other(
@@ -86,7 +86,7 @@ def continue_from(
         needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report)
         alike = needed.alike
         if needed.names != tuple(s.added for s in steps):
-            steps = _replayed(start, needed, library)
+            steps = _replayed(start, needed, library, at_best)
     if steps and is_long(start.campaign):
         report("fitting all samples")
         last = steps[-1].fit
@@ -125,12 +125,12 @@ def _after_effects(steps: list[Step], bench: Bench) -> Bench:
     return bench if last == len(steps) - 1 else prepare(working(steps[last].fit))
 
 
-def _replayed(start: Fit, needed: Pruned, library: Library) -> list[Step]:
-    """The steps as they would have been without the terms that proved superfluous."""
+def _replayed(start: Fit, needed: Pruned, library: Library, at_best: Bench) -> list[Step]:
+    """The steps as they would have been without the terms that proved superfluous; `at_best`: where the walk began."""
     steps: list[Step] = []
     current = start
     for name in needed.names:
-        bench = prepare(working(current)) if steps else prepare_at_best(current)
+        bench = prepare(working(current)) if steps else at_best
         candidates = score(bench, library)
         chosen = next(c for c in candidates if c.name == name)
         found = confirm(bench, library[name], chosen)

@@ -6,8 +6,8 @@ import numpy as np
 
 from ..fit import Fit
 from ..fit.carry_over import expected_error
+from .bench import Bench
 from .evidence import Left, behind
-from .score import Bench
 
 ANOTHER_LAW = 0.001  # of the first excess: structured misfit beyond which a name is in doubt; see `lacking`
 _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect

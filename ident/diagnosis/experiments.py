@@ -28,9 +28,10 @@ from ..fit import Fit
 from ..fit.assemble import assemble, begin
 from ..fit.problem import evaluate
 from ..response import Tape, lay_out
+from .bench import Bench
 from .confirm import accept, confirm
 from .equivalences import equivalence
-from .score import Bench, Candidate
+from .score import Candidate
 from .waveforms import Limits, Waveform, limits_of, proposals
 
 SEPARATED = 10.0  # expected Δχ² from which a record is worth taking

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..effects.dependence import Side
-from .score import Bench
+from .bench import Bench
 from .stage import Stage, rows_of
 from .subsets import regress
 from .terms import Term, monomial, number, paired, remembered, single, table

@@ -18,7 +18,7 @@ from ..response import Equation
 from .basis import orthonormal
 
 if TYPE_CHECKING:
-    from .score import Bench
+    from .bench import Bench
 
 _ROUNDS = 6  # of the sizes with the histories held, and of the histories with the sizes held
 

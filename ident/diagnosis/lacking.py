@@ -13,8 +13,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ..effects.dependence import Side, depends_on
+from .bench import Bench
 from .colour_test import chance_of
-from .score import Bench
 from .stage import Stage, set_stage
 from .subsets import TRIED, rank, regress, smallest_sufficient, spline_rows
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..campaign.drive import drive_frequency
 from ..campaign.record import Sweep
-from .score import Bench
+from .bench import Bench
 from .views import View, chance_of, from_sums, view
 from .whiteness import Correlation, drive_correlation, whiteness
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from ..fit import Fit, fit
 from ..fit.rebuild import fit_at
-from .score import Bench, prepare
+from .bench import Bench, prepare
 from .shorten import working
 from .side_by_side import at_once
 from .trajectory import Diverged

@@ -13,12 +13,13 @@ import numpy as np
 
 from ..effects.effect import AbstractEffect
 from ..fit import Fit
+from .bench import Bench
 from .confirm import Confirmed, confirm
 from .enough import worth_a_name
 from .evidence import VERY_STRONG
 from .lone_record import prepare_at_best
 from .refits import by_refits
-from .score import Bench, Candidate, score, significant
+from .score import Candidate, score, significant
 
 Library = Mapping[str, type[AbstractEffect]]
 Report = Callable[[str], None]

@@ -14,7 +14,8 @@ from collections.abc import Mapping
 from ..effects.effect import AbstractEffect
 from ..fit import Fit
 from ..pulse import Report
-from .score import prepare, score, significant
+from .bench import prepare
+from .score import score, significant
 from .shorten import working
 
 

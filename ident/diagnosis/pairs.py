@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .score import Bench, Candidate
+from .bench import Bench
+from .score import Candidate
 
 _SURVIVES = 1e-4  # squared share of a column that must be left beside the other effect's: rounding and the measured
 # path's noise make up the rest

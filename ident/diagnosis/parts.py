@@ -9,11 +9,12 @@ import numpy as np
 
 from ..effects.effect import AbstractEffect
 from ..fit import Fit
+from .bench import prepare
 from .change import try_without
 from .confirm import accept, confirm
 from .enough import ANOTHER_LAW
 from .evidence import STRONG, behind
-from .score import prepare, score, significant
+from .score import score, significant
 from .trajectory import Diverged
 
 

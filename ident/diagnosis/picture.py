@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ..effects.dependence import Side
-from .score import Bench
+from .bench import Bench
 from .splines import Places
 from .stage import Stage
 from .subsets import Solution, spline_functions

@@ -10,12 +10,13 @@ import numpy as np
 from ..effects.effect import AbstractEffect
 from ..fit import Fit
 from ..fit.rebuild import fit_at
+from .bench import Bench, prepare
 from .change import ENOUGH, try_without, values_without
 from .confirm import accept, confirm, is_possible
 from .enough import ANOTHER_LAW, SAME_SHAPE, laws_differ_by, superfluous
 from .evidence import VERY_STRONG, behind, criteria, predicts_worse
 from .parts import Parts, take_apart
-from .score import Bench, Candidate, prepare, score, significant
+from .score import Candidate, score, significant
 from .shorten import working
 from .trajectory import Diverged
 

@@ -7,8 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from ..effects.effect import AbstractEffect
+from .bench import Bench
 from .confirm import base_of, start_of, weigh, with_effect
-from .score import Bench, Candidate
+from .score import Candidate
 from .side_by_side import at_once
 
 Library = Mapping[str, type[AbstractEffect]]

@@ -14,8 +14,8 @@ import numpy as np
 from ..fit.fit import minimise
 from ..model import Model
 from ..response import Equation
+from .bench import Bench
 from .columns import Terms, contributions, no_histories
-from .score import Bench
 
 _SHARES = (0.3, 0.6)  # of the stiffness, taken over
 _LEAST_DAMPING = 0.1  # of the linear part's: what is left to it at the least

@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..effects.dependence import Side
+from .bench import Bench, by_record
 from .columns import push_columns
-from .score import Bench, by_record
 from .splines import Places, Size, places, sizes
 
 

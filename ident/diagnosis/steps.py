@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from ..fit import Fit
+from .bench import Bench
 from .parts import Parts
-from .score import Bench, Candidate
+from .score import Candidate
 
 Verdict = Literal["adequate", "identified", "ambiguous", "not-in-library"]
 

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..effects.dependence import Side
-from .score import Bench
+from .bench import Bench
 from .splines import Places, one, pair
 from .stage import Stage, rows_of
 

@@ -19,12 +19,12 @@ from ..campaign.suspect import ALL, Suspect, suspects_by_data
 from ..fit import Fit, fit
 from ..fit.reading import read
 from ..model import Model
+from .bench import Bench
 from .enough import ANOTHER_LAW, MOST_OF_IT
 from .evidence import VERY_STRONG, Left, criteria
 from .faults import OF_FREQUENCY, Fault, common_delay, explanations, faults_of, likeliest, told_by_others
 from .look import Look, first_look
 from .nuisance import DROPPED, Nuisance, rms
-from .score import Bench
 from .shorten import is_long
 from .trajectory import Diverged
 

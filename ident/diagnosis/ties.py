@@ -10,11 +10,12 @@ import numpy as np
 from ..campaign.device import Platform
 from ..effects.effect import AbstractEffect
 from ..fit.independent import independent_samples
+from .bench import Bench
 from .confirm import Confirmed
 from .enough import ANOTHER_LAW
 from .equivalences import equivalence, exact_partners, what_separates
 from .evidence import VERY_STRONG
-from .score import Bench, Candidate
+from .score import Candidate
 
 TIED_SIGNATURE = 0.99  # share of a signature that another effect reproduces, above which a refit has to decide
 KNOWN_SIGNATURE = 0.95  # the same for effects that are known to pass for one another

@@ -9,12 +9,13 @@ import numpy as np
 
 from ..effects.effect import AbstractEffect
 from ..fit import Fit
+from .bench import Bench, prepare
 from .confirm import Confirmed, accept, confirm
 from .enough import adequate, not_worth_adding, worth_a_name
 from .evidence import VERY_STRONG, Left, behind
 from .pairs import best_pair
 from .prune import hurts
-from .score import Bench, Candidate, prepare, score
+from .score import Candidate, score
 from .shorten import working
 from .steps import Step
 from .trajectory import Diverged

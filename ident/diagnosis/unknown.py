@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from ..effects.dependence import Side
+from .bench import Bench
 from .colour_test import chance_of
 from .formula import Formula, dictionary, long_formula, write_formula
 from .picture import Picture, draw
-from .score import Bench
 from .stage import Stage, rows_of, set_stage
 from .subsets import TRIED, Ranked, dimension, rank, regress, smallest_sufficient, spline_rows
 from .unknown_words import describe

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ident.campaign import read_campaign
+from ident.campaign.device import Oscillator
 from ident.campaign.propose import propose
 from tests.campaign.instruments import COUNT, DRIVE, KINDS, RATE, RESPONSE, TIME
 from tests.end_to_end.user import assert_one_line, ident
@@ -79,6 +80,19 @@ def test_columns_told_on_the_command_line(tmp_path):
     assert_one_line(ident("check", tmp_path / "a.csv", "--columns", "when=time"), "ROLE=COLUMN")
     assert_one_line(ident("check", tmp_path / "mine", "--columns", told), "campaign.toml", "says itself")
     assert_one_line(ident("new", tmp_path / "mine", tmp_path / "a.csv"), "exists already")
+
+
+@pytest.mark.parametrize("header", ["t_s,Voltage_V,x_mm", "time (s),Force [N],Displacement [mm]"])
+def test_what_moves_millimetres_is_no_platform(header, tmp_path):
+    """A loudspeaker, and a mass that is pushed: the columns say what drives them."""
+    rows = "".join(f"{t:.9g},{u},{z}\n" for t, u, z in zip(TIME, DRIVE, RESPONSE, strict=True))
+    (tmp_path / "a.csv").write_text(f"{header}\n{rows}", encoding="utf-8")
+    assert np.ptp(RESPONSE) > 2  # mm
+    assert ident("new", tmp_path / "mine", tmp_path / "a.csv").code == 0
+    assert "doubt" not in (tmp_path / "mine" / "campaign.toml").read_text(encoding="utf-8")
+    campaign = read_campaign(tmp_path / "mine")
+    assert isinstance(campaign.device, Oscillator) and campaign.device.input == ("N" if "Force" in header else "V")
+    np.testing.assert_allclose(campaign.traces[0].drive, DRIVE)
 
 
 def test_one_record_within_the_others_is_held_out_and_the_load_read_from_its_name(tmp_path):

@@ -6,8 +6,9 @@ import pytest
 
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
+from ident.diagnosis.bench import prepare
 from ident.diagnosis.locate import locate
-from ident.diagnosis.score import prepare, score
+from ident.diagnosis.score import score
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.model import Model

@@ -13,10 +13,11 @@ from experiments.hidden_effects.generator import draw
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.diagnosis.bench import prepare
 from ident.diagnosis.change import add
 from ident.diagnosis.enough import laws_differ_by
 from ident.diagnosis.lacking import lacking
-from ident.diagnosis.score import prepare, score
+from ident.diagnosis.score import score
 from ident.effects.library.quadratic_damping import QuadraticDamping
 from ident.effects.registry import built_in
 from ident.fit import fit

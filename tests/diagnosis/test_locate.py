@@ -10,8 +10,8 @@ import pytest
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.diagnosis.bench import Bench, prepare
 from ident.diagnosis.locate import Where, locate
-from ident.diagnosis.score import Bench, prepare
 from ident.diagnosis.where_words import statements, summary
 from ident.diagnosis.whiteness import drive_correlation, lagged, whiteness
 from ident.fit import Fit, fit

@@ -8,10 +8,11 @@ from scipy.integrate import solve_ivp
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.diagnosis.bench import prepare
 from ident.diagnosis.confirm import confirm
 from ident.diagnosis.diagnose import diagnose
 from ident.diagnosis.lone_record import prepare_at_best
-from ident.diagnosis.score import prepare, score
+from ident.diagnosis.score import score
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.model import Model

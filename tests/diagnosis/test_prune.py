@@ -9,7 +9,7 @@ import pytest
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
 from ident.diagnosis import prune as pruning
-from ident.diagnosis.score import prepare
+from ident.diagnosis.bench import prepare
 from ident.diagnosis.trajectory import Diverged
 from ident.effects.registry import built_in
 from ident.fit import Fit, fit

@@ -11,11 +11,11 @@ from ident.campaign import Campaign, Trace, read_campaign
 from ident.campaign.clipping import clipped_mask
 from ident.campaign.record import Channel, NoiseFloor
 from ident.campaign.suspect import ALL, Suspect, suspects_by_data
+from ident.diagnosis.bench import prepare
 from ident.diagnosis.diagnose import diagnose
 from ident.diagnosis.document import diagnosis_dict
 from ident.diagnosis.look import first_look
 from ident.diagnosis.nuisance import nuisances
-from ident.diagnosis.score import prepare
 from ident.diagnosis.suspects import alone_off, find_suspects
 from ident.effects.registry import registry
 from ident.fit import Fit, fit

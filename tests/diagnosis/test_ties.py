@@ -10,8 +10,9 @@ import pytest
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.diagnosis.bench import Bench, prepare
 from ident.diagnosis.equivalences import EQUIVALENCES, equivalence, what_separates
-from ident.diagnosis.score import Bench, Candidate, prepare
+from ident.diagnosis.score import Candidate
 from ident.diagnosis.ties import independent_of, tie_set, unseen
 from ident.effects.registry import built_in
 from ident.fit import fit

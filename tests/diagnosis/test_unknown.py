@@ -10,7 +10,7 @@ import pytest
 
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import Case, draw
-from ident.diagnosis import score
+from ident.diagnosis.bench import prepare
 from ident.diagnosis.effect_file import write_effect
 from ident.diagnosis.unknown import Unknown, find_unknown
 from ident.effects.registry import registry
@@ -25,7 +25,7 @@ def hidden(seed: int, *effects: str, **options: object) -> tuple[Case, Fit, Unkn
     case = draw(seed, effects, **{"size": 0.04, "noise": 0.005, "records": 4, "length": 800, **options})  # type: ignore[arg-type]
     campaign = campaign_of(case)
     fitted = fit(Model(campaign.device), campaign)
-    return case, fitted, find_unknown(score.prepare(fitted))
+    return case, fitted, find_unknown(prepare(fitted))
 
 
 @pytest.fixture(scope="module")

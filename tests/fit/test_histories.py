@@ -15,7 +15,8 @@ from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.drive import half_step_drive
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.diagnosis.score import prepare, score
+from ident.diagnosis.bench import prepare
+from ident.diagnosis.score import score
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.fit.rebuild import fit_at

@@ -11,7 +11,8 @@ from scipy.interpolate import CubicSpline
 
 from ident.campaign import read_campaign
 from ident.campaign.record import MEASURES
-from ident.diagnosis.score import prepare, score
+from ident.diagnosis.bench import prepare
+from ident.diagnosis.score import score
 from ident.effects.registry import built_in
 from ident.errors import UserError
 from ident.fit import fit

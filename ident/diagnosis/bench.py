@@ -1,0 +1,217 @@
+"""A fit prepared for regressions: what it leaves of the records, and what its own parameters can make of that."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..effects.effect import AbstractEffect
+from ..fit import Fit
+from ..model import Model
+from ..response import Equation
+from .balance import balanced, samples_of
+from .basis import orthonormal
+from .columns import Terms, contributions, no_histories, push_columns
+from .curve_columns import Moves, Plane, curve_columns, curve_order, plane_of
+from .trajectory import Scene, lay_out
+from .whiten import Piece, make_piece, whiten
+
+if TYPE_CHECKING:
+    from .confirm import Confirmed
+    from .score import Candidate
+
+_FARTHEST = 0.7  # of its value: so far a parameter may be moved in one step, which keeps its sign
+_CREDIBLE = 0.25  # of the excess that a fit left: the most that its own parameters can be believed to absorb still
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """A fit prepared for regressions: whitened residual (n,) without what the model absorbs, and how to project a
+    column.
+
+    The numbers of the sweeps follow those of the traces, one sweep after another.
+
+    **Arguments:** `starts`: first sample of each record within n; `absorbed`: (n, q) orthonormal, the span of `known`
+    (k, n), which moving the parameters along `directions` (k, m) does; `left` (n,) and `fit_chi2`: the whitened
+    residual as the fit left it and its χ², with which refits are compared; `plane`: what the sweeps say while
+    parameters move; `credible`: whether the model's own
+    parameters could be followed along the measured motion, on which the score statistics rest (see `prepare`);
+    `instead_of`: the bench of the best fit, if this one is of other values (see `lone_record`); `scored`, `refitted`:
+    what `score` and `confirm` have found on it, for several parts of a diagnosis ask the same.
+    """
+
+    fit: Fit
+    scene: Scene
+    pieces: tuple[Piece, ...]
+    starts: tuple[int, ...]
+    absorbed: np.ndarray
+    residual: np.ndarray
+    left: np.ndarray
+    known: np.ndarray
+    directions: np.ndarray
+    plane: Plane | None = None
+    credible: bool = True
+    instead_of: Bench | None = None
+    scored: dict[type[AbstractEffect], Candidate | None] = field(default_factory=dict)
+    refitted: dict[Hashable, Confirmed] = field(default_factory=dict)
+
+    @property
+    def n(self) -> int:
+        """How many samples count."""
+        silent = sum(np.count_nonzero(piece.masked) for piece in self.pieces if piece.masked is not None)
+        return len(self.residual) - int(silent)
+
+    @property
+    def ends(self) -> tuple[int, ...]:
+        """One past the last sample of each record, and of each sweep, within the residual."""
+        return (*self.starts[1:], len(self.residual))
+
+    @property
+    def chi2(self) -> float:
+        return float(self.residual @ self.residual)
+
+    @property
+    def fit_chi2(self) -> float:
+        return float(self.left @ self.left)
+
+    @property
+    def excess(self) -> float:
+        """χ² of the best fit above that of noise."""
+        best = self.instead_of or self
+        return max(best.fit_chi2 - best.n, 1e-9)
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers of the fit the records determine."""
+        return self.fit.freedom
+
+    def moved(self, added: np.ndarray) -> np.ndarray | None:
+        """Where the model's own parameters (m,) go when something is added that does (n,) to the readings; None if
+        they could not be followed along the measured motion."""
+        if not self.credible:
+            return None
+        step, _, _, _ = np.linalg.lstsq(self.known.T, self.left - added, rcond=1e-10)
+        return self.stepped(step)
+
+    def stepped(self, step: np.ndarray) -> np.ndarray:
+        """The model's own parameters (m,) after a step (k,) along the directions."""
+        return self.fit.values + np.clip(step, -_FARTHEST, _FARTHEST) @ self.directions
+
+    def project(self, stacked: np.ndarray) -> np.ndarray:
+        """Whitened rows (k, n) without what the model absorbs."""
+        return stacked - (stacked @ self.absorbed) @ self.absorbed.T
+
+
+@lru_cache(maxsize=4)  # the walk comes back to a fit
+def prepare(fit: Fit, believed: bool = False) -> Bench:
+    """Lay out a fit for regressions; `believed`, that its parameters are the device's own.
+
+    What the model's own parameters absorb is taken along the measured motion, so that a large misfit does not bend
+    it. Where inertia hardly matters that is too much: displacement is then the drive force over the stiffness, and a
+    change of stiffness seen on the measured motion, with one of gain, "explains" whatever was measured. A fit has no
+    such freedom, and shows it by having left what they claim to absorb; its own Jacobian is then taken instead.
+    """
+    scene = lay_out(fit)
+    records = fit.campaign.fitted
+    solved = scene.solved
+    pieces = []
+    for record, own in zip(records, scene.tape.slices, strict=True):
+        rows = solved.found.by_start[:, own] if record.start != "rest" else None
+        pieces.append(make_piece(record, rows))
+    lengths = [len(r.time) - r.skip for r in records]
+    white = [whiten(piece, r[None])[0] for piece, r in zip(pieces, scene.residuals, strict=True)]
+    left = list(white)
+    curves = solved.data.curves
+    if curves is not None:
+        lengths += [len(curves.places(own)) for own in curves.slices]
+        left.append(-solved.found.residuals[scene.tape.samples :][curve_order(solved)])
+    starts = tuple(int(x) for x in np.concatenate([[0], np.cumsum(lengths)[:-1]]))
+    residual = np.concatenate(left)
+    empty = np.zeros((0, len(residual)))
+    bench = Bench(fit, scene, tuple(pieces), starts, empty.T, residual, residual, empty, np.zeros((0, len(fit.values))))
+    # A shape at its bound cannot move as its column says: to project that out would hide a misfit that remains.
+    fitted = [i for i in solved.static.free if "at-bound" not in fit.estimates[i].flags]
+    # A quality factor that had to be held (steady sines of one frequency) may be wrong: its error is no missing effect.
+    bent = "held" in fit.estimates[1].flags and fit.model.form != "quasi-static"
+    free = sorted({*fitted, 1}) if bent else fitted
+    directions = np.eye(len(fit.values))[free] * np.where(fit.values[free] == 0, 1.0, fit.values[free])[:, None]
+    if curves is not None:
+        bench = replace(bench, plane=plane_of(solved, directions))
+    past = np.tile(scene.histories, (len(free), 1, 1))
+    along_measured = stack(bench, fit.model, np.tile(fit.values, (len(free), 1)), directions, True, past)
+    measured = _without(bench, along_measured, directions)
+    if believed or not records or bench.fit_chi2 - measured.chi2 < _CREDIBLE * max(bench.fit_chi2 - bench.n, bench.n):
+        return measured
+    chosen = [solved.static.free.index(i) for i in fitted]
+    bench = replace(bench, credible=False)
+    rows = by_record(bench, solved.found.by_x[chosen][:, : scene.tape.samples])
+    if curves is not None:
+        rows = np.concatenate(
+            [rows, solved.found.by_x[chosen][:, scene.tape.samples :][:, curve_order(solved)]], axis=1
+        )
+    return _without(bench, rows, np.zeros((0, 0)))
+
+
+def _without(bench: Bench, known: np.ndarray, directions: np.ndarray) -> Bench:
+    """The bench with what rows (k, n) can absorb taken out of its residual."""
+    absorbed = orthonormal(known)
+    residual = bench.left - absorbed @ (absorbed.T @ bench.left)
+    found = replace(bench, absorbed=absorbed, residual=residual, known=known, directions=directions)
+    if bench.plane is None or not len(directions):
+        return found
+    nothing = Moves(*(part[:0] for part in bench.plane.own))
+    own = balanced(found, np.zeros((0, samples_of(found))), nothing)
+    absorbed = orthonormal(own.slopes)
+    return replace(found, absorbed=absorbed, residual=own.left - absorbed @ (absorbed.T @ own.left))
+
+
+def stack(
+    bench: Bench,
+    model: Model,
+    values: np.ndarray,
+    directions: np.ndarray,
+    linear: bool = False,
+    begun: np.ndarray | None = None,
+) -> np.ndarray:
+    """Whitened columns of all fitted records, (d, n): what moving the parameters of `model` along each direction does.
+
+    `values` and `directions` are (d, m). The terms of `model` push, its linear ones only if asked for; the bench's own
+    model answers. `begun`, (d, records, h): their histories, if the records do not begin with the drive.
+    """
+    scene, solved, parts = bench.scene, bench.scene.solved, []
+    if scene.tape.spans:
+        equation = Equation(model)
+        pasts = no_histories(equation, len(values), scene.tape) if begun is None else begun
+        parts.append(_along_traces(bench, Terms(equation, linear), values, directions, pasts))
+    if solved.data.curves is not None:
+        plane = bench.plane
+        assert plane is not None  # there are sweeps
+        # Of its own parameters the model itself says what they do, all harmonics together.
+        moved = plane.own if linear else curve_columns(plane, Equation(model), values, directions)
+        parts.append(-plane.slopes(plane.needed, np.ones_like(plane.needed), moved))
+    return np.concatenate(parts, axis=1)
+
+
+def _along_traces(
+    bench: Bench, asked: Terms, values: np.ndarray, directions: np.ndarray, pasts: np.ndarray
+) -> np.ndarray:
+    """`stack` of the traces."""
+    scene = bench.scene
+    both = contributions(asked, scene.tape, values, directions, scene.moved, scene.seen, pasts)
+    forces, shown = zip(*both, strict=True)
+    rows = np.zeros((len(values), scene.tape.samples))
+    if asked.push:
+        rows += push_columns(scene.tape, scene.dynamics, forces)
+    if asked.show:
+        rows += scene.tape.at_samples([np.moveaxis(part, 0, -1) for part in shown])
+    return by_record(bench, rows)
+
+
+def by_record(bench: Bench, rows: np.ndarray) -> np.ndarray:
+    """Readings (d, samples) as whitened rows of the counted ones, (d, n)."""
+    pairs = zip(bench.pieces, bench.scene.tape.slices, strict=True)
+    return np.concatenate([whiten(piece, rows[:, own]) for piece, own in pairs], axis=1)
