@@ -82,7 +82,6 @@ skip = "30 s"
 """,
     baseline=3.1,
     start=11.0,
-    final=3.4,
 )
 
 if __name__ == "__main__":
