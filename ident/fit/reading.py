@@ -60,11 +60,11 @@ def _steps(data: Data, found: Evaluation, unknowns: Unknowns, light: np.ndarray)
     for record, own in enumerate(data.tape.slices):
         slope = found.by_start[:, own]
         gram = slope @ slope.T
-        if not np.all(np.isfinite(gram)):
+        pull = slope @ found.residuals[own] + light**2 * unknowns.starts[record]
+        if not (np.all(np.isfinite(gram)) and np.all(np.isfinite(pull))):
             return None
         # A start of which nothing is left where samples count stays as it was read; of an overdamped motion
         # displacement and velocity at the start leave the same trace.
         inverse = np.linalg.pinv(gram + np.diag(light**2), rcond=1e-12, hermitian=True)
-        pull = slope @ found.residuals[own] + light**2 * unknowns.starts[record]
         steps[record] = inverse @ pull * (data.start_scale[record] > 0)
     return steps
