@@ -29,6 +29,7 @@ _STILL = 1e-7  # of the largest displacement and velocity
 _LEAST = 1 / 16  # of a step: a shorter one gains nothing
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a motion without bound has no scale
 def fit_starts(static: Static, data: Data, unknowns: Unknowns, rounds: int = _ROUNDS) -> tuple[Unknowns, Evaluation]:
     """Gauss–Newton on the initial states alone, in so many rounds at most; they enter almost linearly, but where a loop
     remembers them: steps that gain nothing are halved. Never worse than where it began; the model there too."""
