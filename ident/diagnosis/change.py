@@ -53,7 +53,7 @@ def try_without(parent: Fit, name: str, start: Fit) -> Fit:
     linear = sum(p.kind == "linear" for p in model.parameters)
     starts = [rest, np.concatenate([start.values[:linear], rest[linear:]])]
     race = minimise(model, parent.campaign, initial=starts, most=_FEW)
-    found = minimise(model, parent.campaign, initial=race.values, most=ENOUGH)
+    found = minimise(model, parent.campaign, initial=race.values, most=ENOUGH, compared=True)
     return fit_at(model, parent.campaign, found.values)
 
 

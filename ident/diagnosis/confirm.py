@@ -102,7 +102,7 @@ def _winner(model: Model, before: Fit, starts: list[np.ndarray]) -> np.ndarray:
     """Where the best of several starts is after a few steps; a single one as it is."""
     if len(starts) == 1:
         return starts[0]
-    return minimise(model, before.campaign, initial=starts[:_MOST_STARTS], most=_RACE).values
+    return minimise(model, before.campaign, initial=starts[:_MOST_STARTS], most=_RACE, compared=True).values
 
 
 def with_effect(before: Fit, effect: type[AbstractEffect]) -> Model:
@@ -146,7 +146,7 @@ def weigh(bench: Bench, model: Model, candidate: Candidate, start: np.ndarray, m
 
 
 def _weighed(bench: Bench, model: Model, candidate: Candidate, start: np.ndarray, most: int) -> Confirmed:
-    found = minimise(model, bench.fit.campaign, initial=start, most=most)
+    found = minimise(model, bench.fit.campaign, initial=start, most=most, compared=True)
     readings = found.best.found.readings
     rows = [
         (record.response - readings[own])[None]

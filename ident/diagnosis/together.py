@@ -44,7 +44,8 @@ def both(
     current: Fit, bench: Bench, names: Sequence[str], library: Mapping[str, type[AbstractEffect]], single: Bench | None
 ) -> tuple[list[Step], Bench] | None:
     """Steps that add the named effects whatever the first of them gains alone, and the bench after them; None if their
-    refits are not clearly better than the `single` one, or than the model as it is, or worse on held-out records."""
+    refits are not clearly better than the `single` one, or than the model as it is, or worse than either on held-out
+    records."""
     steps, before, now = [], current, bench
     try:
         for name, partner in zip(names, reversed(names), strict=True):
@@ -62,7 +63,8 @@ def both(
     except Diverged:
         return None
     better = behind(Left(now.residual, now.numbers), _instead(bench, single)) < -VERY_STRONG
-    return (steps, now) if better and not hurts(current, before) else None
+    rivals = (current,) if single is None else (current, single.fit)
+    return (steps, now) if better and not any(hurts(rival, before) for rival in rivals) else None
 
 
 def _instead(bench: Bench, single: Bench | None) -> Left:

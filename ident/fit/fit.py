@@ -19,7 +19,8 @@ from .curves import lay_curves
 from .finish import Minimum, finish
 from .guess import LinearGuess
 from .one_tone import gain_of, hold_dragged, hold_gain, hold_quality
-from .problem import Data, Evaluation, Static, evaluate
+from .problem import Data, Evaluation, Static, Unknowns, evaluate
+from .reading import fit_starts
 from .result import Fit, SigmaChoice, Start
 from .starts import base_values, first_guess, random_points, scales_of, starting_points
 
@@ -27,6 +28,7 @@ Report = Callable[[str], None]
 _KEPT_STARTS = 4  # of the grid, the ones whose first error is smallest
 _AT_THE_FLOOR = 1.02  # error over noise with which no further start of the grid can be better
 _REWEIGHED = 4  # times that the noise of curves is carried through the model anew, at most
+_ROUNDS = 2  # in which initial states are fitted before a search: they enter almost linearly
 _SETTLED = 0.01  # relative change of the cost by new weights that is not worth another search
 
 
@@ -90,8 +92,10 @@ def minimise(
     initial: np.ndarray | Sequence[np.ndarray] | None = None,
     report: Report = lambda _: None,
     most: int = solve.MAX_STEPS,
+    compared: bool = False,
 ) -> Minimum:
-    """The least-squares minimum alone, without uncertainties; arguments as in `fit`, and `most` steps per start."""
+    """The least-squares minimum alone, without uncertainties; arguments as in `fit`, `most` steps per start, and
+    whether it is only `compared` with that of another model."""
     records, sweeps = campaign.fitted, campaign.fitted_sweeps
     if not records and not sweeps:
         what = "the campaign has no record that is not held out"
@@ -111,15 +115,15 @@ def minimise(
     points = told or starting_points(model, base, scales)
     if not told and starts:
         points = [base, *random_points(model, base, starts, spread, seed)]
-    candidates = _first_errors(static, data, points)[: None if starts or told else _KEPT_STARTS]
+    candidates = _first_errors(static, data, points, bool(told))[: None if starts or told else _KEPT_STARTS]
     per_sample = lambda cost: float(np.sqrt(cost / data.count))
     solutions = []
-    for number, (first, there, begun) in enumerate(candidates, 1):
+    for number, (first, there, begin_at, begun) in enumerate(candidates, 1):
         stage = f"least squares, start {number} of {len(candidates)}"
         report(stage)
         pulse = Pulse(report, stage)
         watch = lambda cost, pulse=pulse: pulse.beat(f"error over noise {per_sample(cost):.3g}")
-        found = solve.least_squares(static, there, begin(data, static), robust, most, begun, watch)
+        found = solve.least_squares(static, there, begin_at, robust, most, begun, watch, compared)
         solutions.append((per_sample(first), *found))
         if not starts and not told and per_sample(solutions[-1][2].cost) < _AT_THE_FLOOR:
             break
@@ -156,13 +160,23 @@ def _reweighed(
     return data, found
 
 
-def _first_errors(static: Static, data: Data, points: list[np.ndarray]) -> list[tuple[float, Data, Evaluation]]:
-    """Starting points with Σ r² and the model at each, best first; initial states as they were read."""
+def _first_errors(
+    static: Static, data: Data, points: list[np.ndarray], known: bool
+) -> list[tuple[float, Data, Unknowns, Evaluation]]:
+    """Starting points with Σ r², the unknowns and the model at each, best first.
+
+    Initial states as they were read; where the parameters are `known` nearly, fitted first: a start read off a few
+    samples is wrong by many noise floors, which a search mends by moving parameters away from where they belong.
+    """
     judged = []
     for point in points:
         there = at_values(data, static, point)
-        found = evaluate(static, there, begin(there, static))
-        judged.append((float(found.residuals @ found.residuals), there, found))
+        unknowns = begin(there, static)
+        if known and static.starts_free:
+            unknowns, found = fit_starts(static, there, unknowns, _ROUNDS)
+        else:
+            found = evaluate(static, there, unknowns)
+        judged.append((float(found.residuals @ found.residuals), there, unknowns, found))
     return sorted(judged, key=lambda start: start[0])
 
 

@@ -29,13 +29,14 @@ _STILL = 1e-7  # of the largest displacement and velocity
 _LEAST = 1 / 16  # of a step: a shorter one gains nothing
 
 
-def fit_starts(static: Static, data: Data, unknowns: Unknowns) -> tuple[Unknowns, Evaluation]:
-    """Gauss–Newton on the initial states alone; they enter almost linearly, but where a loop remembers them: steps that
-    gain nothing are halved. Never worse than where it began; the model there too."""
+@np.errstate(over="ignore", invalid="ignore")  # a motion without bound has no scale
+def fit_starts(static: Static, data: Data, unknowns: Unknowns, rounds: int = _ROUNDS) -> tuple[Unknowns, Evaluation]:
+    """Gauss–Newton on the initial states alone, in so many rounds at most; they enter almost linearly, but where a loop
+    remembers them: steps that gain nothing are halved. Never worse than where it began; the model there too."""
     light = np.where(np.arange(data.start_scale.shape[1]) < 2, 1e-6, 1.0)
     best, kept = unknowns, evaluate(static, data, unknowns)
     least, share = _cost(kept, best, light), 1.0
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
         steps = _steps(data, kept, best, light)
         if steps is None or share * np.max(np.abs(steps), initial=0.0) < _STILL:
             break
@@ -60,11 +61,11 @@ def _steps(data: Data, found: Evaluation, unknowns: Unknowns, light: np.ndarray)
     for record, own in enumerate(data.tape.slices):
         slope = found.by_start[:, own]
         gram = slope @ slope.T
-        if not np.all(np.isfinite(gram)):
+        pull = slope @ found.residuals[own] + light**2 * unknowns.starts[record]
+        if not (np.all(np.isfinite(gram)) and np.all(np.isfinite(pull))):
             return None
         # A start of which nothing is left where samples count stays as it was read; of an overdamped motion
         # displacement and velocity at the start leave the same trace.
         inverse = np.linalg.pinv(gram + np.diag(light**2), rcond=1e-12, hermitian=True)
-        pull = slope @ found.residuals[own] + light**2 * unknowns.starts[record]
         steps[record] = inverse @ pull * (data.start_scale[record] > 0)
     return steps

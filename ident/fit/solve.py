@@ -6,8 +6,8 @@ once. Every unknown is measured in units of the longest column of the Jacobian t
 suits all of them. Damping starts light, because what keeps a far start in its basin is another rule: no positive
 parameter changes by more than a factor √e in one step.
 
-A search ends by its Newton decrement, the fall of the cost that an undamped step promises. The size of a step says
-nothing: along a narrow valley every damped step is small.
+A search ends by its Newton decrement, the fall of the cost that an undamped step promises, none of them longer than
+that. The size of a step says nothing: along a narrow valley every damped step is small.
 
 Sources: D. W. Marquardt, An algorithm for least-squares estimation of nonlinear parameters, J. SIAM 11 (1963) 431,
 §III; J. J. Moré, The Levenberg–Marquardt algorithm, Lecture Notes in Mathematics 630 (1978) 105, §4 (units);
@@ -30,6 +30,9 @@ from .problem import Data, Evaluation, Static, Unknowns, evaluate
 
 MAX_STEPS = 400
 _SMALL_GAIN = 1e-4  # of the cost ½χ²: no parameter is then further than 0.014 standard errors from its optimum
+_COMPARED = (
+    0.05  # the same per mean squared residual, of models that are only compared: n ln χ² then falls by 0.1 at most
+)
 _SMALL_SHARE = 1e-9  # of the cost: more than that of a misfit is not worth a step
 _FLAT = 1e-11  # curvature, as a share of the steepest, below which the data leave a direction free
 _LEAST_STEP = 1e-12  # where damping has grown that much, rounding decides
@@ -102,15 +105,22 @@ def _turn(point: Normal, trial: Normal, moved: np.ndarray, last: _Turn, first: b
     return _Turn(bool(accept), np.asarray(units)[:size], np.asarray(move)[:size], np.asarray(reach))
 
 
-def _decrement(normal: Normal, units: np.ndarray) -> float:
+def _decrement(normal: Normal, units: np.ndarray, farthest: np.ndarray) -> float:
     """Fall of the cost that the undamped step promises, along the directions that the data determine; infinite where
-    the model's motion is so large that it cannot be said."""
+    the model's motion is so large that it cannot be said.
+
+    Along each direction as far as one step may go. Towards a bound slope and curvature fade together, and an unlimited
+    step would promise the same for ever.
+    """
     if not (np.all(np.isfinite(normal.matrix)) and np.all(np.isfinite(normal.gradient))):
         return np.inf
     curvature, directions = np.linalg.eigh(normal.matrix / np.outer(units, units))
     slope = directions.T @ (normal.gradient / units)
     seen = curvature > _FLAT * curvature.max(initial=0.0)
-    return float(0.5 * np.sum(slope[seen] ** 2 / curvature[seen]))
+    step = slope[seen] / curvature[seen]
+    asked = np.max(np.abs(step * directions[:, seen]) / (units * farthest)[:, None], axis=0, initial=0.0)
+    share = 1.0 / np.maximum(asked, 1.0)
+    return float(np.sum(slope[seen] * step * (share - 0.5 * share**2)))
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a start whose motion has no bound has no scale either
@@ -147,10 +157,12 @@ def least_squares(
     most: int = MAX_STEPS,
     begun: Evaluation | None = None,
     watch: Callable[[float], None] = lambda _: None,
+    compared: bool = False,
 ) -> tuple[Data, Solution]:
     """Minimise from one starting point in at most so many steps; the data as rescaled there, and the solution.
 
-    `begun`: the model at the start, if it is known; `watch`: called with Σ r² after every step.
+    `begun`: the model at the start, if it is known; `watch`: called with Σ r² after every step; `compared`: whether the
+    cost is only compared with another model's.
     """
     data, start, found = rescale(static, data, start, begun)
     farthest = _farthest(data)
@@ -163,8 +175,9 @@ def least_squares(
         if turn.accepted:
             y, point, best = y + change, trial, found
         watch(2 * float(point.cost))
-        promised = _decrement(point, turn.units)
-        converged = promised < _SMALL_GAIN + _SMALL_SHARE * float(point.cost)
+        promised = _decrement(point, turn.units, farthest)
+        worth = _COMPARED * max(2 * float(point.cost) / data.count, 1.0) if compared else _SMALL_GAIN
+        converged = promised < worth + _SMALL_SHARE * float(point.cost)
         if converged or float(turn.reach) < _LEAST_STEP:
             break
         change = np.clip(turn.move, -farthest, farthest)

@@ -56,6 +56,19 @@ def disturbed(bench: Bench, number: int, misfit: np.ndarray) -> Where:
     return locate(replace(bench, residual=residual))
 
 
+def test_masked_samples_leave_every_view_in_its_place() -> None:
+    whole = campaign()
+    clipped = np.zeros(800, bool)
+    clipped[100:120] = True
+    records = (replace(whole.records[0], masked=clipped), *whole.records[1:])
+    bench = prepare(fit(Model(Oscillator()), replace(whole, records=records), initial=VALUES))
+    assert bench.n == 3 * 800 - 20
+    where = locate(bench)
+    assert [own.stop for own in bench.places] == [800, 1600, 2400]
+    assert len(where.time.ratio) and np.all(np.isfinite(where.time.ratio))
+    assert not where.time.stands_out(1e-3).any()
+
+
 def test_nothing_is_said_of_noise(bench: Bench) -> None:
     rng = np.random.default_rng(3)
     for _ in range(40):
