@@ -23,8 +23,8 @@ from ident.effects.effect import AbstractEffect, amplitude
 class QuinticStiffness(AbstractEffect):
     """F = −k5 z⁵."""
 
-    name = "quintic-stiffness"
-    k5 = amplitude("N/m^5", "quintic stiffness")
+    name = "fifth-power-spring"
+    k5 = amplitude("N/m^5", "fifth-power spring")
 
     def force(self, state, drive, t):
         return -self.k5 * state.z**5
@@ -49,15 +49,15 @@ def line_of(text: str, part: str) -> int:
 
 def test_an_effect_outside_the_package_is_found_and_simulated(tmp_path):
     known = registry([write(tmp_path, GOOD)])
-    assert set(known) == set(built_in()) | {"quintic-stiffness"}
+    assert set(known) == set(built_in()) | {"fifth-power-spring"}
     k5 = 0.2 * STIFFNESS / 625e-24
-    effect = find("quintic-stiffness", known)(Oscillator(), k5=k5)
+    effect = find("fifth-power-spring", known)(Oscillator(), k5=k5)
     assert_agrees(effect, Physics(lambda t, z, v, h: -k5 * z**5), 1e-5)
 
 
 def test_the_library_is_not_changed_by_a_users_file(tmp_path):
     registry([write(tmp_path, GOOD)])
-    assert "quintic-stiffness" not in built_in()
+    assert "fifth-power-spring" not in built_in()
 
 
 def test_a_wrong_unit_is_caught_with_the_formula_and_the_line(tmp_path):
@@ -70,7 +70,7 @@ def test_a_wrong_unit_is_caught_with_the_formula_and_the_line(tmp_path):
 
 def test_a_unit_that_does_not_exist_is_caught(tmp_path):
     error = answer(tmp_path, GOOD.replace('"N/m^5"', '"N/furlongs_of_mine"'))
-    assert "quintic-stiffness.k5" in error.what
+    assert "fifth-power-spring.k5" in error.what
 
 
 def test_a_number_with_a_hidden_unit_is_caught(tmp_path):
@@ -94,7 +94,7 @@ def test_a_mistake_in_the_file_is_answered_with_its_line(tmp_path, part, instead
 
 
 def test_a_taken_name_a_missing_file_and_an_empty_file(tmp_path):
-    taken = answer(tmp_path, GOOD.replace("quintic-stiffness", "cubic-stiffness"))
+    taken = answer(tmp_path, GOOD.replace("fifth-power-spring", "cubic-stiffness"))
     assert "taken" in taken.what and "line" in taken.where
     assert "no effect is defined" in answer(tmp_path, "x = 1\n").what
     with pytest.raises(UserError, match="does not exist"):
