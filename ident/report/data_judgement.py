@@ -16,7 +16,7 @@ from ..campaign.judge import judge
 from ..campaign.record import SAME_LEVEL, Record, Sweep, Trace
 from .drive_words import drive_words, only_frequency
 from .quantity import Scale, scale, show_in, significant
-from .sheet import Column, Mark, Sheet
+from .sheet import Column, Mark, Sheet, file_words
 from .sweep_words import sweep_dict, sweep_remarks, sweep_words, what_the_sweeps_tell
 
 _SAME = SAME_LEVEL
@@ -107,7 +107,7 @@ def judgement_sheet(campaign: Campaign) -> Sheet:
     rows = tuple(_row(record, common, campaign) for record in campaign.records)
     marks: tuple[Mark, ...] = tuple("" if row[-1] == "good" else "warning" for row in rows)
     columns = (
-        Column("record"), Column("use"), Column("samples", True), Column("kHz", True),
+        Column("record", wraps=True), Column("use"), Column("samples", True), Column("kHz", True),
         Column(f"rms ({common.unit})", True), Column(f"noise ({common.unit})", True), Column("judgement"),
     )  # fmt: skip
     coloured = any(record.noise.ar for record in campaign.records)
@@ -123,13 +123,13 @@ def _row(record: Record, common: Scale, campaign: Campaign) -> tuple[str, ...]:
         size, n, rate = float(np.std(record.response)), len(record.time), significant(1e-3 / record.step, 3)
     noise = show_in(record.noise.sigma, None, common, 3).value + ("*" if record.noise.ar else "")
     verdict = "see below" if remarks(record, campaign) else "good"
-    return (record.name, use, str(n), rate, show_in(size, None, common, 3).value, noise, verdict)
+    return (file_words(record.name), use, str(n), rate, show_in(size, None, common, 3).value, noise, verdict)
 
 
 def about(record: Record, campaign: Campaign) -> str:
     """How a record was driven and how its noise floor was found, in one line."""
     drive = sweep_words(record) if isinstance(record, Sweep) else drive_words(record, campaign.device)
-    return f"{record.name}: {drive}. Noise floor: {record.noise.method}."
+    return f"{file_words(record.name)}: {drive}. Noise floor: {record.noise.method}."
 
 
 def remarks(record: Record, campaign: Campaign) -> tuple[str, ...]:

@@ -34,6 +34,12 @@ class Sheet(NamedTuple):
         return self.marks[row] if self.marks else ""
 
 
+def file_words(name: str) -> str:
+    """A file of another place, by its folder and name: all steps that lead there would leave no room for numbers."""
+    parts = name.split("/")
+    return name if parts.count("..") < 2 else "/".join(["…", *parts[-2:]])
+
+
 def rich_table(sheet: Sheet) -> Table:
     """The sheet without its note for a `rich` console; colour only repeats what the words say."""
     from rich import box

@@ -10,7 +10,7 @@ from ..fit.identifiability import Combination
 from ..fit.judge import RecordScore, Score
 from ..fit.result import Estimate, Fit
 from .quantity import Scale, scale, show, show_in, significant
-from .sheet import Column, Mark, Sheet
+from .sheet import Column, Mark, Sheet, file_words
 
 _FLAGS = {
     "undetermined": "undetermined",
@@ -59,7 +59,7 @@ def record_sheet(fit: Fit) -> Sheet:
     totals = [("all fitted", fit.fitted)] + ([("all held out", fit.holdout)] if fit.holdout else [])
     common = error_scale(fit.fitted, fit.model.device)
     ordered = sorted(fit.scores, key=lambda s: s.holdout)
-    rows = [_score_row(s.name, "held out" if s.holdout else "fitted", s, common) for s in ordered]
+    rows = [_score_row(file_words(s.name), "held out" if s.holdout else "fitted", s, common) for s in ordered]
     marks: list[Mark] = ["warning" if s.error_over_noise > 1.1 else "" for s in ordered]
     rows += [_score_row(name, "", score, common) for name, score in totals]
     marks.extend("total" for _ in totals)

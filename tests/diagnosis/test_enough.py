@@ -50,7 +50,9 @@ def heldout(missed: np.ndarray) -> dict[str, Any]:
     """Fields of a fit that misses so much of one held-out record, in noise floors."""
     counted = np.ones(N, dtype=bool)
     record = SimpleNamespace(response=missed, noise=SimpleNamespace(sigma=1.0), counted=counted, holdout=True)
-    return {"campaign": SimpleNamespace(traces=(record,)), "readings": (np.zeros(N),)}
+    error = float(np.sqrt(np.mean(missed**2)))
+    scores = (SimpleNamespace(holdout=True, error_over_noise=error, n=N),)
+    return {"campaign": SimpleNamespace(traces=(record,)), "readings": (np.zeros(N),), "scores": scores}
 
 
 @pytest.mark.parametrize(("fitted", "held", "more"), [(0.99, 1.23, False), (1.05, 1.25, True), (0.99, 1.18, False)])

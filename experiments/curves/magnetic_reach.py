@@ -1,4 +1,4 @@
-"""What level 1.5 of the magnetic oscillator tells of level 0.5: `python -m experiments.real.magnetic_reach`.
+"""What level 1.5 of the magnetic oscillator tells of level 0.5: `python -m experiments.curves.magnetic_reach`.
 
 Nothing here is `ident`: SciPy fits an oscillator whose stiffness and damping are polynomials of the amplitude A,
 
