@@ -137,6 +137,9 @@ def split_header(header: str, own_unit: str = "") -> tuple[str, str | None, str]
     if match and match[2]:
         unit = match[2].removeprefix("in ").strip()
         return (match[1].strip(), unit, "") if known(unit, True) else (match[1].strip(), None, unit)
+    match = re.fullmatch(r"(.+?)[_ .:-]([^\s_.:-]+/[^\s_.:-]+)", text)
+    if match and not match[1].endswith(" in") and _usual(match[2]) in _SUFFIX_UNITS:  # "acceleration_m/s^2"
+        return match[1].strip(" _"), match[2], ""
     for pattern in (r"(.*\S)\s+in\s+(\S+)", r"(.*\S)\s*/\s*(\S+)", r"(.*\S)\s*,\s*(\S+)"):
         match = re.fullmatch(pattern, text)
         if match and known(match[2]):

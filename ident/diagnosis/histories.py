@@ -34,6 +34,8 @@ class Histories(NamedTuple):
         """The rows (k, n) of one point of a grid with the histories that suit it best, and what these cost in χ²."""
         slopes = self.rows[:, own]
         kept, best, price = bench.project(raw), raw, 0.0
+        if not np.all(np.isfinite(kept)):
+            return raw, price
         for _ in range(_ROUNDS):
             lengths = np.maximum(np.linalg.norm(kept, axis=1), 1e-300)
             size = np.linalg.lstsq((kept / lengths[:, None]).T, bench.residual, rcond=1e-10)[0] / lengths
@@ -79,4 +81,8 @@ def begun_apart(bench: Bench, model: Model, rows: int) -> np.ndarray | None:
 def histories(bench: Bench, changed: np.ndarray, rows: np.ndarray) -> Histories:
     """How `rows` (d, n) change with histories `begun_apart`, with which they are `changed` (h, d, n)."""
     records = zip(bench.fit.campaign.fitted, bench.places, strict=False)
-    return Histories(changed - rows, tuple(own for record, own in records if record.start != "rest"))
+    spans = tuple(own for record, own in records if record.start != "rest")
+    # A point of a grid at which the memory has no bound has no history that could say anything either.
+    known = np.all(np.isfinite(rows), axis=1, keepdims=True)
+    bounded = known & np.all(np.isfinite(changed), axis=2, keepdims=True)
+    return Histories(np.where(bounded, changed - np.where(known, rows, 0.0), 0.0), spans)

@@ -20,6 +20,8 @@ SWEEP = sweep_roles(VOLTAGE, LENGTH)
 @pytest.mark.parametrize(
     ("header", "stem", "unit"),
     [
+        ("Acceleration_m/s^2", "Acceleration", "m/s^2"),
+        ("v in mm/s", "v", "mm/s"),
         ("time (s)", "time", "s"),
         ("t [ms]", "t", "ms"),
         ("Time_us", "Time", "us"),

@@ -6,6 +6,7 @@ The devices are simulated by SciPy, long before the first sample that is kept.
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from ident.campaign.device import Oscillator
 from ident.campaign.drive import half_step_drive
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.diagnosis.bench import prepare
+from ident.diagnosis.histories import histories
 from ident.diagnosis.score import score
 from ident.effects.registry import built_in
 from ident.fit import fit
@@ -123,3 +125,19 @@ def test_a_history_of_nothing_changes_nothing():
     wide = np.zeros((1, 2 + len(equation.history_units)))
     plain, long = (respond(equation, tape, values, starts).readings for starts in (np.zeros((1, 2)), wide))
     assert np.allclose(plain, long, rtol=0, atol=1e-12 * np.max(np.abs(plain)))
+
+
+def test_a_point_without_a_bound_has_no_history():
+    """A grid point whose memory grows without end scores nothing, and spoils no other."""
+    rows, changed = np.ones((2, 40)), np.full((1, 2, 40), 2.0)
+    rows[1, 3] = np.inf
+    changed[0, 1, 5] = np.nan
+    record = SimpleNamespace(start="unknown")
+    bench = SimpleNamespace(
+        places=(slice(0, 40),), residual=np.ones(40), project=lambda x: x,
+        fit=SimpleNamespace(campaign=SimpleNamespace(fitted=(record,))),
+    )  # fmt: skip
+    found = histories(bench, changed, rows)  # type: ignore[arg-type]
+    assert np.all(found.rows[0, 0] == 1.0) and np.all(found.rows[0, 1] == 0.0)
+    assert found.fitted(bench, rows[1:], slice(1, 2))[1] == 0.0  # type: ignore[arg-type]
+    assert np.all(np.isfinite(found.fitted(bench, rows[:1], slice(0, 1))[0]))  # type: ignore[arg-type]
