@@ -171,6 +171,7 @@ def main() -> None:
     """Run the study, going on where it stopped."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--cases", type=int, default=60)
+    parser.add_argument("--first", type=int, default=0, help="number of the first case")
     parser.add_argument("--device", choices=("oscillator", "platform"), default="oscillator")
     parser.add_argument("--noise", choices=("white", "ar"), default="white")
     parser.add_argument("--starts", choices=("rest", "moving"), default="rest")
@@ -184,7 +185,7 @@ def main() -> None:
     lines = []
     if told.results.exists():
         lines = [json.loads(text) for text in told.results.read_text(encoding="utf-8").splitlines()]
-    for seed in range(len(lines), told.cases):
+    for seed in range(told.first + len(lines), told.first + told.cases):
         if told.device == "platform":
             drawn = stressed_platforms.case(seed)
         else:
