@@ -1,4 +1,4 @@
-"""Devices for `calibration`: stressed platforms from their prior, simulated by `experiments.simulator`.
+"""Devices for `calibration` and `model_choice`: stressed platforms from their prior, by the independent simulator.
 
 Frequency, quality, d31, the stress gradient of the PZT, the drive's axial force and the loop of its hysteresis are
 drawn; the rest is held at the truth, for one device's records cannot tell it apart.
@@ -13,7 +13,7 @@ import numpy as np
 from experiments.make_campaigns import PAPER, SIGMA12
 from experiments.simulator import noise
 from experiments.simulator.signals import sine
-from experiments.simulator.stage import simulate
+from experiments.simulator.stage import Stage, simulate
 from ident.campaign import Campaign, Channel, NoiseFloor, Platform, Trace
 from ident.campaign.campaign import Prior
 from ident.fit import Fit
@@ -40,20 +40,37 @@ SIGMA, PERIODS, POINTS = 0.1e-6, 12, 60
 def case(seed: int) -> tuple[dict[str, float], Fit]:
     """True parameters, and the fit of one simulated campaign."""
     random = np.random.default_rng([16, seed])
-    truth = {name: float(random.normal(p.mean, p.deviation)) for name, p in PRIORS.items()}
+    truth = draw_truth(random)
     stage = replace(PAPER, **{name.split(".")[1]: value for name, value in truth.items()})
+    return truth, fitted(measure(random, stage, SIGMA), ("residual-stress", "pzt-hysteresis"))
+
+
+def draw_truth(random: np.random.Generator) -> dict[str, float]:
+    """Parameters of one device, SI, from `PRIORS`."""
+    return {name: float(random.normal(p.mean, p.deviation)) for name, p in PRIORS.items()}
+
+
+def measure(random: np.random.Generator, stage: Stage, sigma: float) -> tuple[Trace, ...]:
+    """A device's records, with white noise of `sigma` m."""
     records = []
     for volts, hertz in DRIVES:
         time, wave = np.arange(PERIODS * POINTS) / (POINTS * hertz), sine(volts, hertz)
-        z = simulate(stage, wave, time)[0] + noise.white(random, len(time), SIGMA)
-        floor, channels = NoiseFloor(SIGMA, (), "given"), (Channel("V", 1.0), Channel("um", 1e-6))
+        z = simulate(stage, wave, time)[0] + noise.white(random, len(time), sigma)
+        floor, channels = NoiseFloor(sigma, (), "given"), (Channel("V", 1.0), Channel("um", 1e-6))
         records.append(Trace(f"{hertz:g} Hz", time, wave.value(time), z, *channels, floor, "rest"))
-    fixed: dict[str, dict[str, object]] = {"residual-stress": {}, "pzt-hysteresis": {}}
+    return tuple(records)
+
+
+def fitted(records: tuple[Trace, ...], effects: tuple[str, ...]) -> Fit:
+    """The fit of a platform with some of the two effects."""
+    held: dict[str, dict[str, object]] = {name: {} for name in effects}
     for name, value in _HELD.items():
         effect, parameter = name.split(".")
-        own = fixed[effect]
-        own[parameter], own["fixed"] = value, (*own.get("fixed", ()), parameter)  # type: ignore[misc]
-    campaign = Campaign("calibration", tuple(records), Platform(), settings=fixed, priors=PRIORS)
-    model = build_model(campaign, ("residual-stress", "pzt-hysteresis"))
-    start = (*model.start, *((n, p.mean) for n, p in PRIORS.items()))
-    return truth, fit(replace(model, start=start), campaign)
+        if effect in held:
+            own = held[effect]
+            own[parameter], own["fixed"] = value, (*own.get("fixed", ()), parameter)  # type: ignore[misc]
+    priors = {name: prior for name, prior in PRIORS.items() if name.split(".")[0] in ("platform", *effects)}
+    campaign = Campaign("platform", records, Platform(), settings=held, priors=priors)
+    model = build_model(campaign, effects)
+    start = (*model.start, *((n, p.mean) for n, p in priors.items()))
+    return fit(replace(model, start=start), campaign)

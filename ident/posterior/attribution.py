@@ -1,9 +1,15 @@
 """Which mechanism explains the zero-point offset, and how sure that is.
 
-At draws of the posterior every subset of the model's effects is switched on and the rest off (amplitudes zero), each
-record is simulated, and each measure of the offset is shared among the effects by its Shapley value. The second
-harmonic is shared as a vector: a share is the part of it that points along the whole. What an effect with several
-amplitudes explains is shared among these in the same way, all other effects staying on.
+An offset is what symmetric physics has none of: turn its drive round, and its motion turns round with it, also while it
+settles. So every record is simulated twice, driven as it was and by the drive turned round, and of each measure that is
+taken of the offset which the odd part of the two does not show:
+
+    m(z₊) − m((z₊ − z₋)/2)
+
+A start transient, which may be a thousand times as large, is then no offset. At draws of the posterior every subset of
+the model's effects is switched on and the rest off (amplitudes zero), and each measure is shared among the effects by
+its Shapley value. The second harmonic is shared as a vector: a share is the part of it that points along the whole.
+What an effect with several amplitudes explains is shared among these in the same way, all other effects staying on.
 """
 
 from __future__ import annotations
@@ -31,9 +37,10 @@ MODULATES = 0.25
 """Shapley share up to which a mechanism that makes nothing by itself only modulates what others make: a drive weakened
 by a tenth changes an offset, which goes with the square of the motion, by a fifth."""
 _DRAWS = 128
-_EVERY_OTHER = 4  # of them are enough where shares hardly differ from draw to draw
-_NARROW = 0.03
-"""Width of a 90 % interval of a share up to which a quarter of the draws tells it: to less than a hundredth."""
+_SOME = 4  # every so many of them are enough where shares hardly differ from draw to draw
+_NARROW = 0.1
+"""Width of a 90 % interval of a share up to which those tell its ends to a hundredth: a quantile of 32 draws is known
+to 0.37 standard deviations."""
 _WEIGHED = 512  # importance draws of which they are chosen
 _MOST = 8  # mechanisms; 256 subsets of each draw
 _SEEN = 3.0  # standard errors from zero beyond which a record has an offset at all, and beyond which a model misses it
@@ -62,11 +69,13 @@ class Share(NamedTuple):
 
 
 class Attributed(NamedTuple):
-    """One measure of one record: `offset`, data and model; `shares`, none where there is nothing to share; `counts`,
-    whether it decides: the record has that offset, and the model explains it."""
+    """One measure of one record: `offset`, data and model; `shares`, none where there is nothing to share; `seen`,
+    whether the record has that offset; `explained`, whether the model has it too; `counts`, whether it decides."""
 
     offset: Offset
     shares: tuple[Share, ...]
+    seen: bool
+    explained: bool
     counts: bool
 
     @property
@@ -174,47 +183,65 @@ def _share(
     """`mechanisms`: the amplitudes that switch each of them, by name; an amplitude of none of them stays on."""
     names, columns = tuple(mechanisms), list(mechanisms.values())
     at_fit = dict(zip((r.name for r in fit.campaign.traces), fit.readings, strict=True))
-    measured = [offsets(record, at_fit[record.name]) or () for record in records]
-    few = np.arange(len(draws)) % _EVERY_OTHER == 0
-    switched = _switch(density, draws[few], columns)
+    turned = density.mirrored()
+    measured = []
+    for record, back in zip(records, turned.readings(np.asarray(fit.values)[None]), strict=True):
+        reading = at_fit[record.name]
+        measured.append((offsets(record, reading) or (), offsets(record, (reading - back[0]) / 2) or ()))
+    few = np.arange(len(draws)) % _SOME == 0
+    switched = _switch((density, turned), draws[few], columns)
     told, counted = _read(names, measured, switched)
     if any(share.high - share.low > _NARROW for share in _together(counted, names)):
-        rest = _switch(density, draws[~few], columns)
+        rest = _switch((density, turned), draws[~few], columns)
         both = [{on: _joined(a[on], b[on]) for on in a} for a, b in zip(switched, rest, strict=True)]
         told, counted = _read(names, measured, both)
     return tuple(RecordAttribution(*pair) for pair in zip(records, told, strict=True)), counted
 
 
 def _read(
-    names: tuple[str, ...], measured: Sequence[tuple[Offset, ...]], switched: list[Switched]
+    names: tuple[str, ...],
+    measured: Sequence[tuple[tuple[Offset, ...], tuple[Offset, ...]]],
+    switched: list[Switched],
 ) -> tuple[list[tuple[Attributed, ...]], list[_Parts]]:
-    """All measures of every record shared, and the parts of those that count."""
+    """All measures of every record shared, and the parts of those that count; `measured`: each record beside its model,
+    and beside the odd part of that."""
     told, counted = [], []
-    for offsets_of_record, folded in zip(measured, switched, strict=True):
+    for (whole, odd), folded in zip(measured, switched, strict=True):
         attributed = []
-        for i, offset in enumerate(offsets_of_record):
+        for i, (offset, symmetric) in enumerate(zip(whole, odd, strict=True)):
             values = {on: f.second if i == 1 else f.measures[:, i : i + 1] for on, f in folded.items()}
             parts = None if offset.measure.unit == "rad" else _parts(len(names), values, offset)
-            explained = not _stands_out(offset.difference)
-            counts = bool(i in _EVEN and parts is not None and _stands_out(offset.data) and explained)
-            attributed.append(Attributed(offset, () if parts is None else parts.shares(names), counts))
+            seen, explained = _stands_out(symmetric.difference), not _stands_out(offset.difference)
+            counts = i in _EVEN and parts is not None and seen and explained
+            shares = () if parts is None else parts.shares(names)
+            attributed.append(Attributed(offset, shares, seen, explained, counts))
             if counts and parts is not None:
                 counted.append(parts)
         told.append(tuple(attributed))
     return told, counted
 
 
-def _switch(density: Density, draws: np.ndarray, columns: list[list[int]]) -> list[Switched]:
-    """Per record the measures (k, …) with each subset of the mechanisms on, the amplitudes of the others zero."""
-    found: list[Switched] = [{} for _ in density.records]
+def _switch(both: tuple[Density, Density], draws: np.ndarray, columns: list[list[int]]) -> list[Switched]:
+    """Per record the measures (k, …) with each subset of the mechanisms on, the amplitudes of the others zero; `both`:
+    the records as driven, and with their drive turned round."""
+    found: list[Switched] = [{} for _ in both[0].records]
     for on in subsets(len(columns)):
         changed = draws.copy()
         changed[:, [i for k, own in enumerate(columns) if k not in on for i in own]] = 0.0
-        for record, reading, own in zip(density.records, density.readings(changed), found, strict=True):
-            folded = fold(record, reading)
-            assert folded is not None
-            own[on] = folded
+        pairs = zip(*(density.readings(changed) for density in both), strict=True)
+        for record, (reading, back), own in zip(both[0].records, pairs, found, strict=True):
+            own[on] = _beyond_symmetry(record, reading, back)
     return found
+
+
+def _beyond_symmetry(record: Trace, reading: np.ndarray, back: np.ndarray) -> Folded:
+    """The measures of readings (k, n) less those of their odd part; the loop's opening, which is odd itself, as it
+    is."""
+    whole, odd = fold(record, reading), fold(record, (reading - back) / 2)
+    assert whole is not None and odd is not None  # periodic records were chosen
+    measures = whole.measures.copy()
+    measures[:, _EVEN] -= odd.measures[:, _EVEN]
+    return Folded(measures, whole.second - odd.second)
 
 
 def _joined(first: Folded, second: Folded) -> Folded:
@@ -223,7 +250,7 @@ def _joined(first: Folded, second: Folded) -> Folded:
 
 def _parts(count: int, values: dict[tuple[int, ...], np.ndarray], offset: Offset) -> _Parts | None:
     """Parts of v(all) − v(none), values (k, d) being scalars or vectors; none where that is lost in the noise."""
-    error = offset.data.error or 1.0
+    error = offset.difference.error or 1.0
     values = {chosen: value / error for chosen, value in values.items()}
     whole = values[tuple(range(count))] - values[()]
     size = np.sum(whole**2, axis=1)
@@ -241,7 +268,7 @@ def _judge(
         (r.record.name, m.measure.name)
         for r in records
         for i, m in enumerate(r.measures)
-        if i in _EVEN and _stands_out(m.offset.difference) and _stands_out(m.offset.data)
+        if i in _EVEN and m.seen and not m.explained
     ]
     counted = sum(m.counts for r in records for m in r.measures)
     if not counted and not missed:

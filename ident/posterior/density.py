@@ -27,6 +27,7 @@ from ..fit.problem import Data, Static, Unknowns, evaluate
 from ..fit.reading import fit_starts
 from ..fit.result import Fit
 from ..response import lay_out, respond_many
+from ..response.tape import Tape
 from .noise_model import Noise, log_likelihood, precision, record_noise, whiten
 from .priors import Prior, choose_prior, log_prior, table
 
@@ -233,6 +234,12 @@ class Density:
             self, data=self.data._replace(anchor=anchor), starts=self.starts if starts is None else np.asarray(starts)
         )
 
+    def mirrored(self) -> Density:
+        """The same density with every drive and every initial state turned round: what `readings` symmetric physics
+        would answer with the same motion turned round."""
+        turned = tuple(replace(record, drive=-record.drive) for record in self.records)
+        return replace(self, records=turned, data=self.data._replace(tape=_tape(self.fit, turned)), starts=-self.starts)
+
     def with_noise(self, noises: Sequence[Noise]) -> Density:
         """The same density with other noise of each record."""
         return replace(self, noises=tuple(noises))
@@ -262,7 +269,7 @@ def make_density(fit: Fit, records: Sequence[Trace] | None = None) -> Density:
         what = "this fit rests on sweeps, whose posterior is not sampled yet"
         raise UserError(what, do="take the error bars of the fit (or a --profile), or fit the traces alone")
     chosen = tuple(fit.campaign.fitted if records is None else records)
-    tape = lay_out(chosen, 1.0 / fit.scales.period, float(fit.values[1]), fit.model.steps_per_period)
+    tape = _tape(fit, chosen)
     campaign = Campaign("", chosen, fit.model.device)
     static, data = assemble(fit.model, campaign, chosen, tape, fit.values, fit.scales)
     if not static.free:
@@ -289,6 +296,10 @@ def make_density(fit: Fit, records: Sequence[Trace] | None = None) -> Density:
     )
     scale = 1.0 / np.where(columns > 0, columns, 1.0 / np.asarray(data.scale))
     return replace(bare, data=data._replace(scale=scale), priors=priors)
+
+
+def _tape(fit: Fit, records: tuple[Trace, ...]) -> Tape:
+    return lay_out(records, 1.0 / fit.scales.period, float(fit.values[1]), fit.model.steps_per_period)
 
 
 def _width(prior: Prior, value: float) -> float:
