@@ -13,7 +13,8 @@ from .options import json_option, run_argument
 def command(run: str, as_json: bool) -> None:
     """Ask of RUN which of its effects explains the zero-point offset of each periodic record: mean over periods, second
     harmonic, dwell asymmetry, displacement where the drive is zero. Effects are switched on and off at draws of the
-    posterior, and each measure is shared among them (Shapley). RUN gets an attribution.json and a new report.
+    posterior (those of `ident sample` where it has finished), and each measure is shared among them (Shapley). RUN gets
+    an attribution.json and a new report.
 
     \b
     Example:
@@ -34,7 +35,7 @@ def command(run: str, as_json: bool) -> None:
     from ident.report.attribution_view import attribution_dict, attribution_section, attribution_sheet
 
     progress("asking the library what is missing, switching mechanisms on and off at draws of the posterior")
-    document = attribution_dict(attribute(fit), fit.model.device)
+    document = attribution_dict(attribute(fit, chain_file=folder / "chain.h5"), fit.model.device)
     write_json(folder / "attribution.json", document)
     progress("writing the report")
     renew_report(fit, folder, attribution=[attribution_section(document)])

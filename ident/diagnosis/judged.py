@@ -50,11 +50,16 @@ def compare(fits: Sequence[tuple[str, Fit]]) -> comparison.Comparison:
     return comparison.compare(fits, doubts)
 
 
-def attribute(fit: Fit, draws: np.ndarray | None = None, *, seed: int = 0) -> attribution.Attribution:
+def attribute(
+    fit: Fit, draws: np.ndarray | None = None, *, chain_file: Path | None = None, seed: int = 0
+) -> attribution.Attribution:
     """Attribute the offset of every periodic record of a fit.
 
-    **Arguments:** `draws` (k, m) parameter values SI of the posterior; drawn by importance sampling if not given.
+    **Arguments:** `draws` (k, m) parameter values SI of the posterior; if not given, those of `chain_file` where it
+    holds a finished chain of this fit, and else drawn by importance sampling.
 
     **Raises:** UserError if there is no effect, or no periodic record, to attribute to.
     """
+    if draws is None and chain_file is not None:
+        draws = result.chain_draws(fit, chain_file, attribution.DRAWS)
     return attribution.attribute(fit, draws, doubts=doubts(fit), seed=seed)

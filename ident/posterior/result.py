@@ -14,12 +14,14 @@ import numpy as np
 
 from ..fit.access import position
 from ..fit.result import Fit
+from .chain_file import read_chain
+from .convergence import judge
 from .density import Density, make_density
 from .evidence import Evidence, log_evidence
 from .laplace import inverse
 from .misfit import misfit, too_narrow
 from .priors import Prior
-from .sampler import Progress, Sampled, sample
+from .sampler import Progress, Sampled, sample, spread_evenly
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -179,8 +181,26 @@ def _widening(density: Density) -> np.ndarray:
     return np.sqrt(broader / as_is)
 
 
+def chain_draws(fit: Fit, chain_file: Path, count: int) -> np.ndarray | None:
+    """(k, m) parameter values SI, at most `count`, of the chain that `draw_posterior` left of this fit; None where
+    there is none, or it is another's, or its draws cannot be trusted yet.
+
+    **Raises:** UserError if the chain is damaged.
+    """
+    if not chain_file.is_file():
+        return None
+    density, chain = make_density(fit), read_chain(chain_file)
+    if chain.key.rpartition("-")[0] != run_key(density, 0).rpartition("-")[0]:
+        return None
+    judged = judge(chain.positions, chain.taus[:-1])
+    if judged.reasons:
+        return None
+    return density.framed(chain.frame).values(spread_evenly(chain.positions[:, judged.burned :], count))
+
+
 def run_key(density: Density, seed: int) -> str:
-    """What a chain belongs to, as a checksum: the records as measured, their noise, the model, priors and the seed."""
+    """What a chain belongs to: a checksum of the records as measured, their noise, the model and its priors; then the
+    seed."""
     told = hashlib.sha256()
     for record in density.records:
         for array in (record.time, record.drive, record.response):
@@ -190,6 +210,6 @@ def run_key(density: Density, seed: int) -> str:
     settings = [(e.name, sorted(e.settings.items())) for e in model.effects]
     priors = [tuple(p) for p in density.priors]
     template = np.asarray(density.data.template, float)
-    told.update(json.dumps([repr(model.device), settings, priors, density.fit.sigma, seed], default=str).encode())
+    told.update(json.dumps([repr(model.device), settings, priors, density.fit.sigma], default=str).encode())
     told.update(template.tobytes())
-    return told.hexdigest()
+    return f"{told.hexdigest()}-{seed}"

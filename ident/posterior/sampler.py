@@ -57,8 +57,13 @@ class Sampled(NamedTuple):
 
     def draws(self, count: int) -> np.ndarray:
         """(count, p) draws spread evenly over ensembles and steps, the same each time."""
-        flat = np.moveaxis(self.kept, 0, 2).reshape(-1, self.kept.shape[-1])
-        return flat[np.linspace(0, len(flat) - 1, min(count, len(flat))).astype(int)]
+        return spread_evenly(self.kept, count)
+
+
+def spread_evenly(kept: np.ndarray, count: int) -> np.ndarray:
+    """(count, p) of draws (E, steps, walkers, p), spread evenly over ensembles and steps, the same each time."""
+    flat = np.moveaxis(kept, 0, 2).reshape(-1, kept.shape[-1])
+    return flat[np.linspace(0, len(flat) - 1, min(count, len(flat))).astype(int)]
 
 
 def sample(

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import emcee
@@ -21,7 +22,7 @@ from ident.posterior import sampler
 from ident.posterior.chain_file import read_chain
 from ident.posterior.density import make_density
 from ident.posterior.misfit import misfit, too_narrow
-from ident.posterior.result import draw_posterior, run_key
+from ident.posterior.result import chain_draws, draw_posterior, run_key
 from tests.posterior.records import campaign, record
 
 ROOT = Path(__file__).parent.parent.parent
@@ -105,6 +106,17 @@ def test_a_chain_that_is_damaged_cut_short_or_anothers_is_refused(undisturbed, t
         read_chain(broken, key)
     with pytest.raises(UserError, match="belongs to another run"):
         read_chain(path, run_key(posterior.density, 1))
+
+
+def test_the_draws_of_a_finished_chain_serve_its_own_fit_alone(found, undisturbed, tmp_path):
+    path, posterior = undisturbed
+    draws = chain_draws(found, path, 200)
+    assert draws is not None and draws.shape == (200, len(found.values))
+    free = list(posterior.density.static.free)
+    middle = [m.mean for m in posterior.marginals]
+    assert np.allclose(draws[:, free].mean(axis=0), middle, atol=0.3 * draws[:, free].std(axis=0), rtol=0)
+    assert chain_draws(found, tmp_path / "none.h5", 200) is None
+    assert chain_draws(replace(found, sigma="scaled"), path, 200) is None
 
 
 KILLED = """
