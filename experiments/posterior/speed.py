@@ -28,10 +28,10 @@ from ident.fit.fit import fit
 from ident.model import build_model
 from ident.posterior.convergence import autocorrelation_time
 from ident.posterior.density import make_density
-from ident.posterior.evidence import POOR, log_evidence
-from ident.posterior.laplace import find_peak, proposal
-from ident.posterior.mixture import fit_mixture
+from ident.posterior.evidence import learned
+from ident.posterior.laplace import find_peak
 from ident.posterior.moves import moves
+from ident.posterior.sampler import LIKE, propose_from
 
 DATA = Path(__file__).resolve().parents[2] / "data"
 WALKERS, STEPS = 32, {"stretch": 5000, "own": 1500}  # fifty autocorrelation times of each or nearly
@@ -55,9 +55,7 @@ def noisy(campaign: Campaign, factor: float) -> Campaign:
 def measure(campaign: Campaign) -> dict[str, tuple[float, float]]:
     """Per sampler: effective draws of the slowest parameter per thousand evaluations, and per second."""
     laplace = find_peak(make_density(fit(build_model(campaign), campaign)))
-    evidence, found = log_evidence(laplace), {}
-    one_peak = evidence.trusted and evidence.efficiency > POOR  # the rule of the sampler itself
-    target = proposal(laplace) if one_peak else fit_mixture(evidence.resampled(2000))
+    target, found = propose_from(laplace, learned(laplace, LIKE)), {}
     start = target.draw(np.random.default_rng(1), WALKERS)
     for name, chosen in (("own", moves(target)), ("stretch", None)):
         sampler = emcee.EnsembleSampler(

@@ -17,7 +17,7 @@ import numpy as np
 from .chain_file import Chain, read_chain, write_chain
 from .convergence import Convergence, judge
 from .density import BATCH, Density
-from .evidence import POOR, log_evidence
+from .evidence import learned
 from .laplace import Laplace, StudentT, find_peak, proposal
 from .mixture import Mixture, fit_mixture
 from .moves import moves
@@ -28,7 +28,7 @@ BLOCK = 50
 _LEAST_STEPS = 150  # before the first look: fewer say nothing of τ
 _EVERY = 2.0  # s between two writings of the chain; what a kill can cost
 _MOST_REDRAWS = 200
-_LIKE = 2000  # draws to which a mixture is fitted
+LIKE = 2000  # draws to which a mixture is fitted
 
 
 class Progress(NamedTuple):
@@ -92,7 +92,7 @@ def sample(
         laplace = find_peak(density)
         density = laplace.density
         chain = _begin(laplace, key, seed)
-    target = _target(laplace, chain.frame["like"])
+    target = propose_from(laplace, chain.frame["like"])
     begun, written, first = time.monotonic(), 0.0, chain.positions.shape[1]
     samplers = [_sampler(density, target, chain.positions.shape[2]) for _ in range(ENSEMBLES)]
     found: Convergence | None = None
@@ -133,10 +133,8 @@ def _begin(laplace: Laplace, key: str, seed: int) -> Chain:
     """Walkers from the peak's Student t, redrawn until they are inside the support."""
     p = laplace.density.size
     walkers = 2 * BATCH * -(-p // BATCH)  # each half of an ensemble fills its batches; emcee asks for two per dimension
-    evidence = log_evidence(laplace, seed=seed)
-    # Draws like the posterior's, where one peak does not describe it; none where it does.
-    like = evidence.resampled(_LIKE, seed) if evidence.efficiency < POOR or not evidence.trusted else np.zeros((0, p))
-    target, positions, values, states = _target(laplace, like), [], [], []
+    like = learned(laplace, LIKE, seed)
+    target, positions, values, states = propose_from(laplace, like), [], [], []
     for e in range(ENSEMBLES):
         random = np.random.RandomState(np.random.MT19937(np.random.SeedSequence([seed, e])))
         x = target.draw(random, walkers)
@@ -156,7 +154,7 @@ def _begin(laplace: Laplace, key: str, seed: int) -> Chain:
     return Chain(np.array(positions)[:, None], np.array(values)[:, None], accepted, tuple(states), (), frame, key)
 
 
-def _target(laplace: Laplace, like: np.ndarray) -> StudentT | Mixture:
+def propose_from(laplace: Laplace, like: np.ndarray) -> StudentT | Mixture:
     """What to propose from: Student's t on the peak, or a mixture fitted to draws."""
     return fit_mixture(like) if len(like) else proposal(laplace)
 
