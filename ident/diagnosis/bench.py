@@ -39,10 +39,10 @@ class Bench:
     **Arguments:** `starts`: first sample of each record within n; `absorbed`: (n, q) orthonormal, the span of `known`
     (k, n), which moving the parameters along `directions` (k, m) does; `left` (n,) and `fit_chi2`: the whitened
     residual as the fit left it and its χ², with which refits are compared; `plane`: what the sweeps say while
-    parameters move; `credible`: whether the model's own
-    parameters could be followed along the measured motion, on which the score statistics rest (see `prepare`);
-    `instead_of`: the bench of the best fit, if this one is of other values (see `lone_record`); `scored`, `refitted`:
-    what `score` and `confirm` have found on it, for several parts of a diagnosis ask the same.
+    parameters move; `credible`: whether the model's own parameters could be followed along the measured motion, on
+    which the score statistics rest (see `prepare`); `instead_of`: the bench of the best fit, if this one is of other
+    values (see `lone_record`); `scored`, `refitted`: what `score` and `confirm` have found on it, for several parts of
+    a diagnosis ask the same.
     """
 
     fit: Fit
