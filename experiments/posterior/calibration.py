@@ -152,14 +152,16 @@ def draw(lines: list[dict[str, Any]]) -> Figure:
     low, high = stats.binom.ppf([0.005, 0.995], len(lines), 0.1)
     names = lines[0]["names"]
     wide = 0.96 / len(names)
+    counts = np.array([np.bincount(ranks[:, k], minlength=10) for k in range(len(names))])
+    flat = "flat within chance" if np.all((counts >= low) & (counts <= high)) else "not flat"
     for k, name in enumerate(names):
         axes = new_axes(figure, 0.05 + wide * k, 0.19, 0.8 * wide, 0.6)
         axes.axhspan(low, high, color=BAND)
-        axes.bar(np.arange(10), np.bincount(ranks[:, k], minlength=10), width=0.85, color=MODEL)
+        axes.bar(np.arange(10), counts[k], width=0.85, color=MODEL)
         axes.axhline(len(lines) / 10, color=INK, lw=0.8, ls=":")
         axes.set_xticks([0, 9], ["low", "high"])
         label(axes, "", "datasets" if k == 0 else "", name.rpartition(".")[2])
-    claim = f"Where the truth ranks among draws of its posterior, {len(lines)} datasets: flat, as it should be"
+    claim = f"Where the truth ranks among draws of its posterior, {len(lines)} datasets: {flat}"
     figure.text(0.008, 0.94, claim, fontsize=11, weight="bold", color=INK, va="center")
     figure.text(
         0.53, 0.03, "rank of the truth among the draws; grey: 99 % of what chance leaves", fontsize=9, ha="center"
