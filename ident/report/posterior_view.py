@@ -134,7 +134,8 @@ def _panel(figure: Figure, axes: Axes, marginal: Marginal, values: np.ndarray, d
     name = marginal.prior.name + (f"  ({unit.unit})" if unit.unit else "")
     figure.text(left, top + 0.012, name, fontsize=9.5, color=INK, weight="bold", va="bottom")
     narrower = 1 / math.sqrt(max(1.0 - marginal.contraction, 1e-12))
-    words = "the prior decides" if decides else f"{narrower:.2g} times narrower than before"
+    times = f"{narrower:.2g}" if narrower < 10 else f"{float(f'{narrower:.2g}'):.0f}"  # no engineer reads 1.8e+05
+    words = "the prior decides" if decides else f"{times} times narrower than before"
     figure.text(left, top - 0.002, words, fontsize=8.5, color=colour if decides else FAINT, va="top")
 
 
