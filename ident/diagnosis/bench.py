@@ -135,12 +135,13 @@ class Bench:
             if p.kind == "shape":
                 found[i] = values[i] + np.clip(whole[i], -_FARTHEST * abs(values[i]), _FARTHEST * abs(values[i]))
         mass = model.linear.mass
-        now, slope = jax.jvp(lambda *times: model.spring_and_damper(*times, mass), tuple(values[:2]), tuple(whole[:2]))
+        now, slope = jax.jvp(lambda a, b: model.spring_and_damper(a, b, mass), tuple(values[:2]), tuple(whole[:2]))
         spring, damper = (max(float(x + dx), _LEAST * float(x)) for x, dx in zip(now, slope, strict=True))
         found[:2] = model.times_of(spring, damper, mass, float(values[0]))
         for i, p in enumerate(model.parameters):
             if p.limits is not None:
-                found[i] = np.clip(found[i], *(limit * getattr(self.fit.scales, p.limits_scale) for limit in p.limits))
+                low, high = (limit * getattr(self.fit.scales, p.limits_scale) for limit in p.limits)
+                found[i] = np.clip(found[i], low, high)
         return found
 
     def project(self, stacked: np.ndarray) -> np.ndarray:
