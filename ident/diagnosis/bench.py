@@ -8,6 +8,7 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+import jax
 import numpy as np
 
 from ..effects.effect import AbstractEffect
@@ -25,8 +26,10 @@ if TYPE_CHECKING:
     from .confirm import Confirmed
     from .score import Candidate
 
-_FARTHEST = 0.7  # of its value: so far a parameter may be moved in one step, which keeps its sign
+_FARTHEST = 0.7  # of its value: so far a shape may be moved in one step, which keeps its sign
+_LEAST = 0.1  # of its stiffness and of its damping: what is left to the linear part at the least
 _CREDIBLE = 0.25  # of the excess that a fit left: the most that its own parameters can be believed to absorb still
+_INERTIA = 0.5  # of the acceleration: what the equation of motion must explain of it to be believed beyond that
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,10 +42,10 @@ class Bench:
     **Arguments:** `starts`: first sample of each record within n; `absorbed`: (n, q) orthonormal, the span of `known`
     (k, n), which moving the parameters along `directions` (k, m) does; `left` (n,) and `fit_chi2`: the whitened
     residual as the fit left it and its χ², with which refits are compared; `plane`: what the sweeps say while
-    parameters move; `credible`: whether the model's own
-    parameters could be followed along the measured motion, on which the score statistics rest (see `prepare`);
-    `instead_of`: the bench of the best fit, if this one is of other values (see `lone_record`); `scored`, `refitted`:
-    what `score` and `confirm` have found on it, for several parts of a diagnosis ask the same.
+    parameters move; `credible`: whether the model's own parameters could be followed along the measured motion, on
+    which the score statistics rest (see `prepare`); `instead_of`: the bench of the best fit, if this one is of other
+    values (see `lone_record`); `scored`, `refitted`: what `score` and `confirm` have found on it, for several parts of
+    a diagnosis ask the same.
     """
 
     fit: Fit
@@ -99,8 +102,25 @@ class Bench:
         return self.stepped(step)
 
     def stepped(self, step: np.ndarray) -> np.ndarray:
-        """The model's own parameters (m,) after a step (k,) along the directions."""
-        return self.fit.values + np.clip(step, -_FARTHEST, _FARTHEST) @ self.directions
+        """The model's own parameters (m,) after a step (k,) along the directions.
+
+        The force on the stage is linear in stiffness, damping and amplitudes: a step in these is as long as the records
+        say, however far it leads.
+        """
+        model, values = self.fit.model, self.fit.values
+        whole = step @ self.directions
+        found = values + whole
+        for i, p in enumerate(model.parameters):
+            if p.kind == "shape":
+                found[i] = values[i] + np.clip(whole[i], -_FARTHEST * abs(values[i]), _FARTHEST * abs(values[i]))
+        mass = model.linear.mass
+        now, slope = jax.jvp(lambda *times: model.spring_and_damper(*times, mass), tuple(values[:2]), tuple(whole[:2]))
+        spring, damper = (max(float(x + dx), _LEAST * float(x)) for x, dx in zip(now, slope, strict=True))
+        found[:2] = model.times_of(spring, damper, mass, float(values[0]))
+        for i, p in enumerate(model.parameters):
+            if p.limits is not None:
+                found[i] = np.clip(found[i], *(limit * getattr(self.fit.scales, p.limits_scale) for limit in p.limits))
+        return found
 
     def project(self, stacked: np.ndarray) -> np.ndarray:
         """Whitened rows (k, n) without what the model absorbs."""
@@ -112,9 +132,10 @@ def prepare(fit: Fit, believed: bool = False) -> Bench:
     """Lay out a fit for regressions; `believed`, that its parameters are the device's own.
 
     What the model's own parameters absorb is taken along the measured motion, so that a large misfit does not bend
-    it. Where inertia hardly matters that is too much: displacement is then the drive force over the stiffness, and a
-    change of stiffness seen on the measured motion, with one of gain, "explains" whatever was measured. A fit has no
-    such freedom, and shows it by having left what they claim to absorb; its own Jacobian is then taken instead.
+    it. Where inertia hardly matters that is too much: displacement is then the drive force over the stiffness, and to
+    take both away, seen on the measured motion, "explains" whatever was measured. A fit has no such freedom, and shows
+    it by having left what they claim to absorb; its own Jacobian is then taken instead. Where the equation of motion
+    explains the acceleration, nothing can be taken away: what they absorb is then bent by the fit, not by them.
     """
     scene = lay_out(fit)
     records = fit.campaign.fitted
@@ -145,7 +166,8 @@ def prepare(fit: Fit, believed: bool = False) -> Bench:
     past = np.tile(scene.histories, (len(free), 1, 1))
     along_measured = stack(bench, fit.model, np.tile(fit.values, (len(free), 1)), directions, True, past)
     measured = _without(bench, along_measured, directions)
-    if believed or not records or bench.fit_chi2 - measured.chi2 < _CREDIBLE * max(bench.fit_chi2 - bench.n, bench.n):
+    little = _CREDIBLE * max(bench.fit_chi2 - bench.n, bench.n)
+    if believed or not records or bench.fit_chi2 - measured.chi2 < little or _explains_inertia(measured):
         return measured
     chosen = [solved.static.free.index(i) for i in fitted]
     bench = replace(bench, credible=False)
@@ -155,6 +177,22 @@ def prepare(fit: Fit, believed: bool = False) -> Bench:
             [rows, solved.found.by_x[chosen][:, scene.tape.samples :][:, curve_order(solved)]], axis=1
         )
     return _without(bench, rows, np.zeros((0, 0)))
+
+
+def _explains_inertia(bench: Bench) -> bool:
+    """Whether the equation of motion leaves less of the readings than inertia alone would make of them.
+
+    What it leaves of the mass times the measured acceleration is the residual without what the parameters absorb, both
+    seen through the dynamics of the model.
+    """
+    scene = bench.scene
+    tape = scene.tape
+    accelerations = [np.gradient(path.v, lane.step / 2) for path, lane in zip(scene.paths, tape.lanes, strict=True)]
+    windows = zip(scene.dynamics, tape.windows(accelerations), strict=True)
+    rows = push_columns(tape, scene.dynamics, [(np.asarray(d.mass)[:, None] * a)[None] for d, a in windows])
+    inertia = by_record(bench, rows)[0]
+    left = bench.residual[: len(inertia)]
+    return float(left @ left) < _INERTIA * float(inertia @ inertia)
 
 
 def _without(bench: Bench, known: np.ndarray, directions: np.ndarray) -> Bench:

@@ -28,12 +28,12 @@ def by_refits(
     """
     report(f"scores cannot be believed here: refitting {min(len(candidates), _REFITTED)} effects instead")
     few = candidates[:_REFITTED]
-    found = at_once(lambda one: _refitted(bench, one, library[one.name]), few, report, "refits")
+    found = at_once(lambda one: _glimpsed(bench, one, library[one.name]), few, report, "refits")
     order = sorted(found, key=lambda c: -(c.drop - c.dof * np.log(bench.n)))
     return [*order, *candidates[_REFITTED:]]
 
 
-def _refitted(bench: Bench, candidate: Candidate, effect: type[AbstractEffect]) -> Candidate:
+def _glimpsed(bench: Bench, candidate: Candidate, effect: type[AbstractEffect]) -> Candidate:
     """The candidate with the fall of χ² that a few steps of a fit reach."""
     before = bench.fit
     model = with_effect(before, effect)

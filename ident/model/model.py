@@ -139,6 +139,14 @@ class Model:
         omega = 2 * math.pi * first
         return mass * omega**2, mass * omega / second
 
+    def times_of(self, stiffness: float, damping: float, mass: float, first: float) -> tuple[float, float]:
+        """The inverse of `spring_and_damper`: the first two parameters of a linear part. Without a spring the `first`
+        stays what it is."""
+        if self.form == "no-spring":
+            return first, mass / damping
+        omega = math.sqrt(stiffness / mass)
+        return omega / (2 * math.pi), mass * omega / damping
+
     def _as_told(self, parameter: ModelParameter, start: dict[str, float]) -> ModelParameter:
         if parameter.name in start:
             parameter = replace(parameter, value=start[parameter.name], scale="one", grid=())

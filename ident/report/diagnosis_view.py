@@ -148,7 +148,8 @@ def advice(found: Diagnosis) -> list[str]:
     sentences += _not_identified(found.discovery.final)
     if found.unseen:
         names = listed([effect.name for effect in found.unseen])
-        sentences.append(f"Beside the first model these records cannot show {names}: its parameters absorb it.")
+        them = "it" if len(found.unseen) == 1 else "them"
+        sentences.append(f"Beside the first model these records cannot show {names}: its parameters absorb {them}.")
     if found.unknown is not None:
         sentences += found.unknown.sentences
     if found.effect_file is not None:
