@@ -109,6 +109,13 @@ def _resolution(column: Column) -> float:
 
 
 PLATFORM_TRAVEL = 1e-3  # m, more than any micro platform moves: beyond it a unit is wrong, or the device is another
+
+
+def travel_of(response: np.ndarray) -> float:
+    """How far readings go from where they mostly are, in their unit."""
+    return float(np.max(np.abs(response - np.median(response))))
+
+
 _NO_PLATFORM = (
     '; for a thing that is no platform write device = { kind = "oscillator", output = "m" } in a campaign.toml'
 )
@@ -127,7 +134,7 @@ def check_plausible(
     file = columns["response"].file
     if isinstance(device, Oscillator):
         return
-    size = float(np.max(np.abs(response - np.median(response))))
+    size = travel_of(response)
 
     def error(what: str, role: str, example: str, more: str = "") -> UserError:
         where = f'{file}, column "{columns[role].header}"' if role in columns else file

@@ -11,7 +11,7 @@ from ident.errors import UserError
 from ident.units import CURRENT, LENGTH, NUMBER, VOLTAGE, Dimension, base_unit, find_unit
 
 from .amplitude_unit import amplitude_unit
-from .checks import PLATFORM_TRAVEL
+from .checks import PLATFORM_TRAVEL, travel_of
 from .columns import Role, match_columns, sweep_roles, trace_roles
 from .device import Device, Oscillator, Platform
 from .sweep_form import curve_form
@@ -91,11 +91,11 @@ def _measured(column: Column) -> Dimension | None:
 
 
 def _travel(column: Column) -> float:
-    """How far a column of displacements goes to either side, m; 0 if its header states no length, or it is empty."""
+    """How far a column of displacements goes, m; 0 if its header states no length, or it is empty."""
     unit = find_unit(column.unit) if column.unit else None
     if unit is None or unit.dimension != LENGTH or not len(numbers := column.numbers()):
         return 0.0
-    return 0.5 * float(np.ptp(numbers)) * unit.factor
+    return travel_of(numbers) * unit.factor
 
 
 def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:

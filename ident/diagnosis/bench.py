@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -44,7 +44,7 @@ class Bench:
     residual as the fit left it and its χ², with which refits are compared; `plane`: what the sweeps say while
     parameters move; `credible`: whether the model's own parameters could be followed along the measured motion, on
     which the score statistics rest (see `prepare`); `instead_of`: the bench of the best fit, if this one is of other
-    values (see `lone_record`); `scored`, `refitted`: what `score` and `confirm` have found on it, for several parts of
+    values (see `anchor`); `scored`, `refitted`: what `score` and `confirm` have found on it, for several parts of
     a diagnosis ask the same.
     """
 
@@ -89,6 +89,27 @@ class Bench:
         return max(best.fit_chi2 - best.n, 1e-9)
 
     @property
+    def settled(self) -> bool:
+        """Whether the model's own parameters, along the measured motion, claim little of what its fit left."""
+        little = _CREDIBLE * max(self.fit_chi2 - self.n, self.n)
+        return self.credible and (not self.pieces or self.fit_chi2 - self.chi2 < little)
+
+    @cached_property
+    def unexplained(self) -> float:
+        """What the equation of motion leaves of the traces, over what inertia alone makes of them (χ² both).
+
+        What it leaves of mass times measured acceleration is the residual without what the parameters absorb, both seen
+        through the dynamics of the model.
+        """
+        scene, tape = self.scene, self.scene.tape
+        accelerations = [np.gradient(path.v, lane.step / 2) for path, lane in zip(scene.paths, tape.lanes, strict=True)]
+        windows = zip(scene.dynamics, tape.windows(accelerations), strict=True)
+        rows = push_columns(tape, scene.dynamics, [(np.asarray(d.mass)[:, None] * a)[None] for d, a in windows])
+        inertia = by_record(self, rows)[0]
+        left = self.residual[: len(inertia)]
+        return float(left @ left) / max(float(inertia @ inertia), 1e-300)
+
+    @property
     def numbers(self) -> int:
         """How many numbers of the fit the records determine."""
         return self.fit.freedom
@@ -114,12 +135,13 @@ class Bench:
             if p.kind == "shape":
                 found[i] = values[i] + np.clip(whole[i], -_FARTHEST * abs(values[i]), _FARTHEST * abs(values[i]))
         mass = model.linear.mass
-        now, slope = jax.jvp(lambda *times: model.spring_and_damper(*times, mass), tuple(values[:2]), tuple(whole[:2]))
+        now, slope = jax.jvp(lambda a, b: model.spring_and_damper(a, b, mass), tuple(values[:2]), tuple(whole[:2]))
         spring, damper = (max(float(x + dx), _LEAST * float(x)) for x, dx in zip(now, slope, strict=True))
         found[:2] = model.times_of(spring, damper, mass, float(values[0]))
         for i, p in enumerate(model.parameters):
             if p.limits is not None:
-                found[i] = np.clip(found[i], *(limit * getattr(self.fit.scales, p.limits_scale) for limit in p.limits))
+                low, high = (limit * getattr(self.fit.scales, p.limits_scale) for limit in p.limits)
+                found[i] = np.clip(found[i], low, high)
         return found
 
     def project(self, stacked: np.ndarray) -> np.ndarray:
@@ -166,8 +188,7 @@ def prepare(fit: Fit, believed: bool = False) -> Bench:
     past = np.tile(scene.histories, (len(free), 1, 1))
     along_measured = stack(bench, fit.model, np.tile(fit.values, (len(free), 1)), directions, True, past)
     measured = _without(bench, along_measured, directions)
-    little = _CREDIBLE * max(bench.fit_chi2 - bench.n, bench.n)
-    if believed or not records or bench.fit_chi2 - measured.chi2 < little or _explains_inertia(measured):
+    if believed or measured.settled or measured.unexplained < _INERTIA:
         return measured
     chosen = [solved.static.free.index(i) for i in fitted]
     bench = replace(bench, credible=False)
@@ -177,22 +198,6 @@ def prepare(fit: Fit, believed: bool = False) -> Bench:
             [rows, solved.found.by_x[chosen][:, scene.tape.samples :][:, curve_order(solved)]], axis=1
         )
     return _without(bench, rows, np.zeros((0, 0)))
-
-
-def _explains_inertia(bench: Bench) -> bool:
-    """Whether the equation of motion leaves less of the readings than inertia alone would make of them.
-
-    What it leaves of the mass times the measured acceleration is the residual without what the parameters absorb, both
-    seen through the dynamics of the model.
-    """
-    scene = bench.scene
-    tape = scene.tape
-    accelerations = [np.gradient(path.v, lane.step / 2) for path, lane in zip(scene.paths, tape.lanes, strict=True)]
-    windows = zip(scene.dynamics, tape.windows(accelerations), strict=True)
-    rows = push_columns(tape, scene.dynamics, [(np.asarray(d.mass)[:, None] * a)[None] for d, a in windows])
-    inertia = by_record(bench, rows)[0]
-    left = bench.residual[: len(inertia)]
-    return float(left @ left) < _INERTIA * float(inertia @ inertia)
 
 
 def _without(bench: Bench, known: np.ndarray, directions: np.ndarray) -> Bench:

@@ -13,11 +13,11 @@ import numpy as np
 
 from ..effects.effect import AbstractEffect
 from ..fit import Fit
+from .anchor import prepare_at_best
 from .bench import Bench
 from .confirm import Confirmed, confirm
 from .enough import worth_a_name
 from .evidence import VERY_STRONG
-from .lone_record import prepare_at_best
 from .refits import by_refits
 from .score import Candidate, score, significant
 

@@ -12,11 +12,13 @@ from scipy.interpolate import CubicSpline
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.diagnosis.anchor import prepare_at_best
 from ident.diagnosis.bench import Bench, prepare
 from ident.diagnosis.confirm import confirm
 from ident.diagnosis.score import score
 from ident.effects.registry import built_in
 from ident.fit import fit
+from ident.fit.rebuild import fit_at
 from ident.model import Model
 
 FREQUENCY, QUALITY, SIGMA = 50.0, 30.0, 2e-3
@@ -59,6 +61,16 @@ def test_the_law_and_the_linear_part_beside_it_are_read_off_the_motion(bench: Be
     assert best.beside[[0, 2]] == pytest.approx([FREQUENCY, GAIN], rel=0.02)
     assert best.beside[1] == pytest.approx(QUALITY, rel=0.25)  # near resonance the velocity is small beside its noise
     assert confirm(bench, LIBRARY[best.name], best).gain > 0.9999
+
+
+def test_values_nearer_the_device_are_found_from_a_fit_that_bent_far(bench: Bench) -> None:
+    bent = fit_at(bench.fit.model, bench.fit.campaign, np.array([3 * FREQUENCY, 0.3 * QUALITY, GAIN]))
+    there = prepare_at_best(bent)
+    assert there.instead_of is not None and there.instead_of.fit is bent
+    assert there.unexplained < 0.5 * prepare(bent).unexplained
+    best = score(there, LIBRARY)[0]
+    assert best.name == "cubic-stiffness" and best.beside is not None
+    assert best.beside[[0, 2]] == pytest.approx([FREQUENCY, GAIN], rel=0.02)
 
 
 @given(frequency=st.floats(1e-3, 1e6), quality=st.floats(1e-3, 1e6), mass=st.floats(1e-9, 1e3))

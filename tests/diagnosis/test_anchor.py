@@ -1,4 +1,4 @@
-"""Records that no linear model describes together: what is missing is seen from the one that it describes alone."""
+"""Records that no linear model describes: what is missing is seen from one that it describes alone."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from scipy.integrate import solve_ivp
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.diagnosis.anchor import prepare_at_best
 from ident.diagnosis.bench import prepare
 from ident.diagnosis.confirm import confirm
 from ident.diagnosis.diagnose import diagnose
-from ident.diagnosis.lone_record import prepare_at_best
 from ident.diagnosis.score import score
 from ident.effects.registry import built_in
 from ident.fit import fit

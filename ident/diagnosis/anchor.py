@@ -1,0 +1,64 @@
+"""The values of a model from which what it lacks is seen best, where those of its fit are far from the device's own.
+
+A fit that lacks an effect bends its parameters to mimic it. Seen from there the motion passes through dynamics that are
+not the device's, which blurs every candidate. Two things may be nearer: what the equation of motion itself, along the
+measured motion, says of spring, damper and gain; and the values that describe a single record. What bends a fit are the
+strong records: from the device's own small motion the missing effect stands out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..fit import Fit, fit
+from ..fit.rebuild import fit_at
+from .bench import Bench, prepare
+from .shorten import working
+from .side_by_side import at_once
+from .trajectory import Diverged
+
+_CLEARLY = 0.5  # of what was left: so much less another place must leave to be taken instead
+
+
+def prepare_at_best(joint: Fit) -> Bench:
+    """The bench of a fit, or of the same model at values from which the equation of motion, or a single record, is
+    described clearly better."""
+    bench = prepare(working(joint))
+    if bench.settled:
+        return bench
+    there = _along_the_motion(bench) if bench.credible else _of_one_record(bench)
+    return bench if there is bench else replace(there, instead_of=bench)
+
+
+def _along_the_motion(bench: Bench) -> Bench:
+    """Where steps along the measured motion lead, as long as each leaves clearly less of the acceleration."""
+    nothing = np.zeros(len(bench.left))
+    while True:
+        there = _at(bench, bench.moved(nothing), True)
+        if there is None or not there.unexplained < _CLEARLY * bench.unexplained:
+            return bench
+        bench = there
+
+
+def _of_one_record(bench: Bench) -> Bench:
+    """The values that describe one record best; if that is to the noise they are the device's own."""
+    joint = bench.fit
+    records = joint.campaign.fitted
+    alone = at_once(lambda record: fit(joint.model, replace(joint.campaign, records=(record,))), records)
+    known = [one for one in alone if one.converged and not any(e.flags for e in one.estimates)]
+    best = min(known, key=lambda one: one.fitted.error_over_noise, default=None)
+    if best is None or not best.fitted.error_over_noise < _CLEARLY * joint.fitted.error_over_noise:
+        return bench
+    return _at(bench, best.values, best.trusted) or bench
+
+
+def _at(bench: Bench, values: np.ndarray | None, believed: bool) -> Bench | None:
+    """The bench at other values; None if the motion has no bound there."""
+    if values is None:
+        return None
+    try:
+        return prepare(fit_at(bench.fit.model, bench.fit.campaign, values), believed)
+    except Diverged:
+        return None
