@@ -27,9 +27,9 @@ from ..programs import program
 from ..response import Equation
 from ..response.controlled import Controlled
 from ..response.lane import Numbers
-from ..response.memory import Seen
-from ..response.periodic import batches, bound, joined
-from ..response.steady_memory import steady_memory
+from ..response.memory import Seen, follows_drive_alone
+from ..response.periodic import batches, bound, circle, joined
+from ..response.steady_memory import driven_memory, steady_memory
 
 _STEPS = 128  # of a period
 _ROUNDING = 1e-9  # of a force: a smaller fundamental is none
@@ -116,13 +116,13 @@ def _columns(
     points = steady.points
     gain = float(steady.model.values[2] * steady.model.equation.constants[1])
     stretch = steady.by_amplitude * points.amplitude / steady.needed
-    angle = np.pi / _STEPS * np.arange(2 * _STEPS + 1)
+    around = circle(_STEPS)
     at = (points.level, points.frequency, points.load, np.real(steady.tone), np.imag(steady.tone))
     drives, shares = [], []
     for value, direction in zip(values, directions, strict=True):
         found = []
         for own in batches(len(points.level)):
-            said = terms_along(equation, equation.constants, value, direction, *(x[own] for x in at), angle)
+            said = terms_along(equation, equation.constants, value, direction, *(x[own] for x in at), around)
             found.append((said,))
         (real,) = joined(found, len(points.level))
         push, driven, shown = real[::2] + 1j * real[1::2]
@@ -136,7 +136,7 @@ def _columns(
 @program
 def terms_along(
     equation: Equation, constants: Numbers, values: Numbers, direction: Numbers, level: Numbers,
-    frequency: Numbers, load: Numbers, real: Numbers, imaginary: Numbers, angle: Numbers,
+    frequency: Numbers, load: Numbers, real: Numbers, imaginary: Numbers, circle: Numbers,
 ) -> Any:  # fmt: skip
     """Fundamentals of the forces on the stage and of those through the actuator, N, and of what the sensor adds, m, per
     unit of the direction: (6, points), real and imaginary part of each, relative to cos ωt."""
@@ -144,21 +144,25 @@ def terms_along(
     def point(level: Any, frequency: Any, load: Any, real: Any, imaginary: Any) -> Any:
         def acting(values: Any) -> Any:
             system = bound(equation, constants, values, load, frequency)
-            omega, step = system.omega, 2.0 / (frequency * (angle.shape[0] - 1))
-            z = real * jnp.cos(angle) - imaginary * jnp.sin(angle)
-            v = -omega * (real * jnp.sin(angle) + imaginary * jnp.cos(angle))
-            voltage, rate, still = level * jnp.cos(angle), -level * omega * jnp.sin(angle), 0.0 * angle
+            omega, step = system.omega, 2.0 / (frequency * (circle.shape[1] - 1))
+            cosine, sine = circle
+            z = real * cosine - imaginary * sine
+            v = -omega * (real * sine + imaginary * cosine)
+            voltage, rate, still = level * cosine, -level * omega * sine, 0.0 * cosine
             seen = Seen(z, v, voltage, rate, still, step, omega, jax.lax.stop_gradient(system.gain), 0.0)
             found = (0.0 * z + 0.0 * system.gain,) * 3
             for effect in system.effects:
-                path = steady_memory(effect, lambda _: seen, jnp.zeros(0))
+                if follows_drive_alone(effect):
+                    path = driven_memory(effect, system.gain, level, frequency, circle)
+                else:
+                    path = steady_memory(effect, lambda _: seen, jnp.zeros(0))
                 one = lambda z, v, h, u, r, effect=effect: _of(effect, system.drive(u, r), z, v, h)
                 said = jax.vmap(one, in_axes=(0, 0, 1 if effect.state0() else None, 0, 0))(z, v, path, voltage, rate)
                 found = tuple(a + b for a, b in zip(found, said, strict=True))
             return found
 
         changed = jax.jvp(acting, (values,), (direction,))[1]
-        return jnp.stack([part for x in changed for part in _fundamental(x, angle)])
+        return jnp.stack([part for x in changed for part in _fundamental(x, circle)])
 
     return jax.vmap(point, out_axes=-1)(level, frequency, load, real, imaginary)
 
@@ -172,8 +176,8 @@ def _of(effect: Any, drive: Any, z: Any, v: Any, hidden: Any) -> tuple[Any, Any,
     return force + 0.0 * z, driven + 0.0 * z, shown + 0.0 * z
 
 
-def _fundamental(x: Any, angle: Any) -> tuple[Any, Any]:
-    n, at, x = angle.shape[0] - 1, angle[:-1], x[:-1]
-    parts = 2 / n * jnp.sum(x * jnp.cos(at)), -2 / n * jnp.sum(x * jnp.sin(at))
+def _fundamental(x: Any, circle: Any) -> tuple[Any, Any]:
+    n, (cosine, sine), x = circle.shape[1] - 1, circle[:, :-1], x[:-1]
+    parts = 2 / n * jnp.sum(x * cosine), -2 / n * jnp.sum(x * sine)
     seen = jnp.hypot(*parts) > _ROUNDING * jnp.max(jnp.abs(x))  # a constant has none, but for rounding
     return jnp.where(seen, parts[0], 0.0), jnp.where(seen, parts[1], 0.0)

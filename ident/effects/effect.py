@@ -170,6 +170,8 @@ class AbstractEffect:
     - `state0()` and `rate(state, drive, t)`: hidden states of its own and their time derivatives, in `hidden_units`;
     - `follow(hidden, before, drive, step)`, instead of a rate, for a memory of the drive alone that is known in closed
       form: the hidden states when the drive has gone from `before` to `drive` in a time `step`;
+    - `settled(level, drive)`: hidden states of a memory of the drive alone where that has been a sine of amplitude
+      `level` for ever, if that is known in closed form;
     - `begun(drive)`: the hidden states of a record that begins under voltage, if they are not `state0()`;
     - `prepare()`: whatever is constant along a trajectory, computed once and found in `self.prepared`.
 
@@ -338,3 +340,6 @@ class AbstractEffect:
 
     def follow(self, hidden: tuple[Scalar, ...], before: Drive, drive: Drive, step: Scalar) -> tuple[Scalar, ...]:
         return hidden
+
+    def settled(self, level: Scalar, drive: Drive) -> tuple[Scalar, ...]:
+        return ()

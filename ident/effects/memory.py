@@ -6,8 +6,9 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+from jax import lax
 
-from .effect import Scalar
+from .effect import Drive, Scalar
 
 _FULLEST = 10.0  # of a loop, β: beyond, unloading is a jump
 _STIFFEST = 30.0  # of the force at which a stiffness has doubled: beyond, no solver follows
@@ -79,6 +80,60 @@ def _edge_jvp(primals: tuple[Any], tangents: tuple[Any]) -> tuple[Any, Any]:
     (part,), (change,) = primals, tangents
     slope = jnp.minimum(_EDGE * jnp.clip(jnp.abs(part), _BARELY, 1.0) ** (_EDGE - 1), 1.0)
     return _edge(part), jnp.sign(part) * slope * change
+
+
+def played(level: Scalar, drive: Drive, width: Scalar) -> Scalar:
+    """Where between its edges a play is, h = (V − p)/r, where V has been a sine of amplitude U for ever.
+
+    h = H((V + |U|)/r − m) while V rises, −H((|U| − V)/r − m) while it falls,   m = H(2|U|/r − m),
+    H(s) = s below 0, s (1 + s³²)^(−1/32) above
+
+    `level` U and half width `width` r > 0 in V; `drive` with V and its rate; returns h, no unit, from −1 to 1. A play
+    wider than the swing rests. The edge is rounded nearly as that of `dragged` is: H' = (1 − H³²)^(33/32).
+
+    Source: Visintin, Differential Models of Hysteresis, 1994, §III.2 (the play); the rounded edge is ours.
+    """
+    swing = jnp.abs(level) / width
+    way = jnp.where(drive.rate > 0, 1.0, -1.0)
+    return way * _pushed(swing + way * drive.V / width - _turn(2 * swing))
+
+
+_TURNS = 6  # rounds of Newton's method, from above, after which a turn is known to rounding
+_FAR = 8.0  # widths of travel after which a play is at its edge, to rounding
+
+
+def _turn(travel: Scalar) -> Scalar:
+    """m of `played`: m = H(travel − m)."""
+
+    def nearer(travel: Scalar, turn: Scalar) -> Scalar:
+        slope = lax.stop_gradient(_pushed_and_slope(travel - turn)[1])
+        return turn - (turn - _pushed(travel - turn)) / (1.0 + slope)
+
+    here = lax.stop_gradient(travel)
+    turn = jnp.minimum(0.5 * here, 1.0)
+    for _ in range(_TURNS):
+        turn = nearer(here, turn)
+    return nearer(travel, lax.stop_gradient(turn))
+
+
+def _pushed_and_slope(travel: Scalar) -> tuple[Scalar, Scalar]:
+    """H of `played` and its derivative."""
+    ahead = jnp.clip(travel, 0.0, _FAR)
+    bent = root = 1.0 + ahead**32
+    for _ in range(5):
+        root = jnp.sqrt(root)  # five times: a general power costs ten times as much
+    return jnp.minimum(travel, 0.0) + ahead / root, 1.0 / (root * bent)
+
+
+@jax.custom_jvp
+def _pushed(travel: Scalar) -> Scalar:
+    return _pushed_and_slope(travel)[0]
+
+
+@_pushed.defjvp
+def _pushed_jvp(primals: tuple[Any], tangents: tuple[Any]) -> tuple[Any, Any]:
+    pushed, slope = _pushed_and_slope(primals[0])
+    return pushed, slope * tangents[0]
 
 
 def within(part: Scalar, bound: Scalar = 1.0) -> Scalar:

@@ -4,7 +4,7 @@ the jumps with their errors."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -102,6 +102,14 @@ class CurveReading:
         for run in self.runs:
             found[run.run.rows] = run.apart
         return found
+
+    @cached_property
+    def backwards(self) -> tuple[Run, ...]:
+        """Runs that only an exchanged direction explains: as they are called, more points are apart than the one by
+        which a device may jump early; called the other way, none is."""
+        called = [one for one in self.runs if np.count_nonzero(one.apart) > 1]
+        turned = [self._run(replace(one.run, up=not one.run.up, rows=one.run.rows[::-1]), one.branch) for one in called]
+        return tuple(one.run for one, other in zip(called, turned, strict=True) if not np.any(other.apart))
 
     @property
     def score(self) -> RecordScore:

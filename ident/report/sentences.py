@@ -178,6 +178,16 @@ def _curves(fit: Fit) -> list[Sentence]:
             f"{many} where device and model were on different branches, between their jumps: rms errors leave them out."
         )
         found.append(Sentence(text))
+    for curve in fit.curves:
+        volts = curve.sweep.drive_channel
+        for run in curve.backwards:
+            called, way = ("up", "down") if run.up else ("down", "up")
+            level = f"{run.level / volts.factor:.4g} {volts.unit}"
+            text = (
+                f"{curve.sweep.name}: the sweep {called} at {level} jumps where this model does on its way {way}. Was "
+                f"it swept {way}? The parameters do not depend on it; the jumps and the rms errors do."
+            )
+            found.append(Sentence(text, True))
     lost = sum(curve.unsolved for curve in fit.curves)
     if lost:
         many = f"{lost} points" if lost > 1 else "one point"

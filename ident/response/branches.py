@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .periodic import FREQUENCY, Look, Periodic, Seat, empty_look
+from .periodic import FREQUENCY, Look, Periodic, Seat, empty_look, ride
 
 _CLOSE = 1e-4  # of the scale: the last step of Newton's method towards the curve, which leaves its square
 _MOST = 1500  # points of a curve
@@ -109,8 +109,7 @@ def follow(model: Periodic, levels: np.ndarray, loads: np.ndarray, bands: np.nda
     # In these units a linear resonance is about as wide as it is high.
     width = np.maximum(own / max(float(model.values[1]), 1.0), (high - low) / 200)
     first = _linear(model, levels, loads, low)
-    hidden = np.ones((len(levels), n - 2))
-    scale = np.column_stack([sizes, 2 * np.pi * own * sizes, hidden, levels, width])
+    scale = np.column_stack([sizes, 2 * np.pi * own * sizes, _hidden_sizes(model, levels, loads, sizes), levels, width])
     seat = Seat(np.asarray(loads, float), scale)
     w, begun, _ = settle(model, first, seat)
     paths = [_Path() for _ in levels]
@@ -145,6 +144,15 @@ def follow(model: Periodic, levels: np.ndarray, loads: np.ndarray, bands: np.nda
         on &= f > np.maximum(bottom - _BEYOND * (top - bottom), 0.1 * bottom)
         active = active[on & np.array([len(paths[i].points) < _MOST for i in active])]
     return [path.branch(float(v), float(m)) for path, v, m in zip(paths, levels, loads, strict=True)]
+
+
+def _hidden_sizes(model: Periodic, levels: np.ndarray, loads: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """(k, n - 2) how large the hidden states are where the stage moves as far as is expected; one where they rest. A
+    curve is as long as its unknowns are far apart in these units."""
+    around = np.full(len(levels), float(model.values[0]))
+    turned = [ride(model, levels, around, np.asarray(loads, float), turn * sizes).hidden for turn in (1.0 + 0j, 1j)]
+    found = np.hypot(*turned)
+    return np.where(np.isfinite(found) & (found > 0), found, 1.0)
 
 
 def settle(model: Periodic, unknowns: np.ndarray, seat: Seat) -> tuple[np.ndarray, np.ndarray, Look]:

@@ -31,7 +31,7 @@ from .steady_memory import driven_memory, steady_memory
 from .system import Equation, System, assemble, derivative, reading, slices, tangents
 
 LEVEL, FREQUENCY = -2, -1  # places of U and f in the unknowns w = (y, U, f) of a point
-POINTS = 64  # looked at side by side: one program for any number of them
+POINTS = 32  # looked at side by side: one program for any number of them
 _WIDTHS = (4, 8, 16)  # directions of one look
 _STEPS = (64, 96, 128, 256)  # of the solver per period
 
@@ -113,9 +113,9 @@ class Periodic:
         return 2 + self.equation.stepped
 
     @property
-    def angle(self) -> np.ndarray:
-        """(2 steps + 1,) rad of the half-step grid."""
-        return np.pi / self.steps * np.arange(2 * self.steps + 1)
+    def circle(self) -> np.ndarray:
+        """Cosine and sine of the phase on the half-step grid, (2, 2 steps + 1)."""
+        return circle(self.steps)
 
     def look(self, unknowns: np.ndarray, seat: Seat, along: np.ndarray) -> Look:
         """One period from `unknowns` (points, n + 2), and how it changes along directions (d, n + 2) of them, in units
@@ -135,7 +135,7 @@ class Periodic:
         along = np.concatenate([along, np.zeros((width - d, along.shape[1]))])
         found = []
         for rows in batches(len(unknowns)):
-            arrays = (self.values, unknowns[rows], along, seat.load[rows], seat.scale[rows], self.angle)
+            arrays = (self.values, unknowns[rows], along, seat.load[rows], seat.scale[rows], self.circle)
             found.append(program(self.equation, self.equation.constants, *arrays))
         miss, slope, shown, shown_slope = joined(found, len(unknowns))
         tone, tone_slope = shown[0] + 1j * shown[1], shown_slope[0] + 1j * shown_slope[1]
@@ -156,23 +156,30 @@ def undispersed(system: System, step: Any) -> System:
     return system._replace(mass=mass, damping=system.damping - mass * system.omega * theta**5 / 72)
 
 
-def one_period(equation: Equation, system: System, y: Any, level: Any, frequency: Any, angle: Any) -> tuple[Any, Any]:
+def circle(steps: int) -> np.ndarray:
+    """Cosine and sine of a phase on the half-step grid of a period, (2, 2 steps + 1). They are given to the programs:
+    XLA would compute them for every point again."""
+    angle = np.pi / steps * np.arange(2 * steps + 1)
+    return np.stack([np.cos(angle), np.sin(angle)])
+
+
+def one_period(equation: Equation, system: System, y: Any, level: Any, frequency: Any, circle: Any) -> tuple[Any, Any]:
     """The state after a period, (n,), and the readings at the beginning of each step, (steps,).
 
     A memory of the drive alone has settled before the motion begins: it is part of the force.
     """
     parts = slices(equation)
-    step = 2.0 / (frequency * (angle.shape[0] - 1))
+    step = 2.0 / (frequency * (circle.shape[1] - 1))
     system = undispersed(system, step)
     forces = []
     for effect, own in zip(system.effects, parts, strict=True):
         if own is None:
-            path = driven_memory(effect, system.gain, level, frequency, angle)
+            path = driven_memory(effect, system.gain, level, frequency, circle)
             acting = lambda h, u, r, effect=effect: effect.drive(tuple(h), system.drive(u, r), 0.0)
-            voltage, rate = level * jnp.cos(angle), -level * system.omega * jnp.sin(angle)
+            voltage, rate = level * circle[0], -level * system.omega * circle[1]
             forces.append(jax.vmap(acting, in_axes=(1, 0, 0))(path, voltage, rate))
     # Cosine and sine are those of all points: only a remembered force has to be kept for each.
-    grids = (jnp.cos(angle), jnp.sin(angle), *((sum(forces),) if forces else ()))
+    grids = (circle[0], circle[1], *((sum(forces),) if forces else ()))
 
     def advance(state: tuple, x: Any) -> tuple:
         at = [(level * cosine, -level * system.omega * sine, 0.0, *push) for cosine, sine, *push in stages(x)]
@@ -184,11 +191,11 @@ def one_period(equation: Equation, system: System, y: Any, level: Any, frequency
     return jnp.stack(after), shown
 
 
-def tones(shown: Array, slopes: Array, angle: Any) -> tuple[Array, Array]:
+def tones(shown: Array, slopes: Array, circle: Any) -> tuple[Array, Array]:
     """Real and imaginary part of the fundamental relative to cos ωt, and half the peak-to-peak value, (3, points), of
     readings (steps, points); and their derivatives (3, d, points) by the readings' (steps, d, points)."""
-    at = angle[:-1:2]
-    weights = 2.0 / len(at) * jnp.stack([jnp.cos(at), -jnp.sin(at)])
+    cosine, sine = circle[:, :-1:2]
+    weights = 2.0 / len(cosine) * jnp.stack([cosine, -sine])
     (top, top_slope), (bottom, bottom_slope) = _peak(shown, slopes), _peak(-shown, -slopes)
     both = jnp.concatenate([jnp.tensordot(weights, shown, 1), 0.5 * (top + bottom)[None]])
     swing = 0.5 * (top_slope + bottom_slope)
@@ -213,39 +220,39 @@ def _vertex(before: Any, here: Any, after: Any) -> Any:
 @program
 def by_unknowns(
     equation: Equation, constants: Numbers, values: Numbers, unknowns: Numbers, along: Numbers, load: Numbers,
-    scale: Numbers, angle: Numbers,
+    scale: Numbers, circle: Numbers,
 ) -> tuple:  # fmt: skip
     """`Periodic.look` of one set of points, points last."""
     kicks = jnp.asarray(scale).T
-    there = lambda w: _all_points(equation, constants, values, w, load, angle)
+    there = lambda w: _all_points(equation, constants, values, w, load, circle)
     points = jnp.asarray(unknowns).T
     ahead = lambda kick: jax.jvp(there, (points,), (kick[:, None] * kicks,))
     (end, shown), (slope, shown_slope) = jax.vmap(ahead, out_axes=(None, 1))(along)
     own = jnp.asarray(along)[:, :LEVEL].T[..., None] * kicks[:LEVEL, None]
-    return end - points[:LEVEL], slope - own, *tones(shown, shown_slope, angle)
+    return end - points[:LEVEL], slope - own, *tones(shown, shown_slope, circle)
 
 
 @program
 def by_values(
     equation: Equation, constants: Numbers, values: Numbers, unknowns: Numbers, directions: Numbers, load: Numbers,
-    scale: Numbers, angle: Numbers,
+    scale: Numbers, circle: Numbers,
 ) -> tuple:  # fmt: skip
     """`Periodic.look_by_values` of one set of points, points last."""
     points = jnp.asarray(unknowns).T
-    there = lambda values: _all_points(equation, constants, values, points, load, angle)
+    there = lambda values: _all_points(equation, constants, values, points, load, circle)
     ahead = lambda change: jax.jvp(there, (values,), (change,))
     (end, shown), (slope, shown_slope) = jax.vmap(ahead, out_axes=(None, 1))(directions)
-    return end - points[:LEVEL], slope, *tones(shown, shown_slope, angle)
+    return end - points[:LEVEL], slope, *tones(shown, shown_slope, circle)
 
 
-def _all_points(equation: Equation, constants: Numbers, values: Any, unknowns: Any, load: Any, angle: Any) -> tuple:
+def _all_points(equation: Equation, constants: Numbers, values: Any, unknowns: Any, load: Any, circle: Any) -> tuple:
     """State after a period and readings of points (n + 2, points). They are the last axis of everything, tangents too:
     so they fill the processor's vector units."""
 
     def one(w: Any, load: Any) -> tuple:
         level, frequency = w[LEVEL], w[FREQUENCY]
         system = bound(equation, constants, values, load, frequency)
-        return one_period(equation, system, w[:LEVEL], level, frequency, angle)
+        return one_period(equation, system, w[:LEVEL], level, frequency, circle)
 
     return jax.vmap(one, in_axes=-1, out_axes=-1)(unknowns, load)
 
@@ -268,7 +275,7 @@ def ride(model: Periodic, level: np.ndarray, frequency: np.ndarray, load: np.nda
     """
     found = []
     for rows in batches(len(level)):
-        arrays = (level[rows], frequency[rows], load[rows], np.real(motion)[rows], np.imag(motion)[rows], model.angle)
+        arrays = (level[rows], frequency[rows], load[rows], np.real(motion)[rows], np.imag(motion)[rows], model.circle)
         found.append(along_motion(model.equation, model.equation.constants, model.values, *arrays))
     hidden, real, imaginary = joined(found, len(level))
     return Ride(hidden.T, real + 1j * imaginary)
@@ -277,17 +284,17 @@ def ride(model: Periodic, level: np.ndarray, frequency: np.ndarray, load: np.nda
 @program
 def along_motion(
     equation: Equation, constants: Numbers, values: Numbers, level: Numbers, frequency: Numbers, load: Numbers,
-    real: Numbers, imaginary: Numbers, angle: Numbers,
+    real: Numbers, imaginary: Numbers, circle: Numbers,
 ) -> tuple:  # fmt: skip
     """`ride` of one set of points, points last."""
 
     def point(level: Any, frequency: Any, load: Any, real: Any, imaginary: Any) -> tuple:
         system = bound(equation, constants, values, load, frequency)
-        step = 2.0 / (frequency * (angle.shape[0] - 1))
-        omega = system.omega
-        z = real * jnp.cos(angle) - imaginary * jnp.sin(angle)
-        v = -omega * (real * jnp.sin(angle) + imaginary * jnp.cos(angle))
-        voltage, rate, still = level * jnp.cos(angle), -level * omega * jnp.sin(angle), 0.0 * angle
+        step = 2.0 / (frequency * (circle.shape[1] - 1))
+        omega, (cosine, sine) = system.omega, circle
+        z = real * cosine - imaginary * sine
+        v = -omega * (real * sine + imaginary * cosine)
+        voltage, rate, still = level * cosine, -level * omega * sine, 0.0 * cosine
         seen = Seen(z, v, voltage, rate, still, step, omega, system.gain, 0.0)
         hidden, acting = [], 0.0 * z
         for effect, own in zip(system.effects, slices(equation), strict=True):
@@ -299,8 +306,8 @@ def along_motion(
                 off = system.drive(0.0, 0.0)
                 one = lambda z, v, h, effect=effect, off=off: effect.force(State(z, v, tuple(h)), off, 0.0)
                 acting = acting + jax.vmap(one, in_axes=(0, 0, 1 if len(path) else None))(z, v, path)
-        n = angle.shape[0] - 1
-        line = lambda x: (2 / n * jnp.sum(x * jnp.cos(angle[:-1])), -2 / n * jnp.sum(x * jnp.sin(angle[:-1])))
+        n = circle.shape[1] - 1
+        line = lambda x: (2 / n * jnp.sum(x * cosine[:-1]), -2 / n * jnp.sum(x * sine[:-1]))
         (push, turn), spring = line(acting[:-1]), system.stiffness - system.mass * omega**2
         needed = (spring * real - omega * system.damping * imaginary - push,
                   spring * imaginary + omega * system.damping * real - turn)  # fmt: skip

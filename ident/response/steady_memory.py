@@ -3,8 +3,8 @@
     h(T) = Φ(h(0); x),   dh(0)/dx = (1 − ∂Φ/∂h)⁻¹ ∂Φ/∂x
 
 A memory of the drive alone knows nothing of the motion: at a drive level and a frequency its periodic path is found by
-itself, and is no unknown of the response. It is differentiated by the level, the frequency and its own few shapes,
-however many directions a model is differentiated along.
+itself, in closed form where the effect has one (`settled`), and is no unknown of the response. It is differentiated by
+the level, the frequency and its own few shapes, however many directions a model is differentiated along.
 
 Source: the implicit function theorem; A. H. Nayfeh, B. Balachandran, Applied Nonlinear Dynamics, 1995, §6.5.
 """
@@ -21,6 +21,7 @@ from jax import Array, lax
 
 from ..effects.effect import AbstractEffect
 from .memory import Seen, memory_along, shaping
+from .system import tangents
 
 STUCK = 1e-12  # squared share below which a memory neither forgets nor moves: it stays where it is
 _PERIODS = 2  # of Newton's method: a linear memory, or a play that is dragged, has settled after one
@@ -36,13 +37,11 @@ def steady_memory(effect: AbstractEffect, see: Callable[[Array], Seen], at: Arra
     if not effect.state0():
         return jnp.zeros((0, 1))
     names, k = shaping(effect), len(at)
-    fixed = effect.with_values(**{name: lax.stop_gradient(value) for name, value in effect.values.items()})
-    x = jnp.concatenate([at, jnp.stack([jnp.asarray(effect.values[name], float) for name in names])] if names else [at])
+    x, bent = _bent(effect, names, at)
     here, n = lax.stop_gradient(x), len(effect.state0())
 
     def along(hidden: Array, x: Array) -> tuple[Array, Array]:
-        bent = fixed.with_values(**dict(zip(names, x[k:], strict=True)))
-        end, path = memory_along(bent, tuple(hidden), see(x[:k]))
+        end, path = memory_along(bent(x[k:]), tuple(hidden), see(x[:k]))
         return jnp.stack(end), jnp.stack(path)
 
     axes = jnp.eye(n + len(x))
@@ -58,21 +57,42 @@ def steady_memory(effect: AbstractEffect, see: Callable[[Array], Seen], at: Arra
         paths = jnp.tensordot(moved, path_slopes[:n], 1)
         return hidden + moved[0], path + paths[0], path_slopes[n:] + paths[1:]
 
-    begun = jnp.stack([jnp.asarray(h, float) for h in fixed.begun(see(here[:k]).first)])
+    begun = jnp.stack([jnp.asarray(h, float) for h in bent(here[k:]).begun(see(here[:k]).first)])
     points = len(see(here[:k]).voltage)
     known = (begun, jnp.zeros((n, points)), jnp.zeros((len(x), n, points)))
     _, path, slopes = lax.stop_gradient(lax.fori_loop(0, _PERIODS, once_more, known))
     return path + jnp.tensordot(x - here, slopes, 1)
 
 
-def driven_memory(effect: AbstractEffect, gain: Any, level: Any, frequency: Any, angle: Any) -> Array:
-    """`steady_memory` of an effect that follows the drive U cos ωt alone; `angle`: (points,) rad, half-step grid."""
+def _bent(effect: AbstractEffect, names: tuple[str, ...], at: Array) -> tuple[Array, Callable[[Array], AbstractEffect]]:
+    """The numbers `at` and the parameters of some names, (k + names,); and the effect with others of these."""
+    fixed = effect.with_values(**{name: lax.stop_gradient(value) for name, value in effect.values.items()})
+    x = jnp.concatenate([at, jnp.stack([jnp.asarray(effect.values[name], float) for name in names])] if names else [at])
+    return x, lambda shapes: fixed.with_values(**dict(zip(names, shapes, strict=True)))
+
+
+def driven_memory(effect: AbstractEffect, gain: Any, level: Any, frequency: Any, circle: Any) -> Array:
+    """`steady_memory` of an effect that follows the drive U cos ωt alone; `circle`: cosine and sine of ωt, (2, points),
+    on the half-step grid."""
+    cosine, sine = circle
 
     def see(at: Array) -> Seen:
         level, frequency = at
-        omega, step = 2 * math.pi * frequency, 2.0 / (frequency * (len(angle) - 1))
-        voltage, rate = level * jnp.cos(angle), -level * omega * jnp.sin(angle)
-        still = jnp.zeros(len(angle))
+        omega, step = 2 * math.pi * frequency, 2.0 / (frequency * (len(cosine) - 1))
+        voltage, rate, still = level * cosine, -level * omega * sine, jnp.zeros(len(cosine))
         return Seen(still, still, voltage, rate, still, step, omega, lax.stop_gradient(gain), 0.0)
 
-    return steady_memory(effect, see, jnp.stack([level, frequency]))
+    at = jnp.stack([level, frequency])
+    if not effect.overrides("settled"):
+        return steady_memory(effect, see, at)
+    x, bent = _bent(effect, shaping(effect), at)
+    here = lax.stop_gradient(x)
+
+    def path(x: Array) -> Array:
+        there, seen = bent(x[2:]), see(x[:2])
+        # One point of the grid after the other: XLA would compute all of it again for every stage that reads it.
+        one = lambda at: jnp.stack(there.settled(x[0], seen.drive(*at)))
+        return lax.map(one, (seen.voltage, seen.rate)).T
+
+    there, slopes = tangents(path, (here,), (jnp.eye(len(x)),))
+    return there + jnp.tensordot(x - here, slopes, 1)

@@ -24,8 +24,8 @@ class Passed(NamedTuple):
     """A run over the points of a curve.
 
     **Arguments:** `unknowns`, (points, n + 2) along the run; `reading`, (points,) m, of the same quantity as was
-    measured; `others`, per point the readings of the other stable responses; `fold`, the one that the response fell
-    off first, and `after`, how many points had been passed by then.
+    measured, NaN where the curve does not reach; `others`, per point the readings of the other stable responses;
+    `fold`, the one that the response fell off first, and `after`, how many points had been passed by then.
     """
 
     unknowns: np.ndarray
@@ -47,11 +47,15 @@ def run_along(
     folds = branch.folds
     places: list[tuple[int, float]] = []
     others: list[tuple[float, ...]] = []
+    missing = np.zeros(len(frequency), bool)
     fallen, after = None, 0
     reading_at = lambda place: float(size[place[0]] + place[1] * (size[place[0] + 1] - size[place[0]]))
     for i, (f, crossings) in enumerate(zip(frequency, branch.crossings(frequency), strict=True)):
         stable = [c for c in crossings if branch.stable[c[0]] or branch.stable[c[0] + 1]] or crossings
-        if not places:
+        missing[i] = not stable
+        if missing[i]:
+            place = places[-1] if places else (0, 0.0)
+        elif np.all(missing[:i]):
             place = min(stable, key=lambda c: abs(reading_at(c) - first))
         else:
             on = [c for c in stable if not _between(places[-1], c, folds)]
@@ -71,7 +75,8 @@ def run_along(
     exact = seen.swing if swing else np.abs(seen.tone)
     # At a fold Newton's method may leave the curve; the cubic along it is nearly as good.
     kept = good & (np.abs(exact - rough) < 0.02 * np.max(rough))
-    return Passed(np.where(kept[:, None], found, guess), np.where(kept, exact, rough), tuple(others), fallen, after)
+    passed = np.where(missing, np.nan, np.where(kept, exact, rough))
+    return Passed(np.where(kept[:, None], found, guess), passed, tuple(others), fallen, after)
 
 
 def measured_jump(amplitude: np.ndarray) -> int | None:

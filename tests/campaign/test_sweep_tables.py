@@ -72,6 +72,16 @@ TABLES = {
     "phase lag": ("f (Hz),level (V),A (um),phase lag (deg)", [F, LEVEL, 1e6 * SIZE, -DEGREES], ""),
     "phase that rises": ("f (Hz),level (V),A (um),phase (deg)", [F, LEVEL, 1e6 * SIZE, -DEGREES], ""),
     "phase from 0 to 360": ("f (Hz),level (V),A (um),phase (deg)", [F, LEVEL, 1e6 * SIZE, DEGREES % 360], ""),
+    "phase with turns that were not taken": (
+        "f (Hz),level (V),A (um),phase (deg)",
+        [F, LEVEL, 1e6 * SIZE, DEGREES + 360 * np.random.default_rng(2).integers(-1, 2, len(F))], ""),
+    "phase counted on from turn to turn": (
+        "f (Hz),level (V),A (um),phase (deg)", [F, LEVEL, 1e6 * SIZE, DEGREES - 720], ""),
+    "degrees that nobody names": ("f (Hz),level (V),A (um),phase", [F, LEVEL, 1e6 * SIZE, DEGREES % 360], ""),
+    "radians that nobody names": (
+        "f (Hz),level (V),A (um),phase", [F, LEVEL, 1e6 * SIZE, np.radians(DEGREES) % (2 * np.pi)], ""),
+    "phase lag in radians": (
+        "f (Hz),level (V),A (um),phase lag (rad)", [F, LEVEL, 1e6 * SIZE, np.radians(-DEGREES)], ""),
     "direction in words": ("f (Hz),level (V),A (um),phase (deg),direction", [F, LEVEL, 1e6 * SIZE, DEGREES, UP], ""),
 }  # fmt: skip
 
@@ -81,6 +91,18 @@ def test_a_table_gives_the_same_curves(tmp_path, name):
     header, columns, record = TABLES[name]
     write_table(tmp_path / "s.csv", header, columns)
     _is(_read(tmp_path, record)[0])
+
+
+def test_an_inverted_sensor_whose_phase_lies_about_half_a_turn(tmp_path):
+    seen = -RESPONSE * np.exp(0.2j * np.random.default_rng(3).standard_normal(len(F)))
+    wrapped = np.degrees(np.angle(seen))
+    assert np.max(np.abs(np.diff(wrapped[:15]))) > 300  # the file shows +180 and −180 in turn
+    write_table(tmp_path / "s.csv", "f (Hz),level (V),A (um),phase (deg)", [F, LEVEL, 1e6 * SIZE, wrapped])
+    sweep, _ = _read(tmp_path)
+    assert sweep.phase is not None
+    for run in sweep.runs:
+        assert np.max(np.abs(np.diff(sweep.phase[run.rows]))) < np.pi
+    np.testing.assert_allclose(np.exp(1j * sweep.phase), seen / np.abs(seen), atol=1e-6)
 
 
 def test_conventions_and_ratios_are_said(tmp_path):

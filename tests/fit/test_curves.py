@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -72,6 +74,23 @@ def test_a_bistable_sweep_gives_its_parameters_back(phase: bool) -> None:
         assert run.jump is not None and run.jump.measured is not None and run.jump.model is not None
         assert run.jump.model == pytest.approx(run.jump.measured, abs=0.15)
     assert np.count_nonzero(found.curves[0].apart) <= 3
+    assert not found.curves[0].backwards
+
+
+@pytest.mark.parametrize("up", [True, False])
+def test_the_only_sweep_of_a_level_called_by_the_wrong_direction_is_told_by_its_jump(up: bool) -> None:
+    device = Oscillator()
+    model = Model(device) + built_in()["cubic-stiffness"](device)
+    both = sweep(0.8, CUBIC, False, 3, 3e-4)
+    rows = np.flatnonzero(both.up == up)
+    once = {name: getattr(both, name)[rows] for name in ("frequency", "level", "amplitude")}
+    words = []
+    for called in (up, not up):
+        one = replace(both, **once, up=np.full(len(rows), called))
+        found = fit(model, Campaign("", (one,), device))
+        assert found.fitted.error_over_noise < 1.3  # whatever the sweep is called
+        words.append([f"{run.level:g} {'up' if run.up else 'down'}" for run in found.curves[0].backwards])
+    assert words == [[], [f"0.8 {'down' if up else 'up'}"]]
 
 
 def test_a_fit_that_starts_with_its_jump_elsewhere_finds_back() -> None:

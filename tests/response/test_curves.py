@@ -12,6 +12,7 @@ from ident.model import Model
 from ident.response import Equation
 from ident.response.branches import follow
 from ident.response.controlled import Points, at_amplitude
+from ident.response.memory import Seen, memory_along
 from ident.response.periodic import Periodic
 from ident.response.sweep import measured_jump, run_along
 
@@ -164,6 +165,36 @@ def test_plays_in_the_drive_are_no_unknowns_and_act_as_exact_ones() -> None:
             left += weight / 6 * (volts - play)[-10001:]
         own = 2 * np.mean((volts[-10001:] - left)[:-1] * np.exp(-1j * angle[-10001:-1]))
         assert needed / level * own == pytest.approx(force, rel=0.01)  # edges are rounded
+
+
+def test_levels_that_plays_need_have_the_slopes_of_differences() -> None:
+    model = with_memory("prandtl-ishlinskii", weight=0.3, reach=0.5)
+    at = points(np.linspace(38, 42, 9), np.linspace(0.004, 0.012, 9))
+    slopes = at_amplitude(model, at).slopes(np.diag(np.where(model.values == 0, 1.0, model.values)))
+    for i, value in enumerate(model.values):
+        sides = []
+        for side in (1e-4, -1e-4):
+            values = model.values.copy()
+            values[i] += side * (value or 1.0)
+            sides.append(at_amplitude(Periodic(model.equation, values, STEPS), at).needed)
+        np.testing.assert_allclose(slopes[i], (sides[0] - sides[1]) / 2e-4, rtol=1e-4, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["prandtl-ishlinskii", "creep", "drive-lag"])
+def test_closed_forms_of_settled_memories_are_where_their_rates_lead(name: str) -> None:
+    at = {p.name: 0.02 if p.unit == "s" else 3.0 for p in built_in()[name].parameters}
+    effect = built_in()[name](Oscillator()).with_values(**at)
+    level, frequency, steps = 7.0, 20.0, 2000
+    angle = np.pi / steps * np.arange(2 * steps + 1)
+    volts, rate = level * np.cos(angle), -2 * np.pi * frequency * level * np.sin(angle)
+    still, time = np.zeros(len(angle)), angle / (2 * np.pi * frequency)
+    seen = Seen(still, still, volts, rate, still, 2 * time[1], 2 * np.pi * frequency, 1.0, 0.0)
+    hidden = tuple(map(np.asarray, effect.begun(seen.first)))
+    for _ in range(12):
+        hidden, path = memory_along(effect, hidden, seen)
+    closed = [effect.settled(level, seen.drive(v, r)) for v, r in zip(volts[::100], rate[::100], strict=True)]
+    scale = np.max(np.abs(np.array(path)))
+    np.testing.assert_allclose(np.array(path)[:, ::100].T, np.array(closed, float), rtol=0, atol=0.01 * scale)
 
 
 def test_a_slow_memory_of_the_drive_has_settled_at_once() -> None:

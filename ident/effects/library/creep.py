@@ -35,5 +35,11 @@ class Creep(AbstractEffect):
         return (0.0, 0.0, 0.0)
 
     def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
-        times = (self.time / self.spread, self.time, self.time * self.spread)
-        return tuple((drive.V - q) / time for q, time in zip(state.hidden, times, strict=True))
+        return tuple((drive.V - q) / time for q, time in zip(state.hidden, self._times, strict=True))
+
+    def settled(self, level: Scalar, drive: Drive) -> tuple[Scalar, ...]:
+        return tuple((drive.V - time * drive.rate) / (1 + (drive.omega * time) ** 2) for time in self._times)
+
+    @property
+    def _times(self) -> tuple[Scalar, ...]:
+        return self.time / self.spread, self.time, self.time * self.spread

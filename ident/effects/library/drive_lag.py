@@ -42,3 +42,8 @@ class DriveLag(AbstractEffect):
         kept = jnp.where(self.time > 0, jnp.exp(-step / late), 0.0)
         bend = (drive.rate - before.rate) / step
         return (kept * (hidden[0] + before.rate) - drive.rate + self.time * bend * (1.0 - kept),)
+
+    def settled(self, level: Scalar, drive: Drive) -> tuple[Scalar, ...]:
+        turn = drive.omega * self.time
+        late = jnp.where(turn > 0, 1.0 + turn**2, 1.0)
+        return (-(drive.rate + drive.omega * turn * drive.V) / late,)

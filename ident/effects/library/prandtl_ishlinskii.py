@@ -1,7 +1,9 @@
 """Hysteresis of the piezoelectric drive as a sum of plays."""
 
+import jax.numpy as jnp
+
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
-from ..memory import dragged, within
+from ..memory import dragged, played, within
 
 _PLAYS = 6
 
@@ -48,6 +50,10 @@ class PrandtlIshlinskii(AbstractEffect):
     def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
         parts = [(drive.V - p) / r for p, r in zip(state.hidden, self._widths(), strict=True)]
         return tuple(drive.rate * dragged(part, drive.rate) for part in parts)
+
+    def settled(self, level: Scalar, drive: Drive) -> tuple[Scalar, ...]:
+        widths = jnp.stack(self._widths())
+        return tuple(drive.V - widths * played(level, drive, widths))
 
     def _widths(self) -> list[Scalar]:
         return [self.reach * (j + 0.5) / _PLAYS for j in range(_PLAYS)]
