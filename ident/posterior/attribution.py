@@ -70,10 +70,12 @@ class Share(NamedTuple):
 
 
 class Attributed(NamedTuple):
-    """One measure of one record: `offset`, data and model; `shares`, none where there is nothing to share; `seen`,
-    whether the record has that offset; `explained`, whether the model has it too; `counts`, whether it decides."""
+    """One measure of one record: `offset`, data and model; `beyond`, what of the data symmetric physics has none of;
+    `shares`, none where there is nothing to share; `seen`, whether the record has that offset; `explained`, whether the
+    model has it too; `counts`, whether it decides."""
 
     offset: Offset
+    beyond: Measured
     shares: tuple[Share, ...]
     seen: bool
     explained: bool
@@ -217,7 +219,8 @@ def _read(
             explained = not missed or abs(offset.difference.value) < MINOR * abs(symmetric.difference.value)
             counts = i in _EVEN and parts is not None and seen and explained
             shares = () if parts is None else parts.shares(names)
-            attributed.append(Attributed(offset, shares, seen, explained, counts))
+            beyond = symmetric.difference if i in _EVEN else offset.data
+            attributed.append(Attributed(offset, beyond, shares, seen, explained, counts))
             if counts and parts is not None:
                 counted.append(parts)
         told.append(tuple(attributed))

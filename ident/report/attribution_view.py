@@ -59,6 +59,8 @@ def _measure(one: Attributed, record: Trace) -> dict[str, Any]:
         "data": data.value / unit.factor,
         "data_error": data.error / unit.factor,
         "model": model.value / unit.factor,
+        "beyond_symmetry": one.beyond.value / unit.factor,
+        "beyond_symmetry_error": one.beyond.error / unit.factor,
         "counts": one.counts,
         "shares": [_share(s) for s in one.shares],
     }
@@ -80,15 +82,23 @@ def attribution_sheet(document: Mapping[str, Any]) -> Sheet:
         for one in record["measures"]:
             if one["counts"]:
                 unit = one["unit"].replace("um", "µm")
-                value = show_in(one["data"], one["data_error"], Scale(1.0, unit))
+                value = show_in(one["beyond_symmetry"], one["beyond_symmetry_error"], Scale(1.0, unit))
                 shares = {s["mechanism"]: s for s in one["shares"]}
                 rows.append((record["file"], one["measure"], f"{value.value} ± {value.error} {unit}",
                              *(_percent(shares[name]) for name in names)))  # fmt: skip
     if document["overall"]:
         rows.append(("all together", "", "", *(_percent(s) for s in document["overall"])))
     marks: list[Mark] = ["total" if row[0] == "all together" else "" for row in rows]
-    columns = (Column("record", wraps=True), Column("measure"), Column("data", True), *(Column(n, True) for n in names))
-    note = "Share of each mechanism with its 90 % interval; shares of a measure add up to 100 %."
+    columns = (
+        Column("record", wraps=True),
+        Column("measure"),
+        Column("offset", True),
+        *(Column(n, True) for n in names),
+    )
+    note = (
+        "The offset is what the record has beyond a motion that symmetric physics could make. Share of each mechanism "
+        "with its 90 % interval; shares of a measure add up to 100 %."
+    )
     return Sheet("Which mechanism explains the offset", columns, tuple(rows), tuple(marks), note)
 
 
@@ -136,10 +146,11 @@ def _cell(
 ) -> None:
     left, bottom, _, high = place
     unit = one["unit"].replace("um", "µm")
-    value = show_in(one["data"], one["data_error"], Scale(1.0, unit))
+    size, error = one["beyond_symmetry"], one["beyond_symmetry_error"]
+    value = show_in(size, error, Scale(1.0, unit))
     words = f"{value.value} ± {value.error} {unit}"
     if not one["counts"]:
-        words += "  (none)" if abs(one["data"]) <= 3 * one["data_error"] else "  (unclear)"
+        words += "  (none)" if abs(size) <= 3 * error else "  (unclear)"
     figure.text(left, bottom + high + 0.004, words, fontsize=8.5, color=INK if one["counts"] else FAINT, va="bottom")
     axes = new_axes(figure, *place)
     axes.set_xlim(-0.25, 1.25)
