@@ -38,8 +38,8 @@ class Device(NamedTuple):
 
 
 def stop(z: float, _: float) -> float:
-    """A spring 2.8 times as stiff as the stage's own that is met at a tenth of the free motion, on one side."""
-    return -2.8 * OMEGA**2 * max(z - 0.1 * SIZE, 0.0)
+    """A spring 2.8 times as stiff as the stage's own that is met at half of `SIZE`, on one side."""
+    return -2.8 * OMEGA**2 * max(z - 0.5 * SIZE, 0.0)
 
 
 def hardening(share: float) -> Callable[[float, float], float]:
@@ -69,8 +69,8 @@ def drives(random: np.random.Generator) -> dict[str, np.ndarray]:
 
     chirp = np.sin(2 * np.pi * (20 * TIME + 60 * TIME**2 / (2 * TIME[-1])))
     sine = lambda volts, hertz: volts * np.sin(2 * np.pi * hertz * TIME)
-    return {"noise": multisine(1.0), "weak": sine(0.4, 49.0), "strong": sine(1.0, 51.5), "chirp": chirp,
-            "noise2": multisine(0.7)}  # fmt: skip
+    return {"noise": multisine(0.6), "weak": sine(0.4, 49.0), "strong": sine(1.0, 51.5), "chirp": chirp,
+            "noise2": multisine(0.4)}  # fmt: skip
 
 
 def write(device: Device, folder: Path, seed: int) -> list[str]:
