@@ -104,7 +104,7 @@ def check(name: str, seed: int = 1) -> str:
         said = json.loads((work / "run" / "diagnosis.json").read_text(encoding="utf-8"))
     start, held_out = said["start"]["error_over_noise"], run["holdout"]["error_over_noise"]
     row = f"{name:26} {start:6.0f} {held_out:6.2f}  {', '.join(run['effects'])}: {said['verdict']}, {seconds:.0f} s"
-    assert start > 30 and held_out < 1.1 and set(run["effects"]) == set(device.names), row
+    assert start > 30 and held_out < 1.5 and set(run["effects"]) == set(device.names), row
     return row
 
 
