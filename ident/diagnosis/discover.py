@@ -107,12 +107,12 @@ def _without_refuted(start: Fit, steps: list[Step], bench: Bench) -> list[Step]:
     """The steps without those at the end that held-out records refute; `bench`: after the last.
 
     Where the noise floor is not reached the model still lacks something, and one more law may bend to mimic a part of
-    that: after the first, a name then counts if it predicts other records better.
+    that: after the first, a name then counts if it predicts other records better than every model before it.
     """
     kept, left = list(steps), bench
     while kept:
         before, after = kept[-2].fit if len(kept) > 1 else start, kept[-1].fit
-        mimics = len(kept) > 1 and not adequate(left) and not confirmed(before, after)
+        mimics = not adequate(left) and not all(confirmed(step.fit, after) for step in kept[:-1])
         if not (mimics or hurts(before, after)):
             break
         left = kept.pop().bench or left

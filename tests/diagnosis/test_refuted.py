@@ -1,0 +1,35 @@
+"""Names at the end of a walk that never reached the noise: held-out records have the last word."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from ident.diagnosis import discover
+
+
+def step(added: str, held_out: float) -> Any:
+    fit = SimpleNamespace(holdout=SimpleNamespace(error_over_noise=held_out))
+    return SimpleNamespace(added=added, fit=fit, bench=None)
+
+
+@pytest.mark.parametrize(
+    ("held_out", "kept"),
+    [
+        ((6.4, 5.3, 5.8, 5.7), 2),  # the last is better than the one before it, not than the best
+        ((6.4, 5.3, 5.8, 5.2), 4),
+        ((6.4, 5.3), 2),
+        ((6.4,), 1),
+    ],
+)
+def test_a_name_counts_if_it_predicts_better_than_every_model_before(
+    held_out: tuple[float, ...], kept: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(discover, "adequate", lambda _: False)
+    monkeypatch.setattr(discover, "hurts", lambda *_: False)
+    steps = [step(f"law-{i}", error) for i, error in enumerate(held_out)]
+    bench: Any = None
+    found = discover._without_refuted(step("start", 6.2).fit, steps, bench)
+    assert [one.added for one in found] == [f"law-{i}" for i in range(kept)]
