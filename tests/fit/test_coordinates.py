@@ -49,7 +49,8 @@ def test_a_start_on_a_bound_is_moved_inside():
 def test_a_value_that_a_fit_left_on_a_limit_does_not_move_it_and_a_users_does():
     parameter = next(p for p in (Model(Oscillator()) + EndStop()).parameters if p.name == "end-stop.gap")
     scales = SimpleNamespace(displacement=1e-5)
-    low, high = 0.2e-5, 1e-5
+    low, high = (limit * scales.displacement for limit in (0.05, 1.0))  # shares of the travel, as its file has them
     assert bounds_of(parameter, low * (1 - 1e-9), scales) == pytest.approx((low, high))
     assert bounds_of(parameter, high * (1 + 1e-9), scales) == pytest.approx((low, high))
-    assert bounds_of(parameter, 1e-6, scales) == pytest.approx((1e-6 / 3, high))
+    beyond = low / 2
+    assert bounds_of(parameter, beyond, scales) == pytest.approx((beyond / 3, high))
