@@ -12,6 +12,9 @@ from typing import Any
 from .device import Device, Platform
 from .record import Record, Sweep, Trace
 
+MOST_MODES = 6
+"""Linear modes that a model may have, its own included."""
+
 
 def _view(values: dict[str, Any]) -> MappingProxyType[str, Any]:
     return MappingProxyType(values)
@@ -40,7 +43,8 @@ class Campaign:
     - `priors`: per full parameter name ("residual-stress.sigma12").
     - `notes`: what was assumed and what the data checks found, one sentence each, to be printed.
     - `checksums`: SHA-256 of every file read.
-    - `linear`: the form of the linear model, "auto" if the records decide.
+    - `linear`: the form of the linear model, "auto" if the records decide; `modes`: how many linear modes an oscillator
+      has, None if the records decide.
     - `files`: what `read_campaign` was given: one TOML file, or data files.
     """
 
@@ -56,6 +60,7 @@ class Campaign:
     checksums: Mapping[str, str] = field(default_factory=dict)
     files: tuple[Path, ...] = ()
     linear: str = "auto"
+    modes: int | None = None
 
     @property
     def traces(self) -> tuple[Trace, ...]:

@@ -18,8 +18,8 @@ from ident.errors import UserError
 from ident.units import looks_like_quantity, parse_quantity, to_si
 
 from .binary_table import READERS
-from .campaign import Campaign, Prior
-from .device import Oscillator, Platform
+from .campaign import MOST_MODES, Campaign, Prior
+from .device import Device, Oscillator, Platform
 from .device_file import of_displacement, read_device
 from .document import Section, read_document, record_sections, shown
 from .guess import guess_device, renamed
@@ -112,6 +112,7 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
     model = document.section("model")
     effects = model.texts("effects")
     linear = model.choice("linear", ("auto", "oscillator", "no-spring", "quasi-static"), "auto")
+    modes = _modes(model, device, linear)
     effect_files = tuple(_effect_file(model, folder, name) for name in model.texts("effect_files"))
     model.check_keys()
     settings, priors = _settings(document.section("effect")), _priors(document.section("priors"))
@@ -147,7 +148,24 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
         _checksums(files, folder),
         () if path is None else (path,),
         linear,
+        modes,
     )
+
+
+def _modes(model: Section, device: Device, linear: str) -> int | None:
+    """How many linear modes the campaign asks for; None if the records decide."""
+    told = model.get("modes", int, f"a number from 1 to {MOST_MODES}")
+    if told is None:
+        return None
+    if isinstance(told, bool) or not 1 <= told <= MOST_MODES:
+        raise model.error("modes", f"{shown(told)} modes", f"write a number from 1 to {MOST_MODES}, or leave it out")
+    if told > 1 and (not isinstance(device, Oscillator) or linear not in ("auto", "oscillator")):
+        raise model.error(
+            "modes",
+            "only an oscillator has further linear modes",
+            'remove it, or write device = { kind = "oscillator" } and no other linear model',
+        )
+    return told
 
 
 def _with_common_noise(records: list[Record]) -> tuple[Record, ...]:

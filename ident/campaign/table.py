@@ -109,7 +109,7 @@ _SUFFIX_UNITS = frozenset(
     re.split(
         " ",
         "s ms us ns min V mV uV kV m mm um nm pm micron Hz kHz MHz rad deg A mA uA N mN uN Pa kPa MPa K C kg mg "
-        "Vpp Vrms Vpk dB dBV dBm volt volts second seconds hertz m/s mm/s rad/s m/s^2",
+        "Vpp Vrms Vpk dB dBV dBm volt volts second seconds hertz m/s mm/s rad/s m/s^2 m/s2",
     )
 )
 
@@ -123,11 +123,24 @@ def is_unit(text: str, rare: bool = True) -> bool:
     return is_amplitude_unit(text, rare)
 
 
+# Rates without a slash, as names of columns need them: "acc_m_s2", "v_mm_per_s", "speed_mps", "a_ms2".
+_RATE = re.compile(r"(.*\w)[_ ]([um]?m|rad|deg)(?:_per_|_|per|p|(?=s-?2))s(?:ec)?_?(-?2)?")
+
+
 def split_header(header: str, own_unit: str = "") -> tuple[str, str | None, str]:
-    """A header as (stem, unit or None, doubtful text): "z [um]" is ("z", "um", "").
+    """A header as (stem, unit or None, doubtful text): "z [um]" is ("z", "um", ""). An accelerometer's g is that of
+    the Earth, not a gram.
 
     `own_unit` is a unit that exists for this campaign only (an oscillator's "counts").
     """
+    stem, unit, doubtful = _split(header, own_unit)
+    gravity = re.fullmatch(r"(acc.*?)[_ ]+g", header.strip(), re.IGNORECASE)
+    if own_unit != "g" and (gravity or unit in ("g", "G") and re.match("acc", stem, re.IGNORECASE)):
+        return gravity[1] if gravity else stem, "standard_gravity", ""
+    return stem, unit, doubtful
+
+
+def _split(header: str, own_unit: str) -> tuple[str, str | None, str]:
     text = header.strip().strip("\"'").strip()
 
     def known(name: str, rare: bool = False) -> bool:
@@ -137,6 +150,9 @@ def split_header(header: str, own_unit: str = "") -> tuple[str, str | None, str]
     if match and match[2]:
         unit = match[2].removeprefix("in ").strip()
         return (match[1].strip(), unit, "") if known(unit, True) else (match[1].strip(), None, unit)
+    match = _RATE.fullmatch(text)
+    if match:
+        return match[1].strip(" _"), f"{match[2]}/s{'^2' if match[3] else ''}", ""
     match = re.fullmatch(r"(.+?)[_ .:-]([^\s_.:-]+/[^\s_.:-]+)", text)
     if match and not match[1].endswith(" in") and _usual(match[2]) in _SUFFIX_UNITS:  # "acceleration_m/s^2"
         return match[1].strip(" _"), match[2], ""

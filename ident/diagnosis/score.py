@@ -92,8 +92,7 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     if effect.needs and effect.needs not in fitted.model.names:
         return None
     # The candidate alone (with the effect it builds on) pushes: the same program then serves every model and campaign.
-    alone = tuple(e for e in fitted.model.effects if e.name == effect.needs)
-    own_effects = (*alone, make_effect(fitted.campaign, effect.name, {effect.name: effect}))
+    own_effects = (*fitted.model.beneath(effect), make_effect(fitted.campaign, effect.name, {effect.name: effect}))
     model = Model(fitted.model.device, own_effects, form=fitted.model.form)
     instance = model.effects[-1]
     own = [p.name for p in model.parameters[: len(model.parameters) - len(instance.parameters)]]

@@ -13,7 +13,7 @@ record; a constant or a spring is then not bought with what a missing effect lea
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, get_args
 
@@ -25,6 +25,7 @@ from ..errors import UserError
 from .guess import Piece, guess_linear, highest_content, make_piece
 from .independent import independent_samples
 from .linear_forms import FORMS, Form
+from .modes import Mode, find_modes
 
 FormName = Literal["oscillator", "overdamped", "no-spring", "quasi-static"]
 Told = Literal["auto", "oscillator", "no-spring", "quasi-static"]
@@ -36,6 +37,7 @@ _STATIC = (
     15.0  # times the drive's band: there inertia changes the answer by 1/15², and at this quality shifts it by less
 )
 _STATIC_QUALITY = 15.0
+_GREATER_PART = math.sqrt(2.0)  # half of the power
 _BEYOND = 8.0  # times the range of the grid: so far the search may go
 
 
@@ -45,7 +47,7 @@ class Candidate(NamedTuple):
     **Arguments:** `form`: its name, also "constant" and "quasi-static"; `level`: whether with a constant; `left`: rms
     of what it leaves over that of the signal; `numbers`: how many are fitted beside the initial states; `criterion`;
     `first`, `second`: frequency (Hz) and quality, or a time scale (Hz) and the decay time (s) without a spring; `gain`
-    ((m/s²)/V) and `constant` (SI, of the effect in `LEVELS`).
+    ((m/s²)/V) and `constant` (SI, of the effect in `LEVELS`); `further` modes of an oscillator.
     """
 
     form: str
@@ -57,6 +59,7 @@ class Candidate(NamedTuple):
     second: float = math.nan
     gain: float = 0.0
     constant: float = 0.0
+    further: tuple[Mode, ...] = ()
 
     @property
     def words(self) -> str:
@@ -64,7 +67,8 @@ class Candidate(NamedTuple):
         names = {"constant": "a constant", "quasi-static": "gain and offset, no inertia", "overdamped":
                  "oscillator, overdamped", "no-spring": "mass and damper, no spring"}  # fmt: skip
         level = {"constant": "", "quasi-static": "", "no-spring": ", constant force"}.get(self.form, ", offset")
-        return names.get(self.form, self.form) + (level if self.level else "")
+        modes = f", {1 + len(self.further)} modes" if self.further else ""
+        return names.get(self.form, self.form) + modes + (level if self.level else "")
 
 
 @dataclass(frozen=True)
@@ -81,13 +85,16 @@ class LinearChoice:
         return next((c for c in self.candidates if c.form == "quasi-static"), None)
 
 
-def choose_linear(records: Sequence[Trace], told: str = "auto", level: bool = True) -> LinearChoice:
+def choose_linear(
+    records: Sequence[Trace], told: str = "auto", level: bool = True, modes: int | None = None
+) -> LinearChoice:
     """The linear model with which to start on these records.
 
     A constant is looked for only where no record starts from rest, for there the first sample says where the zero is,
     and not in decays, whose displacements are counted from where they come to rest.
 
-    **Arguments:** `told`: "auto", or the form that the campaign asks for; `level`: whether a constant may be added.
+    **Arguments:** `told`: "auto", or the form that the campaign asks for; `level`: whether a constant may be added;
+    `modes`: how many an oscillator has, None if the records decide.
     """
     pieces = [make_piece(record) for record in records]
     driven = any(piece.driven for piece in pieces)
@@ -107,13 +114,37 @@ def choose_linear(records: Sequence[Trace], told: str = "auto", level: bool = Tr
         start = (guess.frequency, guess.quality) if name == "oscillator" and guess is not None else None
         for constant in (False, True) if level else (False,):
             found.append(_searched(pieces, form, constant, start))
-    found = _weighed(pieces, found)
+    found, price = _weighed(pieces, found)
     moved = all(record.order == 0 for record in records)  # a rate has no gain to a steady drive
     allowed = [c for c in found if c.form in names and (moved or c.form != "quasi-static")]
     if not allowed:
         what = 'linear = "quasi-static" needs a drive that was measured, and a displacement that answers it'
         raise UserError(what, do="remove it, and let the records choose")
-    return LinearChoice(tuple(found), min(allowed, key=lambda c: c.criterion), told)
+    chosen = min(allowed, key=lambda c: c.criterion)
+    more = _with_modes(records, pieces, chosen, modes) if chosen.form == "oscillator" and driven else []
+    more = [candidate._replace(criterion=price(candidate)) for candidate in more]
+    if modes is not None and modes > 1 and more:
+        chosen = more[-1]
+    elif more:
+        chosen = min([chosen, *more], key=lambda c: c.criterion)
+    return LinearChoice(tuple(sorted([*found, *more], key=lambda c: c.criterion)), chosen, told)
+
+
+def _with_modes(records: Sequence[Trace], pieces: Sequence[Piece], one: Candidate, told: int | None) -> list[Candidate]:
+    """The oscillator with two modes, with three, …, if the campaign asks for them or records show them: what they
+    predict of records that were left out must be the greater part of what one mode leaves, noise included."""
+    noise = sum((r.noise.sigma / p.size) ** 2 * len(p.response) for r, p in zip(records, pieces, strict=True))
+    least = math.sqrt(noise / sum(piece.power for piece in pieces))
+    if told == 1 or (told is None and least > one.left / _GREATER_PART):
+        return []
+    found = find_modes(pieces, (one.first, one.second), one.level, told)
+    if told is None and found[-1].predicted > found[0].predicted / _GREATER_PART:
+        return []
+    return [
+        one._replace(left=m.left, numbers=one.numbers + 3 * (len(m.modes) - 1), first=m.modes[0].frequency,
+                     second=m.modes[0].quality, gain=m.modes[0].gain, constant=m.constant, further=m.modes[1:])
+        for m in found[1:]
+    ]  # fmt: skip
 
 
 def _static(records: Sequence[Trace], pieces: Sequence[Piece]) -> Candidate:
@@ -190,8 +221,10 @@ def _rows(
     return np.concatenate(rows), np.concatenate(targets)
 
 
-def _weighed(pieces: Sequence[Piece], found: Sequence[Candidate]) -> list[Candidate]:
-    """The candidates with their criterion, best first."""
+def _weighed(
+    pieces: Sequence[Piece], found: Sequence[Candidate]
+) -> tuple[list[Candidate], Callable[[Candidate], float]]:
+    """The candidates with their criterion, best first; and the criterion."""
     best = min(found, key=lambda c: c.left)
     form = FORMS.get(best.form)
     point = None if form is None else form.point(best.first, best.second)
@@ -200,4 +233,4 @@ def _weighed(pieces: Sequence[Piece], found: Sequence[Candidate]) -> list[Candid
     rest = targets - rows / lengths @ np.linalg.lstsq(rows / lengths, targets, rcond=1e-9)[0]
     n = max(independent_samples(rest), _FEWEST)
     price = lambda c: 2 * n * math.log(max(c.left, 1e-12)) + c.numbers * math.log(n)
-    return sorted((c._replace(criterion=price(c)) for c in found), key=lambda c: c.criterion)
+    return sorted((c._replace(criterion=price(c)) for c in found), key=lambda c: c.criterion), price

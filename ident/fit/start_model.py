@@ -9,11 +9,12 @@ from functools import lru_cache
 
 from ..campaign.campaign import Campaign
 from ..campaign.device import Oscillator
-from ..effects.registry import built_in, registry
 from ..errors import UserError
 from ..model import Model, build_model, make_effect
 from .linear_choice import LEVELS, LinearChoice, choose_linear
 
+FURTHER = ("second-mode", "third-mode", "fourth-mode", "fifth-mode", "sixth-mode")
+"""The effects that the further modes of an oscillator are."""
 _ENOUGH = 100_000  # samples that compare linear models: of many records a part tells it, and the fit then sees all
 
 
@@ -25,7 +26,8 @@ def linear_choice(campaign: Campaign) -> LinearChoice | None:
         return None
     records = campaign.fitted
     every = math.ceil(sum(len(record.time) for record in records) / _ENOUGH)
-    return choose_linear(records[::every], campaign.linear)
+    told = 1 if {*FURTHER} & {*campaign.effects} else campaign.modes
+    return choose_linear(records[::every], campaign.linear, modes=told)
 
 
 def start_model(
@@ -50,11 +52,14 @@ def start_model(
     first, second, gain = (p.name for p in model.parameters[:3])
     found = [(first, chosen.first), (second, chosen.second)]
     found += [(gain, chosen.gain * model.linear.mass / model.linear.force_per_gain)] if chosen.gain else []
-    level = LEVELS[chosen.form]
     if chosen.level and not {*LEVELS.values()} & set(model.names):
-        model = model + make_effect(
-            campaign, level, {level: registry(campaign.effect_files).get(level, built_in()[level])}
-        )
+        model = model + make_effect(campaign, LEVELS[chosen.form])
         found.append((model.parameters[-1].name, chosen.constant))
+    if not {*FURTHER} & set(model.names):
+        for name, mode in zip(FURTHER, chosen.further, strict=False):
+            model = model + make_effect(campaign, name)
+            travel = mode.gain / (2 * math.pi * mode.frequency) ** 2
+            values = {"travel": travel, "period": 1 / mode.frequency, "quality": mode.quality}
+            found += [(f"{name}.{key}", value) for key, value in values.items()]
     known = {name for name, _ in model.start}
     return replace(model, start=(*model.start, *((name, value) for name, value in found if name not in known)))

@@ -56,7 +56,12 @@ def make_effect(campaign: Campaign, name: str, known: Registry | None = None) ->
 
 def _needed_first(names: Iterable[str], known: Registry) -> list[str]:
     """The names in an order in which every effect follows the one that it builds on."""
-    return sorted(names, key=lambda name: bool(find(name, known).needs))
+
+    def depth(name: str) -> int:
+        needs = find(name, known).needs
+        return 1 + depth(needs) if needs else 0
+
+    return sorted(names, key=depth)
 
 
 def _told(campaign: Campaign, known: Registry) -> tuple[tuple[tuple[str, float], ...], frozenset[str], frozenset[str]]:

@@ -59,6 +59,11 @@ class Model:
             raise UserError(f"the model has no effect {name}", do=f"it has: {', '.join(self.names) or 'none'}")
         return replace(self, effects=tuple(e for e in self.effects if e.name != name))
 
+    def beneath(self, effect: type[AbstractEffect]) -> tuple[AbstractEffect, ...]:
+        """The effects on which one builds, and on which those build, the lowest first."""
+        own = tuple(e for e in self.effects if e.name == effect.needs)
+        return self.beneath(type(own[0])) + own if own else ()
+
     def carries(self, name: str) -> bool:
         """Whether another effect builds on this one, which then cannot go alone."""
         return any(effect.needs == name for effect in self.effects)

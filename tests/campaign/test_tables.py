@@ -21,6 +21,13 @@ SWEEP = sweep_roles(VOLTAGE, LENGTH)
     ("header", "stem", "unit"),
     [
         ("Acceleration_m/s^2", "Acceleration", "m/s^2"),
+        ("acceleration_m_s2", "acceleration", "m/s^2"),
+        ("a_ms-2", "a", "m/s^2"),
+        ("v_mm_per_s", "v", "mm/s"),
+        ("speed_mps", "speed", "m/s"),
+        ("acc_g", "acc", "standard_gravity"),
+        ("Accel [g]", "Accel", "standard_gravity"),
+        ("time_ms", "time", "ms"),
         ("v in mm/s", "v", "mm/s"),
         ("time (s)", "time", "s"),
         ("t [ms]", "t", "ms"),

@@ -47,8 +47,10 @@ def make(name: str, settings: dict[str, str] | None = None, **values: float) -> 
 def measured(*effects: AbstractEffect, substeps: int = 1) -> np.ndarray:
     """Reading at TIME by the package, `substeps` Runge-Kutta steps per sample, (n,) m; what an effect builds on stands
     beside it, switched off."""
-    beneath = tuple(make(effect.needs) for effect in effects if effect.needs)
-    model = Model(Oscillator(), (*beneath, *effects))
+    below = [effect.needs for effect in effects if effect.needs]
+    for name in below:
+        below += [built_in()[name].needs] if built_in()[name].needs else []
+    model = Model(Oscillator(), (*(make(name) for name in reversed(below)), *effects))
     half = np.linspace(0.0, DURATION, 2 * SAMPLES * substeps + 1)
     lane = Lane(DURATION / (SAMPLES * substeps), voltage(half), voltage_rate(half), TONES[0][1])
     own = [value for effect in model.effects for value in effect.values.values()]

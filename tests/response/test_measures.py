@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -109,6 +110,10 @@ def test_a_second_mode_close_by_is_a_second_mode(tmp_path: Path, measures: str, 
     device = 'device = { kind = "oscillator", output = "m" }'
     (tmp_path / "campaign.toml").write_text(f'{device}\n[[record]]\nfile = "a.csv"\nmeasures = "{measures}"\n')
     campaign = read_campaign(tmp_path)
+    start = fit(start_model(campaign), campaign)  # as linear as the device
+    assert start.model.names == ("second-mode",) and start.fitted.error_over_noise < 1.1
+    assert np.isclose(start.value("second-mode.period") * F0 * ratio, 1.0, rtol=0.01)
+    campaign = replace(campaign, modes=1)
     found = prepare(fit(start_model(campaign), campaign))
     best = score(found, built_in())[0]
     assert best.name == "second-mode" and best.drop > 0.9 * found.chi2

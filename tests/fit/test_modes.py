@@ -1,0 +1,86 @@
+"""Further linear modes: found where records show them, exact steady answers from their frequency responses, and not
+where a device is nonlinear."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from experiments.hidden_effects.generator import draw, write
+from ident.campaign.campaign import Campaign
+from ident.campaign.device import Oscillator
+from ident.campaign.read import read_campaign
+from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.errors import UserError
+from ident.fit import fit
+from ident.fit.start_model import linear_choice, start_model
+
+N, STEP, NOISE = 2000, 0.005, 0.005
+FOUR = ((4.9, 0.02, 0.5), (7.3, 0.02, 2.0), (9.1, 0.015, -1.2), (12.5, 0.015, 0.8))  # Hz, damping ratio, gain
+
+
+def record(seed: int, modes: tuple[tuple[float, float, float], ...] = FOUR, level: float = 1.0) -> Trace:
+    """The steady acceleration under a multisine of 2-15 Hz: Σ g (iω)²/(ω_k² − ω² + 2iζω_kω) of its lines."""
+    rng = np.random.default_rng(seed)
+    f = np.fft.rfftfreq(N, STEP)
+    omega = 2 * np.pi * f
+    answer = sum(
+        g * -(omega**2) / ((2 * np.pi * fk) ** 2 - omega**2 + 4j * np.pi * fk * z * omega) for fk, z, g in modes
+    )
+    lines = np.where((f > 2) & (f < 15), np.exp(1j * rng.uniform(0, 2 * np.pi, f.size)), 0)
+    drive, response = (level * np.fft.irfft(x) / np.std(np.fft.irfft(lines)) for x in (lines, lines * answer))
+    sigma, one = NOISE * float(np.std(response)), Channel("m", 1.0)
+    response = response + sigma * rng.normal(size=N)
+    return Trace(
+        "a.csv", STEP * np.arange(N), drive, response, one, one, NoiseFloor(sigma), "unknown", measures="acceleration"
+    )
+
+
+def test_four_modes_are_found_and_fitted_to_the_noise():
+    campaign = Campaign("wing", (record(1), record(2, level=3.0)), Oscillator())
+    choice = linear_choice(campaign)
+    assert choice is not None and choice.chosen.words == "oscillator, 4 modes"
+    model = start_model(campaign)
+    assert model.names == ("second-mode", "third-mode", "fourth-mode")
+    found = fit(model, campaign)
+    assert found.fitted.error_over_noise < 1.05
+    periods = [found.value(f"{name}.period") for name in model.names]
+    own = sorted([found.values[0], *(1 / period for period in periods)])
+    np.testing.assert_allclose(own, [f for f, _, _ in FOUR], rtol=1e-4)
+
+
+def test_the_campaign_may_say_how_many_there_are():
+    records = (record(1), record(2))
+    for told, names in ((1, ()), (2, ("second-mode",))):
+        assert start_model(Campaign("wing", records, Oscillator(), modes=told)).names == names
+    # one that the campaign names itself is not doubled
+    assert start_model(Campaign("wing", records, Oscillator(), effects=("second-mode",))).names == ("second-mode",)
+
+
+def test_one_mode_in_noise_stays_one():
+    assert start_model(Campaign("one", (record(1, FOUR[1:2]), record(2, FOUR[1:2])), Oscillator())).names == ()
+
+
+@pytest.mark.parametrize("effect", ["cubic-stiffness", "end-stop", "coulomb-friction", "viscoelastic-support"])
+def test_a_nonlinear_device_is_no_device_of_many_modes(effect: str, tmp_path: Path):
+    case = draw(8200, (effect,), size=0.1, noise=0.003, device="oscillator", records=6, length=1200)
+    write(case, tmp_path / "c", tmp_path / "truth.json")
+    choice = linear_choice(read_campaign(tmp_path / "c"))
+    assert choice is not None and not choice.chosen.further
+
+
+@pytest.mark.parametrize(
+    ("line", "device", "said"),
+    [("modes = 0", True, "from 1 to"), ('modes = "two"', True, "from 1 to"), ("modes = 2", False, "only an oscillator"),
+     ('modes = 2\nlinear = "no-spring"', True, "only an oscillator")],
+)  # fmt: skip
+def test_what_cannot_be_is_said(line: str, device: bool, said: str, tmp_path: Path):
+    kind = 'device = { kind = "oscillator", output = "V" }\n' if device else ""
+    (tmp_path / "campaign.toml").write_text(f'{kind}[model]\n{line}\n[[record]]\nfile = "a.csv"\n')
+    t = np.arange(50) * 1e-3
+    np.savetxt(tmp_path / "a.csv", np.c_[t, np.sin(300 * t), np.cos(300 * t)], delimiter=",", header="t_s,u_V,y_V")
+    with pytest.raises(UserError) as error:
+        read_campaign(tmp_path)
+    assert said in str(error.value) and "campaign.toml, line" in str(error.value)
