@@ -15,7 +15,7 @@ from ..campaign.drive import drive_frequency
 from ..campaign.judge import judge
 from ..campaign.record import SAME_LEVEL, Record, Sweep, Trace
 from .drive_words import drive_words, only_frequency
-from .quantity import Scale, scale, show_in, significant
+from .quantity import Scale, reading_unit, scale, show_in, significant
 from .sheet import Column, Mark, Sheet, file_words
 from .sweep_words import sweep_dict, sweep_remarks, sweep_words, what_the_sweeps_tell
 
@@ -103,7 +103,8 @@ def _differs(record: Trace, others: tuple[Trace, ...]) -> bool:
 
 def judgement_sheet(campaign: Campaign) -> Sheet:
     """All records in one table: how long each is, and its size beside its noise floor."""
-    common = scale(max(record.noise.sigma for record in campaign.records), "m", campaign.device)
+    unit = reading_unit(campaign.records)
+    common = scale(max(record.noise.sigma for record in campaign.records), unit, campaign.device)
     rows = tuple(_row(record, common, campaign) for record in campaign.records)
     marks: tuple[Mark, ...] = tuple("" if row[-1] == "good" else "warning" for row in rows)
     columns = (

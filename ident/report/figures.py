@@ -14,7 +14,7 @@ from ..fit.decay_curve import decay_curves
 from ..fit.judge import RecordScore
 from .decay_figure import draw_decay
 from .drive_words import drive_words
-from .quantity import Scale, scale, show_in
+from .quantity import Scale, reading_unit, scale, show_in
 from .style import (
     BAND,
     DATA,
@@ -57,7 +57,7 @@ def record_figure(
     of the same layout is drawn on again, which is twice as fast.
     """
     size = float(np.max(np.abs(record.response)))
-    unit = scale(size, "m", device)
+    unit = scale(size, reading_unit([record]), device)
     sine = drive_sine(record)
     pieces = _pieces(record, sine)
     curves = () if record.driven else decay_curves(record.response, reading, record.step, record.noise.sigma)
@@ -105,7 +105,7 @@ def _blank(layout: Layout) -> Figure:
 def _title(figure: Figure, record: Trace, score: RecordScore, device: Device) -> None:
     words = f"{record.name}:  {drive_words(record, device)}"
     figure.text(0.012, 0.955, words, fontsize=12, weight="bold", color=INK, va="center")
-    chosen = error_scale(score, device)
+    chosen = error_scale(score, device, reading_unit([record]))
     error, noise = (show_in(v, None, chosen, 3).value for v in (score.rmse, score.noise_rmse))
     use = "held out" if record.holdout else "fitted"
     ratio = ratio_text(score.error_over_noise)
@@ -218,7 +218,7 @@ def _spectrum(axes: Axes, record: Trace, reading: np.ndarray, device: Device) ->
     frequency = np.fft.rfftfreq(n, record.step)
     spectrum, remaining = (2 * np.abs(np.fft.rfft((x - x.mean()) * window)) / window.sum() for x in (measured, left))
     floor = 2 * record.noise.sigma * np.sqrt(np.sum(window**2)) / window.sum()
-    unit = scale(float(np.max(spectrum)), "m", device)
+    unit = scale(float(np.max(spectrum)), reading_unit([record]), device)
     # As far as the response rises above the noise: what lies beyond is empty.
     last = max(int(np.max(np.flatnonzero(np.maximum(spectrum, remaining) > 5 * floor), initial=0)), 20)
     shown = slice(1, min(2 * last, len(frequency)))

@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from ..campaign.device import Device, Oscillator
+from ..campaign.record import Record, Trace
 from ..effects.dimensions import exponents
 from ..units import base_unit, find_unit
 
@@ -55,6 +57,12 @@ def display_unit(unit: str, device: Device, *, plain: bool = False) -> str:
         if powers.get("s") == -1 and len([p for p in powers.values() if p]) == 1 and unit == "Hz":
             return "Hz"
     return _written({symbol: power for symbol, power in powers.items() if power}, plain)
+
+
+def reading_unit(records: Iterable[Record]) -> str:
+    """The unit, SI, of what the sensors of some records read: m, m/s or m/s^2; "m" where they differ."""
+    orders = {record.order if isinstance(record, Trace) else 0 for record in records}
+    return ("m", "m/s", "m/s^2")[orders.pop()] if len(orders) == 1 else "m"
 
 
 def _base(unit: str) -> str:

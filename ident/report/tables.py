@@ -9,7 +9,7 @@ from ..campaign.device import Device
 from ..fit.identifiability import Combination
 from ..fit.judge import RecordScore, Score
 from ..fit.result import Estimate, Fit
-from .quantity import Scale, scale, show, show_in, significant
+from .quantity import Scale, reading_unit, scale, show, show_in, significant
 from .sheet import Column, Mark, Sheet, file_words
 
 _FLAGS = {
@@ -57,7 +57,7 @@ def _mark(estimate: Estimate) -> Mark:
 def record_sheet(fit: Fit) -> Sheet:
     """Error per record beside its noise floor, and the totals of fitted and held-out records."""
     totals = [("all fitted", fit.fitted)] + ([("all held out", fit.holdout)] if fit.holdout else [])
-    common = error_scale(fit.fitted, fit.model.device)
+    common = error_scale(fit.fitted, fit.model.device, reading_unit(fit.campaign.records))
     ordered = sorted(fit.scores, key=lambda s: s.holdout)
     rows = [_score_row(file_words(s.name), "held out" if s.holdout else "fitted", s, common) for s in ordered]
     marks: list[Mark] = ["warning" if s.error_over_noise > 1.1 else "" for s in ordered]
@@ -74,10 +74,11 @@ def record_sheet(fit: Fit) -> Sheet:
     return Sheet("Error per record", columns, tuple(rows), tuple(marks), note)
 
 
-def error_scale(score: RecordScore | Score, device: Device) -> Scale:
-    """The unit for an error and its noise floor: that of the noise while the error has four digits at most."""
-    chosen = scale(score.noise_rmse, "m", device)
-    return chosen if score.rmse < 1e4 * chosen.factor else scale(score.rmse, "m", device)
+def error_scale(score: RecordScore | Score, device: Device, unit: str = "m") -> Scale:
+    """The unit for an error and its noise floor, a multiple of the SI `unit`: that of the noise while the error has
+    four digits at most."""
+    chosen = scale(score.noise_rmse, unit, device)
+    return chosen if score.rmse < 1e4 * chosen.factor else scale(score.rmse, unit, device)
 
 
 def ratio_text(ratio: float) -> str:

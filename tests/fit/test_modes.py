@@ -16,6 +16,7 @@ from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.errors import UserError
 from ident.fit import fit
 from ident.fit.start_model import linear_choice, start_model
+from ident.report.tables import record_sheet
 
 N, STEP, NOISE = 2000, 0.005, 0.005
 FOUR = ((4.9, 0.02, 0.5), (7.3, 0.02, 2.0), (9.1, 0.015, -1.2), (12.5, 0.015, 0.8))  # Hz, damping ratio, gain
@@ -84,3 +85,9 @@ def test_what_cannot_be_is_said(line: str, device: bool, said: str, tmp_path: Pa
     with pytest.raises(UserError) as error:
         read_campaign(tmp_path)
     assert said in str(error.value) and "campaign.toml, line" in str(error.value)
+
+
+def test_errors_stand_in_the_unit_of_what_was_read():
+    campaign = Campaign("wing", (record(1, FOUR[1:2]),), Oscillator(output="m"))
+    told = record_sheet(fit(start_model(campaign), campaign))
+    assert [column.name for column in told.columns][3] == "rms error (1e-3 m/s²)"
