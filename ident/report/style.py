@@ -103,9 +103,8 @@ def shortened(name: str, most: int) -> str:
 
 def envelope(time: np.ndarray, values: np.ndarray, bins: int = 900) -> tuple[np.ndarray, np.ndarray]:
     """Smallest and largest value of each of so many bins, as one line: what a screen can show of a long record."""
-    n = len(values) // bins
-    if n < 3:
+    if len(values) < 3 * bins:
         return time, values
-    kept = values[: n * bins].reshape(bins, n)
-    both = np.stack([kept.min(axis=1), kept.max(axis=1)], axis=1).reshape(-1)
-    return np.repeat(time[: n * bins : n], 2), both
+    first = np.linspace(0, len(values), bins, endpoint=False).astype(int)
+    both = np.stack([np.minimum.reduceat(values, first), np.maximum.reduceat(values, first)], axis=1).reshape(-1)
+    return np.repeat(time[first], 2), both

@@ -119,6 +119,13 @@ def test_a_figure_has_units_on_its_axes():
     assert "8 V sine at 317 Hz" in figure.texts[0].get_text()
 
 
+def test_a_record_is_drawn_to_its_end():
+    values = np.zeros(4000)  # no multiple of the bins
+    values[-2] = 7.0
+    time, shown = envelope(np.arange(4000.0), values)
+    assert shown[-1] == 7.0 and time[-1] >= 3995
+
+
 def test_the_envelope_keeps_every_peak():
     values = np.zeros(50_000)
     values[12_345], values[40_001] = 7.0, -5.0
