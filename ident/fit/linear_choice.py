@@ -25,7 +25,7 @@ from ..errors import UserError
 from .guess import Piece, guess_linear, highest_content, make_piece
 from .independent import independent_samples
 from .linear_forms import FORMS, Form
-from .modes import Mode, find_modes
+from .modes import Mode, find_modes, solved
 
 FormName = Literal["oscillator", "overdamped", "no-spring", "quasi-static"]
 Told = Literal["auto", "oscillator", "no-spring", "quasi-static"]
@@ -117,6 +117,10 @@ def choose_linear(
     found, price = _weighed(pieces, found)
     moved = all(record.order == 0 for record in records)  # a rate has no gain to a steady drive
     allowed = [c for c in found if c.form in names and (moved or c.form != "quasi-static")]
+    if modes is not None and modes > 1:
+        allowed = [c for c in allowed if c.form == "oscillator"]
+        if not driven or not allowed:
+            raise UserError(f"modes = {modes} needs time records of an oscillator with their drive", do="remove it")
     if not allowed:
         what = 'linear = "quasi-static" needs a drive that was measured, and a displacement that answers it'
         raise UserError(what, do="remove it, and let the records choose")
@@ -191,12 +195,10 @@ def _solve(
 ) -> tuple[float, np.ndarray]:
     """(rms left over rms of the signal, gain and constant)."""
     rows, targets = _rows(pieces, form, level, point, name)
-    lengths = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
-    if not np.all(np.isfinite(lengths)):
+    if not math.isfinite(float(np.linalg.norm(rows))):
         return 1e9, np.zeros(rows.shape[1])
-    solved, _, _, _ = np.linalg.lstsq(rows / lengths, targets, rcond=1e-9)
-    rest = targets - (rows / lengths) @ solved
-    return math.sqrt(float(rest @ rest) / sum(piece.power for piece in pieces)), solved / lengths
+    found, rest = solved(rows, targets)
+    return math.sqrt(float(rest @ rest) / sum(piece.power for piece in pieces)), found
 
 
 def _rows(
@@ -229,8 +231,6 @@ def _weighed(
     form = FORMS.get(best.form)
     point = None if form is None else form.point(best.first, best.second)
     rows, targets = _rows(pieces, form, best.level, point, best.form)
-    lengths = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
-    rest = targets - rows / lengths @ np.linalg.lstsq(rows / lengths, targets, rcond=1e-9)[0]
-    n = max(independent_samples(rest), _FEWEST)
+    n = max(independent_samples(solved(rows, targets)[1]), _FEWEST)
     price = lambda c: 2 * n * math.log(max(c.left, 1e-12)) + c.numbers * math.log(n)
     return sorted((c._replace(criterion=price(c)) for c in found), key=lambda c: c.criterion), price

@@ -127,8 +127,8 @@ def _rows(
     return stacked[:, :-1], stacked[:, -1]
 
 
-def _solved(rows: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Gains (and constant), and what is left."""
+def solved(rows: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Gains (and constant) by linear least squares, and what they leave."""
     lengths = np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
     found = np.linalg.lstsq(rows / lengths, target, rcond=1e-9)[0] / lengths
     return found, target - rows @ found
@@ -161,7 +161,7 @@ def _searched(
     pieces: Sequence[Piece], points: np.ndarray, level: bool, used: Sequence[np.ndarray] | None = None
 ) -> np.ndarray:
     """The frequencies and qualities that leave the least, from a start."""
-    misfit = lambda x: _solved(*_rows(pieces, x.reshape(points.shape), level, used))[1]
+    misfit = lambda x: solved(*_rows(pieces, x.reshape(points.shape), level, used))[1]
     low = np.full(points.shape, math.log(_LEAST_QUALITY))
     high = np.full(points.shape, math.log(_MOST_QUALITY))
     low[:, 0] = math.log(min(0.5 / (p.step * len(p.response)) for p in pieces))
@@ -182,7 +182,7 @@ def _predicted(
     for out in folds:
         kept = [~mask for mask in out]
         there = _searched(pieces, points, level, kept)
-        gains, _ = _solved(*_rows(pieces, there, level, kept))
+        gains, _ = solved(*_rows(pieces, there, level, kept))
         rows, target = _rows(pieces, there, level, out)
         left += float(np.sum((target - rows @ gains) ** 2))
     return math.sqrt(left / power)
@@ -190,7 +190,7 @@ def _predicted(
 
 def _described(pieces: Sequence[Piece], points: np.ndarray, level: bool, predicted: float) -> Modes:
     rows, target = _rows(pieces, points, level)
-    found, left = _solved(rows, target)
+    found, left = solved(rows, target)
     modes = [Mode(math.exp(f), math.exp(q), float(gain)) for (f, q), gain in zip(points, found, strict=False)]
     order = np.argsort(-np.linalg.norm(rows[:, : len(points)], axis=0) * np.abs(found[: len(points)]))
     constant = float(found[-1]) if level else 0.0

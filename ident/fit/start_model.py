@@ -46,6 +46,8 @@ def start_model(
         if campaign.linear not in ("auto", "oscillator"):
             raise UserError(f'linear = "{campaign.linear}", but the linear part of a platform is an oscillator',
                             do='remove it, or write device = { kind = "oscillator" }')  # fmt: skip
+        if campaign.modes is not None and campaign.modes > 1:
+            raise UserError(f"modes = {campaign.modes} needs time records with their drive", do="remove it")
         return model
     chosen = choice.chosen
     model = replace(model, form=chosen.form)

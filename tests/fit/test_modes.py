@@ -3,6 +3,7 @@ where a device is nonlinear."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -58,6 +59,12 @@ def test_the_campaign_may_say_how_many_there_are():
         assert start_model(Campaign("wing", records, Oscillator(), modes=told)).names == names
     # one that the campaign names itself is not doubled
     assert start_model(Campaign("wing", records, Oscillator(), effects=("second-mode",))).names == ("second-mode",)
+
+
+def test_modes_that_no_record_can_tell_are_refused():
+    still = replace(record(1), drive=np.zeros(N))
+    with pytest.raises(UserError, match="with their drive"):
+        start_model(Campaign("decay", (still,), Oscillator(), modes=2))
 
 
 def test_one_mode_in_noise_stays_one():
