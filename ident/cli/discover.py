@@ -72,8 +72,7 @@ def command(
 
     limit = Limit(minutes)
     if resume:
-        progress("reading the walk")
-        walk(read_walk(folder), folder, force=True, as_json=as_json, limit=limit)
+        walk(read_walk(folder, progress), folder, force=True, as_json=as_json, limit=limit)
         return
     model = model_for(data, effects, progress)
     progress(f"fitting {', '.join(model.names) or 'the linear model'}")

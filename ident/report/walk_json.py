@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,7 @@ def walk_dict(walked: Walked) -> dict[str, Any]:
     }
 
 
-def read_walk(folder: Path) -> Walked:
+def read_walk(folder: Path, report: Callable[[str], None] = lambda _: None) -> Walked:
     """The walk that a run folder holds; nothing is fitted again.
 
     **Raises:** UserError if it has ended or none was begun there, or if its files have changed.
@@ -39,6 +40,7 @@ def read_walk(folder: Path) -> Walked:
     if not isinstance(told, dict) or told.get("format") != _FORMAT:
         what = f"{FILE} is not of the format {_FORMAT} that this version reads"
         raise UserError(what, where=str(path), do="leave --resume out, and begin again with --force")
+    report("reading the walk")
     campaign = restore_campaign(run, folder)
     fit = lambda kept: rebuild_in(campaign, kept, folder)
     return Walked(fit(told["start"]), tuple(_step(one, fit(one["fit"])) for one in told["steps"]), told["gains"])
