@@ -123,6 +123,10 @@ class Attribution(NamedTuple):
     records: tuple[RecordAttribution, ...]
     within: tuple[Share, ...] = ()
 
+    def __repr__(self) -> str:
+        shares = _each(self.overall, self.mechanisms) or "nothing shared"
+        return f"<Attribution: {self.verdict}; {shares}>"
+
 
 def attribute(fit: Fit, draws: np.ndarray | None = None, *, doubts: Sequence[str] = (), seed: int = 0) -> Attribution:
     """Attribute the offset of every periodic record of a fit.
