@@ -151,18 +151,18 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     p = chance(bench, best.beyond, dof) if best.drop > 0 and best.beyond.shape[1] else 1.0
     near = others[: _NEAR_POINTS - 1]
     return Candidate(
-        effect.name,
-        best.drop,
-        min(best.drop / excess, 1.0),
-        dof,
-        p,
-        best.values,
-        errors,
-        units,
-        best.basis.T,
-        tuple(other.values for other in near),
-        tuple(other.basis.T for other in near),
-        beside,
+        name=effect.name,
+        drop=best.drop,
+        predicted_gain=min(best.drop / excess, 1.0),
+        dof=dof,
+        p_value=p,
+        values=best.values,
+        errors=errors,
+        units=units,
+        signature=best.basis.T,
+        near=tuple(other.values for other in near),
+        near_signatures=tuple(other.basis.T for other in near),
+        beside=beside,
     )
 
 
