@@ -54,7 +54,7 @@ class Column:
             values = np.asarray(self.cells, dtype=float)
         else:
             cells = self.cells if self.decimal == "." else [cell.replace(",", ".") for cell in self.cells]
-            row = next((row for row, cell in enumerate(cells) if not is_number(cell) and not _no_finite(cell)), None)
+            row = next((row for row, cell in enumerate(cells) if not is_number(cell) and not no_finite(cell)), None)
             if row is not None:
                 raise self._bad_cell(row)
             values = np.array([float(cell) for cell in cells])
@@ -66,7 +66,7 @@ class Column:
     def _bad_cell(self, row: int, count: int = 1) -> UserError:
         cell = str(self.cells[row]).strip()
         what = f'"{cell}" is not a number' if cell else "the cell is empty"
-        if is_number(cell) or _no_finite(cell):
+        if is_number(cell) or no_finite(cell):
             what = f'"{cell}" is not a finite number' + (" whose square is one" if is_number(cell) else "")
         if count > 1:
             what += f" (and {count - 1} more like it)"
@@ -91,9 +91,12 @@ class Table:
 MOST = 1e100  # whatever was measured is less, and its square still a number; what is less than its inverse is zero
 
 
-def _no_finite(cell: str) -> bool:
+_NO_FINITE = frozenset(re.split(" ", "nan inf infinity \u221e 1.#inf 1.#ind 1.#qnan #n/a n/a #inf over overrange ovr"))
+
+
+def no_finite(cell: str) -> bool:
     """Whether a text is how instruments print a number that they do not have."""
-    return str(cell).strip().lower().lstrip("+-") in ("nan", "inf", "infinity")
+    return str(cell).strip().lower().lstrip("+-") in _NO_FINITE
 
 
 def is_number(cell: str) -> bool:
