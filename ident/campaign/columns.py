@@ -129,7 +129,7 @@ def claim(column: Column, role: Role) -> int:
 
 def _example(roles: tuple[Role, ...], chosen: Mapping[str, Column], table: Table) -> str:
     """The TOML line that would settle the table."""
-    left = [column for column in table.columns if column not in chosen.values()]
+    left = [column for column in table.columns if column not in chosen.values() and not column.counts]
     parts = []
     for role in roles:
         if role.needed or role.name in chosen:

@@ -44,7 +44,7 @@ def header_of(above: Sequence[str], separator: str, width: int) -> Header:
     plain = [line for line in above if line.strip() and not COMMENT.match(line)]
     comments = [re.sub(COMMENT, "", line, count=1).strip() for line in above if COMMENT.match(line)]
     rows = [split_line(line, separator) for line in plain]
-    told = [split_line(line, mark) for line in comments for mark in _marks(line, separator)[:1]]
+    told = [split_line(line, next((m for m in _marks(line, separator) if m != " "), "\0")) for line in comments]
     names, units, used = _in_rows(rows, width)
     if names:
         kept = [row for k, row in enumerate(rows) if k not in used]

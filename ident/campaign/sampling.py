@@ -35,7 +35,7 @@ def with_time(table: Table, told: Told) -> Table:
     time = Column(
         table.name, "time (s)", "time", "s", counter.position if counter else 0, told.start + told.step * count
     )
-    note = f"{table.name}: time from start and increment."
+    note = f"{table.name}: no column of times; a sample every {told.step:.6g} s, as the file says elsewhere."
     return _instead(replace(table, notes=(*table.notes, note)), counter, time)
 
 

@@ -27,7 +27,7 @@ ADVICE: dict[Kind, str] = {
     "sign": "is a probe reversed? Turn the sign of the column, or leave the record out",
     "time-scale": "is the unit of its time, or its sampling rate, right? Correct it, or leave the record out",
     "wrong-record": "does this file belong to this drive, device and load? Find the right one, or leave the record out",
-    "clipping": "measure again in a wider range, or leave the record out",
+    "clipping": "measure again, in a wider range if it left its range, or leave the record out",
     "spikes": "what the neighbours say took their place; look at the sensor if there are many",
     "drift": "let it settle, or take the drift out before; a model would need sensor-drift",
     "duplicate": "list it once: twice makes error bars too small",
@@ -73,7 +73,7 @@ def suspects_by_data(campaign: Campaign) -> tuple[Suspect, ...]:
             found.append(Suspect(record.name, "duplicate", 1.0, "records", 1.0, says))
         clipped = 0.0 if record.masked is None else float(np.mean(record.masked))
         if clipped > CLIPPED:
-            says = f"{clipped:.1%} of the response sticks to a limit; those samples have no weight"
+            says = f"{clipped:.1%} of the response sticks to a limit or is missing; those samples have no weight"
             found.append(Suspect(record.name, "clipping", 100 * clipped, "%", 0.99, says))
         if record.outliers:
             count = len(record.outliers)

@@ -48,20 +48,42 @@ class Column:
         lines = [self.lines[row] for row in rows] if len(self.lines) else ()
         return replace(self, cells=cells, lines=lines, printed=())
 
-    def numbers(self) -> np.ndarray:
-        """(n,) the cells as finite numbers, in the unit of the file; a `UserError` at the first cell that is none."""
+    def numbers(self, missing: bool = False) -> np.ndarray:
+        """(n,) the cells as finite numbers, in the unit of the file; a `UserError` at the first cell that is none.
+
+        If some may be `missing`, what stands for a number that is not there, or nothing, becomes NaN.
+        """
         if isinstance(self.cells, np.ndarray):
             values = np.asarray(self.cells, dtype=float)
         else:
             cells = self.cells if self.decimal == "." else [cell.replace(",", ".") for cell in self.cells]
-            row = next((row for row, cell in enumerate(cells) if not is_number(cell) and not no_finite(cell)), None)
-            if row is not None:
-                raise self._bad_cell(row)
-            values = np.array([float(cell) for cell in cells])
+            empty = missing and any(is_number(cell) for cell in cells)
+            found = [
+                float(cell)
+                if is_number(cell)
+                else math.nan
+                if no_finite(cell) or (empty and not cell.strip())
+                else None
+                for cell in cells
+            ]
+            if None in found:
+                raise self._bad_cell(found.index(None))
+            values = np.array(found, dtype=float)
         bad = np.flatnonzero(~(np.abs(values) < MOST))
+        if missing:
+            bad = bad[np.isfinite(values[bad])]
+            values = np.where(np.isfinite(values), values, math.nan)
         if len(bad):
             raise self._bad_cell(int(bad[0]), len(bad))
         return np.where(np.abs(values) < 1 / MOST, 0.0, values)
+
+    @property
+    def counts(self) -> bool:
+        """Whether the column only counts the samples."""
+        first = list(self.cells[:50])
+        return len(first) > 2 and all(is_number(str(cell)) for cell in first) and (
+            set(np.diff([float(cell) for cell in first])) == {1.0}
+        )  # fmt: skip
 
     def _bad_cell(self, row: int, count: int = 1) -> UserError:
         cell = str(self.cells[row]).strip()
