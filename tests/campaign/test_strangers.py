@@ -112,7 +112,7 @@ def test_a_drive_is_drawn_across_gaps_only_where_that_is_harmless(tmp_path):
         return "\n".join(lines) + "\n"
 
     (record,) = _campaign(tmp_path, a_csv=text((100, 101, 102))).traces
-    np.testing.assert_allclose(record.drive, DRIVE, atol=0.01 * np.std(DRIVE))
+    np.testing.assert_allclose(record.drive, DRIVE, atol=0.01 * float(np.std(DRIVE)))
     assert record.masked is not None and np.count_nonzero(record.masked) == 3
     (tmp_path / "a.csv").write_text(text(range(100, 140)), encoding="utf-8")
     assert_one_line(ident("check", tmp_path), "line 102", "column 2", "and 39 more")
