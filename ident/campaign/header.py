@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from .table import is_number, is_unit
 
-COMMENT = re.compile(r'\s*"?\s*(#|%|//|!|\*\*\*)')
+_COMMENT = re.compile(r'\s*"?\s*(#|%|//|!|\*\*\*)')
 _MARKS = (",", ";", "\t", " ")
 
 
@@ -22,6 +22,11 @@ class Header:
     units: Sequence[str]
     rows: Sequence[Sequence[str]]
     line: str = ""
+
+
+def is_comment(line: str) -> bool:
+    """Whether a line is a remark."""
+    return line.lstrip(' \t"').startswith(("#", "%", "//", "!", "***"))
 
 
 def split_line(line: str, separator: str) -> list[str]:
@@ -41,8 +46,8 @@ def header_of(above: Sequence[str], separator: str, width: int) -> Header:
 
     Where the last of them is no header, a comment may be one: the last that has as many words as the table has columns.
     """
-    plain = [line for line in above if line.strip() and not COMMENT.match(line)]
-    comments = [re.sub(COMMENT, "", line, count=1).strip() for line in above if COMMENT.match(line)]
+    plain = [line for line in above if line.strip() and not is_comment(line)]
+    comments = [re.sub(_COMMENT, "", line, count=1).strip() for line in above if is_comment(line)]
     rows = [split_line(line, separator) for line in plain]
     told = [split_line(line, next((m for m in _marks(line, separator) if m != " "), "\0")) for line in comments]
     names, units, used = _in_rows(rows, width)

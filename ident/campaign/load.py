@@ -124,7 +124,7 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
     else:
         channel = channel_of(columns["time"], "s", notes, "time")
         time = uniform_time(columns["time"], channel.factor, notes)
-        drive, response = (on_grid(columns["time"], channel.factor, time, signal) for signal in (drive, response))
+        drive, response = on_grid(columns["time"], channel.factor, time, drive, response)
     moved = response / _PLATFORM_OMEGA ** MEASURES.index(spec.measures)
     check_plausible(time, drive, moved, columns, device, notes)
     check_response(columns["response"], response, notes)

@@ -17,13 +17,14 @@ import numpy as np
 from ident.errors import UserError
 
 from .clock import clock_seconds
-from .header import COMMENT, header_of, split_line
+from .header import header_of, is_comment, split_line
 from .opening import MOST_DATA, MOST_TEXT, check_file, read_bytes
 from .preamble import Told, preamble_words
 from .sampling import is_time, runs_by, with_time, without_repeats
 from .table import Column, Table, is_number, no_finite, split_header, with_unit_row
 
 _FORMATS = ((";", ","), (";", "."), ("\t", ","), ("\t", "."), (",", "."), (" ", ","), (" ", "."))
+_TOP = 500  # lines in which most tables have begun
 LEAST_FOR_PANDAS = 200_000
 """Characters of a table from which on pandas reads it: for less, its import (0.4 s) costs more than it saves."""
 _COMMA_NUMBER = re.compile(r"\s*[+-]?(\d+(,\d+)?|,\d+)([eE][+-]?\d+)?\s*")
@@ -80,9 +81,8 @@ class _Format:
 
 
 def _format(lines: list[tuple[int, str]]) -> _Format:
-    """How the table is written, from up to 60 lines of the second half of what was looked at."""
-    half = lines[len(lines) // 2 :]
-    sample = [line for _, line in half[:: max(1, len(half) // 40)]][:60]
+    """How the table is written, from up to 60 of its lines."""
+    sample = [line for _, line in lines[:: max(1, len(lines) // 40)]][:60]
     best, best_score = _Format(), 0.0
     for separator, decimal in _FORMATS:
         rows = [split_line(line, separator) for line in sample]
@@ -96,6 +96,11 @@ def _format(lines: list[tuple[int, str]]) -> _Format:
             blank = tuple(j for j in range(width) if not any(row[j].strip() for row in rows))
             best, best_score = _Format(separator, decimal, width, numeric, blank), score
     return best
+
+
+def _content(lines: Sequence[str]) -> list[tuple[int, str]]:
+    """The lines that are neither empty nor remarks, with their numbers from 1."""
+    return [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not is_comment(line)]
 
 
 def _first_row(lines: list[tuple[int, str]], form: _Format) -> int:
@@ -120,10 +125,9 @@ def _first_row(lines: list[tuple[int, str]], form: _Format) -> int:
 
 def read_text_table(path: Path, name: str, own_unit: str = "") -> Table:
     """The table in a text file; a `UserError` with line and column if there is none that can be used."""
-    check_file(path, name)
-    with open(path, "rb") as file:
-        head = file.read(MOST_TEXT)
-    _check_head(head, name)
+    if check_file(path, name).stat().st_size > MOST_TEXT:
+        with open(path, "rb") as file:
+            _check_head(file.read(MOST_TEXT), name)
     return parse_text_table(decode(read_bytes(path, name, MOST_DATA), name), name, own_unit)
 
 
@@ -137,17 +141,22 @@ def parse_text_table(text: str, name: str, own_unit: str = "") -> Table:
     """The table in a text with plain line ends."""
     head = text[:MOST_TEXT]
     head = head if len(head) == len(text) else head[: head.rfind("\n") + 1]
-    lines = [(number, line) for number, line in enumerate(head.split("\n"), 1) if line.strip()]
-    if not lines:
+    lines = head.split("\n")
+    if not any(line.strip() for line in lines):
         raise UserError("the file is empty", where=name, do="export the record again")
-    content = [(number, line) for number, line in lines if not COMMENT.match(line)]
-    form = _format(content)
-    first = _first_row(content, form) if form.width else -1
+    form = _format(_content(lines[len(lines) // 2 :: max(1, len(lines) // 80)]))
+    form = form if form.width else _format(_content(lines))
+    content, first = [], -1
+    for top in (lines[:_TOP], lines):
+        content = _content(top)
+        first = _first_row(content, form) if form.width else -1
+        if first >= 0 and content[first:][2:]:
+            break
     if first < 0:
         what = f"no table of numbers in {'this file' if len(head) == len(text) else 'the first megabyte of this file'}"
         raise UserError(what, where=name, do="a record is a CSV with one row per sample")
     start = content[first][0]
-    header = header_of([line for number, line in lines if number < start], form.separator, form.width)
+    header = header_of([line for line in lines[: start - 1] if line.strip()], form.separator, form.width)
     body = text.split("\n", start - 1)[-1] if start > 1 else text
     by_pandas = len(body) > LEAST_FOR_PANDAS and _by_pandas(body, start, form)
     cells = by_pandas or _by_hand(body, start, name, form, header.line)
@@ -252,7 +261,7 @@ def _by_pandas(body: str, start: int, form: _Format) -> _Cells | None:
 
 def _by_hand(body: str, start: int, name: str, form: _Format, header: str) -> _Cells:
     """The cells as texts, whatever they hold. **Raises:** UserError at the first row that has too few or too many."""
-    kept = [(k, line) for k, line in enumerate(body.split("\n"), start) if line.strip() and not COMMENT.match(line)]
+    kept = [(k, line) for k, line in enumerate(body.split("\n"), start) if line.strip() and not is_comment(line)]
     kept, notes = _without_footer(kept, name, form)
     kept = _without_further_headers(kept, form, header)
     rows = []
