@@ -93,10 +93,11 @@ def _measured(column: Column) -> Dimension | None:
 def _travel(column: Column) -> float:
     """How far a column of displacements goes, m; 0 if its header states no length, or it is empty."""
     unit = find_unit(column.unit) if column.unit else None
-    if unit is None or unit.dimension != LENGTH or not len(numbers := column.numbers(missing=True)):
+    if unit is None or unit.dimension != LENGTH:
         return 0.0
+    numbers = column.numbers(missing=True)
     numbers = numbers[np.isfinite(numbers)]
-    return travel_of(numbers) * unit.factor
+    return travel_of(numbers) * unit.factor if len(numbers) else 0.0
 
 
 def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:

@@ -234,9 +234,10 @@ def _is_time(column: Column) -> bool:
 
 def _varies(column: Column) -> bool:
     try:
-        return float(np.ptp(_known(column))) > 0
+        known = _known(column)
     except UserError:
         return False
+    return len(known) > 0 and float(np.ptp(known)) > 0
 
 
 def _known(column: Column) -> np.ndarray:

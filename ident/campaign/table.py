@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections.abc import Sequence
@@ -80,10 +81,10 @@ class Column:
     @property
     def counts(self) -> bool:
         """Whether the column only counts the samples."""
-        first = list(self.cells[:50])
-        return len(first) > 2 and all(is_number(str(cell)) for cell in first) and (
-            set(np.diff([float(cell) for cell in first])) == {1.0}
-        )  # fmt: skip
+        first = [str(cell) for cell in self.cells[:50]]
+        if len(first) < 3 or not all(is_number(cell) for cell in first):
+            return False
+        return all(float(after) - float(before) == 1.0 for before, after in itertools.pairwise(first))
 
     def _bad_cell(self, row: int, count: int = 1) -> UserError:
         cell = str(self.cells[row]).strip()
