@@ -53,14 +53,14 @@ def propose(paths: Sequence[Path], folder: Path, columns: Mapping[str, str | int
 
     **Arguments:** `columns`: which column is which, where the user says so.
 
-    **Raises:** UserError for a file in which no table can be read at all.
+    **Raises:** UserError for a file that is none, and if no table can be read in any of them.
     """
     for path in paths:
         check_file(path, str(path))
-    tables = {path: read_table(path, path.name) for path in paths}
+    tables, unread = _tables(paths)
     pairs = _pairs(tables)
     second = set(pairs.values())
-    alone = [path for path in paths if path not in second]
+    alone = [path for path in tables if path not in second]
     joined = {path: _joined(path, tables[path], pairs.get(path), columns or {}) for path in alone}
     chosen = {path: (dict(columns), "") if columns else _columns_by_content(joined[path]) for path in alone}
     chosen = _compared(chosen)
@@ -92,9 +92,24 @@ def propose(paths: Sequence[Path], folder: Path, columns: Mapping[str, str | int
         if k in held:
             parts.append("holdout = true                   # suggested: never fitted, only used to judge")
         parts += [f"# doubt: {doubt}" for doubt in proposal.doubts] + [""]
+    parts += [f"# left out: {error}" for error in unread]
     if not held:
         parts.append("# Nothing is held out: a record taken under other conditions, with holdout = true, would judge.")
     return "\n".join(_line(part) for part in parts).rstrip() + "\n"
+
+
+def _tables(paths: Sequence[Path]) -> tuple[dict[Path, Table], list[UserError]]:
+    """The tables in files, and what is wrong with files without one: notes and settings lie beside the records."""
+    tables: dict[Path, Table] = {}
+    unread: list[UserError] = []
+    for path in paths:
+        try:
+            tables[path] = read_table(path, path.name)
+        except UserError as error:
+            unread.append(error)
+    if not tables and unread:
+        raise unread[0]
+    return tables, unread
 
 
 def _segments(table: Table) -> list[int | None]:

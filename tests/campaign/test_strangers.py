@@ -131,6 +131,14 @@ def test_a_sensitivity_above_the_table_is_said(tmp_path):
     assert any("5 um/V" in note and "scale = { response" in note for note in campaign.notes)
 
 
+def test_files_without_a_table_are_left_out(tmp_path):
+    campaign = _campaign(tmp_path, notes_txt="the data of Monday\n", a_csv=HEADER + rows(TIME, DRIVE, RESPONSE))
+    assert [record.name for record in campaign.traces] == ["a.csv"]
+    assert "# left out: notes.txt: no table" in (tmp_path / "campaign.toml").read_text(encoding="utf-8")
+    outcome = ident("new", tmp_path / "mine", tmp_path / "notes.txt")
+    assert outcome.code == 2 and "notes.txt: no table of numbers" in outcome.err
+
+
 def test_a_trace_whose_rate_is_nowhere_told_is_refused(tmp_path):
     (tmp_path / "a.csv").write_text("drive (V),z (um)\n" + rows(DRIVE, RESPONSE), encoding="utf-8")
     assert_one_line(ident("check", tmp_path / "a.csv"), "a.csv", "time")
