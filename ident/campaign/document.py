@@ -60,8 +60,8 @@ class Section:
     def text(self, key: str, default: str = "") -> str:
         return self.get(key, str, 'a text in quotes ("…")', default)
 
-    def flag(self, key: str, default: bool = False) -> bool:
-        return self.get(key, bool, "true or false", default)
+    def flag(self, key: str) -> bool:
+        return self.get(key, bool, "true or false", False)
 
     def choice(self, key: str, choices: tuple[str, ...], default: str) -> str:
         """One word out of `choices`."""
