@@ -97,7 +97,7 @@ class Section:
         header = re.compile(rf"^\s*\[\s*{named}\s*\]|(^|[{{,\s]){re.escape(key)}\s*=")
         title = f"{key}:" if record else f"[{full}]"
         start = self.start
-        for number in range(max(self.start, 1), len(self.lines) + 1):
+        for number in range(max(self.start, 1), len(self.lines) + 1 if values else 0):
             if header.search(self.lines[number - 1].replace('"', "").replace("'", "")):
                 start = number
                 break

@@ -18,7 +18,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from .record import Sweep
 
@@ -100,6 +99,8 @@ def _splines(x: np.ndarray, over: np.ndarray) -> np.ndarray:
     amplitudes, where few points are, is seen too."""
     knots = np.linspace(float(np.min(over)), float(np.max(over)), _INTERVALS + 1)
     padded = np.concatenate([np.repeat(knots[0], 3), knots, np.repeat(knots[-1], 3)])
+    from scipy.interpolate import BSpline  # here, because its import costs more than reading a campaign
+
     return BSpline.design_matrix(np.clip(x, knots[0], knots[-1]), padded, 3).toarray()
 
 

@@ -47,7 +47,7 @@ def _instantaneous(table: Table, roles: list[Role]) -> bool:
     amplitude = match_any(table, (replace(sweep_roles(VOLTAGE, LENGTH)[-2], weak=frozenset(), needed=False),))
     column = amplitude.get("amplitude") or match_any(table, tuple(roles)).get("response")
     try:
-        return column is None or bool(np.any(column.numbers() < 0))
+        return column is None or bool(np.any(column.numbers(missing=True) < 0))
     except UserError:
         return True
 
@@ -93,9 +93,11 @@ def _measured(column: Column) -> Dimension | None:
 def _travel(column: Column) -> float:
     """How far a column of displacements goes, m; 0 if its header states no length, or it is empty."""
     unit = find_unit(column.unit) if column.unit else None
-    if unit is None or unit.dimension != LENGTH or not len(numbers := column.numbers()):
+    if unit is None or unit.dimension != LENGTH:
         return 0.0
-    return travel_of(numbers) * unit.factor
+    numbers = column.numbers(missing=True)
+    numbers = numbers[np.isfinite(numbers)]
+    return travel_of(numbers) * unit.factor if len(numbers) else 0.0
 
 
 def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:

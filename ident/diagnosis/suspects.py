@@ -18,11 +18,10 @@ from ..campaign.record import Trace
 from ..campaign.suspect import ALL, Suspect, suspects_by_data
 from ..fit import Fit, fit
 from ..fit.reading import read
-from ..fit.rebuild import fit_at
 from ..model import Model
 from .bench import Bench, prepare
 from .enough import ANOTHER_LAW, MOST_OF_IT
-from .evidence import VERY_STRONG, Left, criteria
+from .evidence import VERY_STRONG, Left, behind, criteria
 from .faults import OF_FREQUENCY, Fault, common_delay, explanations, faults_of, likeliest, told_by_others
 from .look import Look, first_look
 from .nuisance import DROPPED, Nuisance, rms
@@ -159,8 +158,9 @@ def _most_likely(fitted: Fit, inside: Sequence[int], look: Look) -> tuple[Suspec
     faulty = faulty._replace(left=np.concatenate([faulty.left, best.apart]), numbers=faulty.numbers + 1)
     if not _better(faulty, sound, shapes):
         return None
-    if sound.model.names != fitted.model.names and faulty.worst > _FLOOR:
-        sound = _with_another(fitted, sound, look)
+    if faulty.model.names != fitted.model.names:
+        instead = _instead(fitted, faulty, look)
+        sound = sound if instead is None or behind(sound, instead) < 0 else instead
         if not _better(faulty, sound, shapes):
             return None
     campaign = best.campaign if best.record is None else fitted.campaign
@@ -189,14 +189,15 @@ def _with_physics(fitted: Fit, look: Look) -> _Explained:
     return tried[int(np.argmin(criteria(tried)))]
 
 
-def _with_another(fitted: Fit, sound: _Explained, look: Look) -> _Explained:
-    """Physics with a second effect: a fault that leaves more than noise may mimic one of two that are missing."""
-    look.report(f"a second effect beside {sound.model.names[-1]}, before a record is blamed")
+def _instead(fitted: Fit, faulty: _Explained, look: Look) -> _Explained | None:
+    """An effect in the place of the fault, beside the effect that the fault was found with: of two that are missing
+    it may mimic one."""
+    look.report(f"an effect beside {faulty.model.names[-1]} in the place of a faulty record")
     try:
-        one = fit_at(sound.model, fitted.campaign, sound.values)
+        one = fit(faulty.model, fitted.campaign, initial=faulty.values)
         return _with_physics(one, Look(prepare(one), look.first, look.library, look.report))
     except Diverged:
-        return sound
+        return None
 
 
 def _explained(fitted: Fit, bench: Bench, model: Model, values: np.ndarray, left: np.ndarray, n: int) -> _Explained:
