@@ -66,6 +66,7 @@ def command(
       ident fit data/platform_317hz --effects residual-stress,pzt-hysteresis -o runs/first
     """
     from ident.campaign import read_campaign
+    from ident.errors import UserError
     from ident.report.run_folder import check_target, load_state, read_lineage, read_run, write_run
 
     from .resume import check_resumed
@@ -76,6 +77,9 @@ def command(
     if resume:
         check_resumed(folder, data, effects)
         before, lineage = read_run(folder), read_lineage(folder)
+        if before["converged"]:  # its posterior or diagnosis would be lost for nothing
+            what = "this fit has converged, so there is nothing to go on with"
+            raise UserError(what, where=str(folder), do="name another folder with -o, without --resume")
         sigma, robust = sigma or before["sigma"], robust or before["options"].get("robust", False)
     else:
         check_target(folder, force)

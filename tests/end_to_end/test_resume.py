@@ -68,6 +68,7 @@ def test_a_fit_that_ran_out_of_time_goes_on(oscillator, tmp_path):
     assert ident("fit", DATA / "oscillator", "-o", run, "--resume").code == 0
     assert document(run, "run.json")["converged"] is True
     assert document(run, "run.json")["sigma"] == "scaled"  # as it was begun
+    assert_one_line(ident("fit", DATA / "oscillator", "-o", run, "--resume"), "has converged", "another folder")
     values, expected = (document(r, "run.json")["state"]["values"] for r in (run, oscillator[0]))
     assert values == pytest.approx(expected, rel=1e-3)
 
