@@ -24,8 +24,8 @@ def left(record: Trace, misfit: np.ndarray) -> float:
 
 @pytest.mark.parametrize("length", [1e-4, 5e-3, 0.02, 1.0, 100.0])
 def test_an_offset_is_seen_in_a_record_of_any_length(length: float):
-    """A device of some 10 kHz is recorded for a few milliseconds: there a quarter period of hum is an offset that bends,
-    and with it every offset was taken out, and the walk stopped at seven noise floors with nothing left to explain."""
+    """A device of some 10 kHz is recorded for milliseconds: there a quarter period of hum is an offset that bends. With
+    it every offset was taken out, and a walk stopped at seven noise floors with nothing left to explain."""
     record = trace(length / N)
     assert left(record, np.ones(N)) > 0.9
     assert left(record, np.linspace(-1, 1, N)) > 0.8
