@@ -30,8 +30,8 @@ def whiteness(white: Sequence[np.ndarray], orders: Sequence[int]) -> Correlation
     """Autocorrelation of white residuals of several records, and the portmanteau test.
 
     Q = Σ_records n (n + 2) Σ_k ρ_k²/(n − k) is χ² with one degree of freedom per lag, less the `orders` of the
-    autoregressions that were estimated to whiten the records. A mean correlation below 0.05 is not called colour; a mean
-    that is left is, for noise has none.
+    autoregressions that were estimated to whiten the records. A mean correlation below 0.05 is not called colour; a
+    mean that is left is, for noise has none.
 
     Source: G. M. Ljung, G. E. P. Box, 1978, Biometrika 65, 297, doi:10.1093/biomet/65.2.297.
     """

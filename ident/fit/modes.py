@@ -6,10 +6,10 @@ mode after the other, each from the best point of a grid beside those that are t
 
 A nonlinear device may be mimicked by modes of which each serves one record. So modes are judged on records, or halves
 of a record, that were left out: only what they predict there counts, and they are taken for linear physics only if they
-predict the greater part of what one mode leaves. How a record began is no prediction: one mode is given the free motions
-of the others too, and all a constant, or a slow mode would stand for a zero that is off. What explains less is weighed
-later, against the effects. Of 26 oscillators with one of 13 effects none was predicted better by more than a tenth; of
-two with a second mode the rest fell below a tenth (`experiments/many_modes.py`).
+predict the greater part of what one mode leaves. How a record began is no prediction: one mode is given the free
+motions of the others too, and all a constant, or a slow mode would stand for a zero that is off. What explains less is
+weighed later, against the effects. Of 26 oscillators with one of 13 effects none was predicted better by more than a
+tenth; of two with a second mode the rest fell below a tenth (`experiments/many_modes.py`).
 
 Source: D. J. Ewins, Modal Testing, 2000, ch. 2 and 4; G. H. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973) 413.
 """
