@@ -3,8 +3,8 @@
 Devices of 2 Hz to 30 kHz, driven in V, A, N and m/s², read in µm, mm, degrees, mm/s and m/s², by sines, chirps,
 multisines, noise, steps and decays, with offsets, rounded times, few bits and coloured noise; SciPy's adaptive solver,
 force laws written here. Each is given to `ident new` and `ident discover`, whose word is final. Asserted: the hidden
-effect is named or a tie names it, nothing else is, what the library cannot have is not called known, held-out error does
-not grow, and the noise floor is reached unless it stands beside the device that it is not.
+effect is named or a tie names it, nothing else is, what the library cannot have is not called known, held-out error
+does not grow, and the noise floor is reached unless it stands beside the device that it is not.
 """
 
 from __future__ import annotations
