@@ -68,8 +68,8 @@ def _verdict_words(found: Diagnosis) -> str:
         )
     if loop.verdict == "ambiguous" and loop.lacking:
         return (
-            f"{names}{refined} come{s} near, {error}, but leave{s} {100 * loop.lacking:.2g} % of the first misfit with a "
-            "structure, more than laws of one kind differ by: the device may obey another law, which is given below "
+            f"{names}{refined} come{s} near, {error}, but leave{s} {100 * loop.lacking:.2g} % of the first misfit with "
+            "a structure, more than laws of one kind differ by: the device may obey another law, which is given below "
             "as a function of its coordinates."
         )
     if loop.verdict == "ambiguous":
