@@ -335,7 +335,7 @@ def judge(name: str, found: dict) -> str:
 
 def main() -> None:
     """Run the devices that are named, or all, and assert what stands beside them."""
-    seed = int(sys.argv[1]) if len(sys.argv) > 1 else 1
+    seed, wrong = int(sys.argv[1]) if len(sys.argv) > 1 else 1, list[str]()
     for name in sys.argv[2:] or DEVICES:
         with tempfile.TemporaryDirectory() as folder:
             found, seconds = discovered(name, seed, Path(folder))
@@ -343,10 +343,13 @@ def main() -> None:
         told = lambda what: f"{what['error_over_noise']:.2f} | {what['holdout_error_over_noise']:.2f}"
         words = f"{verdict:20s} {found['verdict']:15s} {', '.join(final['effects']) or '-'}"
         print(f"{name:20s} {words}: {told(start)} → {told(final)}, {seconds:.0f} s", flush=True)
-        assert verdict.startswith("right"), name
-        assert final["holdout_error_over_noise"] <= 1.02 * start["holdout_error_over_noise"], name
-        if DEVICES[name].floor:
-            assert final["error_over_noise"] < 1.2 and final["holdout_error_over_noise"] < 1.2, name
+        held, floor = (
+            final["holdout_error_over_noise"],
+            max(final["error_over_noise"], final["holdout_error_over_noise"]),
+        )
+        kept = held <= 1.02 * start["holdout_error_over_noise"] and (floor < 1.2 or not DEVICES[name].floor)
+        wrong += [] if verdict.startswith("right") and kept else [name]
+    assert not wrong, wrong
 
 
 if __name__ == "__main__":
