@@ -337,8 +337,13 @@ def main() -> None:
     """Run the devices that are named, or all, and assert what stands beside them."""
     seed, wrong = int(sys.argv[1]) if len(sys.argv) > 1 else 1, list[str]()
     for name in sys.argv[2:] or DEVICES:
-        with tempfile.TemporaryDirectory() as folder:
-            found, seconds = discovered(name, seed, Path(folder))
+        try:
+            with tempfile.TemporaryDirectory() as folder:
+                found, seconds = discovered(name, seed, Path(folder))
+        except subprocess.CalledProcessError as crash:
+            print(f"{name:20s} crash: {crash.stderr.decode().splitlines()[-1]}", flush=True)
+            wrong.append(name)
+            continue
         start, final, verdict = found["start"], found["final"], judge(name, found)
         told = lambda what: f"{what['error_over_noise']:.2f} | {what['holdout_error_over_noise']:.2f}"
         words = f"{verdict:20s} {found['verdict']:15s} {', '.join(final['effects']) or '-'}"

@@ -44,8 +44,7 @@ class Where(NamedTuple):
     - `records`: fitted ones first, then held-out ones; `misfit`: χ² above noise of the fitted ones; `p_value`: by
       chance.
     - `time`, `phase`, `displacement`, `velocity`, `spectrum`: pooled over the fitted records; `harmonics`: of the
-      drive, 0 is the constant part. `phase` is None if no record is periodic, `harmonics` if all
-      are sweeps.
+      drive, 0 is the constant part, and alone where no record is periodic; `phase` is then None. Of sweeps both are.
     - `whiteness`: autocorrelation of the residual; `drive`: its cross-correlation with the drive.
     """
 
@@ -228,9 +227,10 @@ def _by_harmonic(samples: list[_Samples], resonance: float, quality: float) -> V
     traces = [s for s in samples if s.step]
     if not traces:
         return None
-    total, freedom = np.zeros(_HARMONICS), np.zeros(_HARMONICS)
-    for s in traces:
-        turns = s.turns if s.turns is not None and s.turns[-1] - s.turns[0] >= 2 else None
+    periodic = [None if s.turns is None or s.turns[-1] - s.turns[0] < 2 else s.turns for s in traces]
+    count = 1 if all(turns is None for turns in periodic) else _HARMONICS
+    total, freedom = np.zeros(count), np.zeros(count)
+    for s, turns in zip(traces, periodic, strict=True):
         t = resonance * s.step * np.arange(len(s.white))
         decay = np.exp((2j * np.pi - np.pi / quality) * t)
         ringing = [part * slow for slow in (1.0, t / (t[-1] or 1.0)) for part in (np.real(decay), np.imag(decay))]
@@ -243,7 +243,7 @@ def _by_harmonic(samples: list[_Samples], resonance: float, quality: float) -> V
             along = rows @ left
             total[k] += float(along @ np.linalg.lstsq(rows @ rows.T, along, rcond=None)[0])
             freedom[k] += len(rows)
-    return from_sums("harmonic of the drive", np.arange(_HARMONICS + 1) - 0.5, total, freedom, 0.0)
+    return from_sums("harmonic of the drive", np.arange(count + 1) - 0.5, total, freedom, 0.0)
 
 
 def _by_frequency(samples: list[_Samples], resonance: float, floor_error: float) -> View:
