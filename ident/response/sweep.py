@@ -58,7 +58,7 @@ def run_along(
         elif np.all(missing[:i]):
             place = min(stable, key=lambda c: abs(reading_at(c) - first))
         else:
-            on = [c for c in stable if not _between(places[-1], c, folds)]
+            on = [c for c in stable if not _between(places[-1], c, folds, branch.gap)]
             if on:
                 place = min(on, key=lambda c: abs(c[0] + c[1] - places[-1][0] - places[-1][1]))
             else:
@@ -90,9 +90,11 @@ def measured_jump(amplitude: np.ndarray) -> int | None:
     return k if sudden else None
 
 
-def _between(place: tuple[int, float], other: tuple[int, float], folds: Sequence[Fold]) -> bool:
-    """Whether the curve turns back between two places."""
+def _between(place: tuple[int, float], other: tuple[int, float], folds: Sequence[Fold], gap: int | None) -> bool:
+    """Whether the curve turns back between two places, or they lie on two stretches."""
     low, high = sorted((place, other))
+    if gap is not None and low[0] <= gap < high[0]:
+        return True
     return any(low[0] <= fold.index < high[0] or (fold.index == high[0] and low[0] < high[0]) for fold in folds)
 
 

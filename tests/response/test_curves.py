@@ -213,3 +213,18 @@ def test_a_slow_memory_of_the_drive_has_settled_at_once() -> None:
             values[i] *= 1 + side
             sides.append(at_amplitude(Periodic(model.equation, values, STEPS), at).needed)
         np.testing.assert_allclose(slopes[i], (sides[0] - sides[1]) / 2e-4, rtol=1e-3, atol=1e-9)
+
+
+def test_a_response_that_leaves_the_band_upwards_is_also_followed_from_above() -> None:
+    """The upper fold lies far beyond the band: a sweep down must still find the low response, and jump where
+    first-order theory has the lower fold: ω² − ω0² = 3 (¾ k)^⅓ (F/2)^⅔ without damping."""
+    model, frequency = duffing(), np.linspace(39.2, 44.0, 25)
+    branch = follow(model, np.array([3.0]), np.zeros(1), np.array([[38.0, 44.0]]), np.array([0.2]))[0]
+    assert branch.gap is not None and len(branch.stretches) == 2
+    scale = np.array([0.2, 60.0, 3.0, 40.0])
+    up = run_along(model, branch, frequency, 0.0, False, scale)
+    assert up.fold is None and np.all(np.diff(up.reading) > 0)
+    down = run_along(model, branch, frequency[::-1], 0.0, False, scale)
+    assert down.fold is not None and down.reading[0] < 0.05 < down.reading[down.after]
+    squared = (2 * np.pi * FREQUENCY) ** 2 + 3 * (0.75 * CUBIC) ** (1 / 3) * (GAIN * 3 / 2) ** (2 / 3)
+    assert down.fold.frequency == pytest.approx(np.sqrt(squared) / (2 * np.pi), rel=0.01)
