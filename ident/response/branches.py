@@ -113,6 +113,7 @@ def _turning(h: float, a: float, b: float, u: float, v: float) -> float:
     return inside[0] if inside else 0.5
 
 
+@np.errstate(over="ignore", invalid="ignore")  # beyond a motion without bound nothing is followed
 def follow(model: Periodic, levels: np.ndarray, loads: np.ndarray, bands: np.ndarray,
            sizes: np.ndarray) -> list[Branch]:  # fmt: skip
     """The curves of a model at levels (k,), V, under loads (k,), kg, each through a band of frequencies (k, 2), Hz.

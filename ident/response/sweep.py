@@ -16,9 +16,6 @@ import numpy as np
 from .branches import Branch, Fold, settle
 from .periodic import Periodic, Seat
 
-_BIGGEST = 0.1  # of the largest amplitude of a run: a smaller step is no jump
-_SUDDEN = 3.0  # times its neighbours
-
 
 class Passed(NamedTuple):
     """A run over the points of a curve.
@@ -77,17 +74,6 @@ def run_along(
     kept = good & (np.abs(exact - rough) < 0.02 * np.max(rough))
     passed = np.where(missing, np.nan, np.where(kept, exact, rough))
     return Passed(np.where(kept[:, None], found, guess), passed, tuple(others), fallen, after)
-
-
-def measured_jump(amplitude: np.ndarray) -> int | None:
-    """After which point of a run, (points,) m, the measured response jumped; None if it did not."""
-    step = np.abs(np.diff(amplitude))
-    if len(step) < 4:
-        return None
-    k = int(np.argmax(step))
-    beside = np.concatenate([step[max(k - 2, 0) : k], step[k + 1 : k + 3]])
-    sudden = step[k] > _BIGGEST * np.max(amplitude) and step[k] > _SUDDEN * np.max(beside)
-    return k if sudden else None
 
 
 def _between(place: tuple[int, float], other: tuple[int, float], folds: Sequence[Fold], gap: int | None) -> bool:
