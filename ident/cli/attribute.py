@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import click
 
-from .options import json_option, run_argument
+from .options import figures_option, json_option, run_argument, trust_option
 
 
 @click.command("attribute", short_help="Which mechanism explains the zero-point offset, with credible intervals.")
 @run_argument
 @json_option
+@figures_option
+@trust_option
 def command(run: str, as_json: bool) -> None:
     """Ask of RUN which of its effects explains the zero-point offset of each periodic record: mean over periods, second
     harmonic, dwell asymmetry, displacement where the drive is zero. Effects are switched on and off at draws of the

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from .options import force_option, json_option
+from .options import figures_option, force_option, json_option, trust_option
 
 
 @click.command("compare", short_help="Weigh the models of several runs by evidence and held-out prediction.")
@@ -12,6 +12,8 @@ from .options import force_option, json_option
 @click.option("-o", "--output", metavar="FOLDER", help="Write compare.json and compare.png there.")
 @force_option
 @json_option
+@figures_option
+@trust_option
 def command(runs: tuple[str, ...], output: str | None, force: bool, as_json: bool) -> None:
     """Weigh the models of runs that were fitted to the same records: log evidence with its error, probability, how well
     each predicts left-out stretches and held-out records, and in words whether the records can tell them apart.
@@ -41,14 +43,15 @@ def command(runs: tuple[str, ...], output: str | None, force: bool, as_json: boo
 
     from ident.diagnosis.judged import compare
     from ident.report.compare_view import compare_dict, compare_figure, compare_sheet
-    from ident.report.style import png
+    from ident.report.picture import draw
 
     progress("evidence, left-out and held-out scores")
     document = compare_dict(compare(fits))
+    figures = []
     if folder is not None:
         folder.mkdir(parents=True, exist_ok=True)
         write_json(folder / "compare.json", document)
-        (folder / "compare.png").write_bytes(png(compare_figure(document)))
+        figures = draw("", compare_figure(document)).write(folder, "compare")
     if as_json:
         say_json(document)
         return
@@ -56,4 +59,4 @@ def command(runs: tuple[str, ...], output: str | None, force: bool, as_json: boo
     say(f"verdict: {document['verdict']}")
     say(document["words"])
     if folder is not None:
-        say(f"figure: {folder / 'compare.png'}")
+        say(f"figure: {', '.join(map(str, figures))}")

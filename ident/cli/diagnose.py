@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import click
 
-from .options import json_option, run_argument, trust_option
+from .options import figures_option, json_option, run_argument, trust_option
 
 
 @click.command("diagnose", short_help="Where a fit fails, which effect is missing, what to measure next.")
 @run_argument
 @click.option("--write-effect", "target", metavar="FILE", help="Write what the library lacks as an effect of your own.")
 @json_option
+@figures_option
 @trust_option
 def command(run: str, target: str | None, as_json: bool) -> None:
     """Ask of RUN: is its model adequate; if not, where does it fail, which effect is missing and how sure is that,

@@ -6,25 +6,34 @@ from pathlib import Path
 
 import click
 
-from .options import campaign_argument, effects_option, force_option, json_option, trust_option
+from .options import (
+    campaign_argument,
+    effects_option,
+    figures_option,
+    force_option,
+    json_option,
+    minutes_option,
+    resume_option,
+    trust_option,
+)
 
 
 @click.command("discover", short_help="Find the missing effects one by one, until the noise floor.")
 @campaign_argument
 @effects_option
 @click.option("-o", "--output", metavar="RUN", help="Run folder to write; runs/NAME if not given.")
-@click.option(
-    "--minutes", type=click.FloatRange(min=0, min_open=True), metavar="M",
-    help="Stop after so many minutes and keep what was found.",
-)  # fmt: skip
+@minutes_option
+@resume_option
 @force_option
 @json_option
+@figures_option
 @trust_option
 def command(
     campaign: tuple[str, ...],
     effects: tuple[str, ...] | None,
     output: str | None,
     minutes: float | None,
+    resume: bool,
     force: bool,
     as_json: bool,
 ) -> None:
@@ -34,7 +43,7 @@ def command(
     explains the records, what is missing is estimated and written as an effect file of your own to refine.
 
     The run folder is written after every step. Ctrl-C, or the end of the --minutes, leaves what was found;
-    diagnosis.json then says "finished": false.
+    diagnosis.json then says "finished": false, and --resume goes on from there.
 
     \b
     Example:
@@ -45,17 +54,26 @@ def command(
 
     from .fit import default_folder
     from .output import progress
+    from .resume import check_resumed
 
     data = read_campaign(campaign)
     folder = Path(output) if output else default_folder(campaign)
-    check_target(folder, force)
+    if resume:
+        check_resumed(folder, data, effects)
+    else:
+        check_target(folder, force)
 
+    from ident.diagnosis.steps import Walked
     from ident.fit.fit_data import fit_data, model_for
+    from ident.report.walk_json import read_walk
 
     from .limit import Limit
     from .walk import walk
 
     limit = Limit(minutes)
+    if resume:
+        walk(read_walk(folder, progress), folder, force=True, as_json=as_json, limit=limit)
+        return
     model = model_for(data, effects, progress)
     progress(f"fitting {', '.join(model.names) or 'the linear model'}")
-    walk(fit_data(data, model, report=progress), folder, force=force, as_json=as_json, limit=limit)
+    walk(Walked(fit_data(data, model, report=progress)), folder, force=force, as_json=as_json, limit=limit)

@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import click
 
-from .options import campaign_argument, effects_option, force_option, json_option, trust_option
+from .options import (
+    campaign_argument,
+    effects_option,
+    figures_option,
+    force_option,
+    json_option,
+    minutes_option,
+    resume_option,
+    trust_option,
+)
 from .output import progress, say, say_fit, say_json
 
 
@@ -25,8 +35,11 @@ from .output import progress, say, say_fit, say_json
 @click.option("--starts", type=click.IntRange(0, 1000), default=0, metavar="N", help="Add N random starts.")
 @click.option("--seed", type=click.IntRange(0), default=0, metavar="N", help="Of the random starts.")
 @click.option("--profile", "profiles", multiple=True, metavar="NAME", help="Profile one parameter; may be repeated.")
+@minutes_option
+@resume_option
 @force_option
 @json_option
+@figures_option
 @trust_option
 def command(
     campaign: tuple[str, ...],
@@ -37,6 +50,8 @@ def command(
     starts: int,
     seed: int,
     profiles: tuple[str, ...],
+    minutes: float | None,
+    resume: bool,
     force: bool,
     as_json: bool,
 ) -> None:
@@ -44,30 +59,47 @@ def command(
 
     CAMPAIGN is a TOML file, a folder that holds campaign.toml, or data files. Parameters with their uncertainties, the
     error of every record beside its noise floor, and what the data leave undetermined are printed and kept in the
-    run folder, with a report to open in a browser.
+    run folder, with a report to open in a browser. A search that --minutes ends leaves the best so far, marked as not
+    converged; --resume goes on from there.
 
     \b
     Example:
       ident fit data/platform_317hz --effects residual-stress,pzt-hysteresis -o runs/first
     """
     from ident.campaign import read_campaign
-    from ident.report.run_folder import check_target, read_run, write_run
+    from ident.report.run_folder import check_target, load_state, read_run, write_run
+
+    from .resume import check_resumed
 
     data = read_campaign(campaign)
     folder = Path(output) if output else default_folder(campaign)
-    check_target(folder, force)
+    if resume:
+        check_resumed(folder, data, effects)
+    else:
+        check_target(folder, force)
+    seconds = math.inf if minutes is None else 60 * minutes
 
     from ident.fit.fit_data import fit_data, model_for
     from ident.fit.profile import check_profiled, profile
 
-    model = model_for(data, effects, progress)
+    if resume:
+        model, data, initial = load_state(folder)
+    else:
+        model, initial = model_for(data, effects, progress), None
     check_profiled(model, profiles)
-    found = fit_data(data, model, sigma=sigma, robust=robust, starts=starts, seed=seed, report=progress)  # type: ignore[arg-type]
+    found = fit_data(
+        data, model, sigma=sigma, robust=robust, starts=starts, seed=seed,  # type: ignore[arg-type]
+        initial=initial, seconds=seconds, report=progress,
+    )  # fmt: skip
+    if minutes is not None and not found.converged:
+        progress("stopped before the search had converged; --resume goes on")
+        profiles = ()
     curves = [profile(found, name, robust=robust, report=progress) for name in profiles]
     options = {"sigma": sigma, "robust": robust, "starts": starts, "seed": seed}
     documents = {"profiles.json": {"format": 1, "profiles": [c.as_dict() for c in curves]}} if curves else {}
     write_run(
-        found, folder, force=force, command=command_line(), options=options, documents=documents, report=progress
+        found, folder, force=force or resume, command=command_line(), options=options, documents=documents,
+        report=progress,
     )  # fmt: skip
     if as_json:
         say_json(read_run(folder))

@@ -34,6 +34,32 @@ trust_option: Decorator = click.option(
 )
 
 
+minutes_option: Decorator = click.option(
+    "--minutes", type=click.FloatRange(min=0, min_open=True), metavar="M",
+    help="Stop after so many minutes and keep what was found.",
+)  # fmt: skip
+resume_option: Decorator = click.option("--resume", is_flag=True, help="Go on with what the run folder holds.")
+
+
+def _figures(context: click.Context, _: click.Parameter, value: str | None) -> None:
+    if value is not None:
+        from ident.report.picture import FORMATS, drawn_as
+
+        asked = tuple(dict.fromkeys(part.strip().lower() for part in value.split(",")))
+        if unknown := [one for one in asked if one not in FORMATS]:
+            raise click.BadParameter(f"{unknown[0]!r} is none of {', '.join(FORMATS)}")
+        context.with_resource(drawn_as(asked))
+
+
+figures_option: Decorator = click.option(
+    "--figures",
+    expose_value=False,
+    callback=_figures,
+    metavar="svg,pdf,png",
+    help="Formats of the files in figures/; png if not given.",
+)
+
+
 def columns(_: click.Context, __: click.Parameter, value: str | None) -> dict[str, str | int]:
     """ "time=t,drive=CH1,response=3" as {"time": "t", "drive": "CH1", "response": 3}."""
     found: dict[str, str | int] = {}

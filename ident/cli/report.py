@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import click
 
-from .options import run_argument, trust_option
+from .options import figures_option, run_argument, trust_option
 from .output import progress, say
 
 
 @click.command("report", short_help="Make the HTML report of a run again.")
 @run_argument
+@figures_option
 @trust_option
 def command(run: str) -> None:
     """Make report.html and the figures of RUN again, from its numbers and the campaign's files. Nothing is fitted.

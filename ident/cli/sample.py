@@ -4,16 +4,26 @@ from __future__ import annotations
 
 import click
 
-from .options import force_option, json_option, run_argument
+from .options import (
+    figures_option,
+    force_option,
+    json_option,
+    minutes_option,
+    resume_option,
+    run_argument,
+    trust_option,
+)
 
 
 @click.command("sample", short_help="Draw the posterior of a run, and say when it can be trusted.")
 @run_argument
-@click.option("--resume", is_flag=True, help="Go on with the chain that is there.")
-@click.option("--minutes", type=click.FloatRange(0, min_open=True), metavar="M", help="Stop after so many minutes.")
+@resume_option
+@minutes_option
 @click.option("--seed", type=click.IntRange(0), default=0, metavar="N", help="Of the walkers and their moves.")
 @force_option
 @json_option
+@figures_option
+@trust_option
 def command(run: str, resume: bool, minutes: float | None, seed: int, force: bool, as_json: bool) -> None:
     """Draw the posterior of RUN with emcee, until it can be trusted: parameters with 90 % intervals, the prior each
     began with, the evidence of the model. Intervals of a model that does not describe the records are called not final.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,12 +12,12 @@ from .output import progress, say, say_fit, say_json, say_sheet
 
 if TYPE_CHECKING:
     from ident.diagnosis.diagnose import Diagnosis
-    from ident.diagnosis.steps import Step
+    from ident.diagnosis.steps import Walked
     from ident.fit import Fit
 
 
-def walk(start: Fit, folder: Path, *, force: bool, as_json: bool, limit: Limit) -> None:
-    """Run the loop from a fit, write the last model as a run, and tell the story.
+def walk(walked: Walked, folder: Path, *, force: bool, as_json: bool, limit: Limit) -> None:
+    """Run the loop from a fit or from where it was stopped, write the last model as a run, and tell the story.
 
     The folder is written after every step, so that a walk that is stopped leaves what it found.
     """
@@ -29,9 +29,9 @@ def walk(start: Fit, folder: Path, *, force: bool, as_json: bool, limit: Limit) 
 
     kept = _Kept(folder, force)
     try:
-        kept.keep(start, ())
+        kept.keep(walked)
         with limit.running():
-            found = diagnose(start, None, progress, _free_file(folder), True, kept.within(limit))
+            found = diagnose(walked, None, progress, _free_file(folder), True, kept.within(limit))
     except OutOfTime:
         kept.tell("the time is over", as_json)
         return
@@ -63,27 +63,28 @@ class _Kept:
         self._document: dict[str, Any] = {}
         self._fit: Fit | None = None
 
-    def keep(self, start: Fit, steps: Sequence[Step]) -> None:
+    def keep(self, walked: Walked) -> None:
         """Write the last fit and the steps so far."""
         from ident.diagnosis.document import lineage_so_far, unfinished_dict
         from ident.report.run_folder import write_run
+        from ident.report.walk_json import FILE, walk_dict
 
-        self._fit = steps[-1].fit if steps else start
-        self._document = unfinished_dict(start, steps)
+        self._fit = walked.steps[-1].fit if walked.steps else walked.start
+        self._document = unfinished_dict(walked)
         write_run(
             self._fit, self.folder, force=self._force, command=command_line(),
-            lineage=lineage_so_far(start, steps, "the first fit"),
-            documents={"diagnosis.json": self._document}, page=False,
+            lineage=lineage_so_far(walked, "the first fit"),
+            documents={"diagnosis.json": self._document, FILE: walk_dict(walked)}, page=False,
         )  # fmt: skip
         self._force = True
 
-    def within(self, limit: Limit) -> Callable[[Fit, Sequence[Step]], None]:
+    def within(self, limit: Limit) -> Callable[[Walked], None]:
         """`keep`, which the clock does not interrupt."""
 
-        def kept(start: Fit, steps: Sequence[Step]) -> None:
-            limit.ask()
+        def kept(walked: Walked) -> None:
             with limit.waiting():
-                self.keep(start, steps)
+                self.keep(walked)
+            limit.ask()
 
         return kept
 
@@ -96,7 +97,7 @@ class _Kept:
             say_fit(self._fit)
             names = ", ".join(step["added"] for step in self._document["steps"]) or "nothing yet"
             say(f"{why}: added so far: {names}. None of it was questioned, and more may be missing.")
-            say(f"run folder: {self.folder} (`ident report {self.folder}` draws its page)")
+            say(f"run folder: {self.folder} (`ident report {self.folder}` draws its page; --resume goes on)")
 
 
 def _free_file(folder: Path) -> Path:

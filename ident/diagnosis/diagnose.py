@@ -24,7 +24,7 @@ from .locate import Where, locate
 from .look import first_look
 from .prune import hurts
 from .shorten import is_long, working
-from .steps import Discovery, Step, Verdict
+from .steps import Discovery, Step, Verdict, Walked
 from .suspects import BY_OTHERS, find_suspects, judged_again
 from .ties import Unseen, unseen
 from .unknown import Unknown, find_unknown
@@ -100,20 +100,22 @@ def discover(
 
 
 def diagnose(
-    fitted: Fit,
+    fitted: Fit | Walked,
     library: Mapping[str, type[AbstractEffect]] | None = None,
     report: Report = lambda _: None,
     effect_file: Path | None = None,
     keeps_walk: bool = False,
-    keep: Keep = lambda _, __: None,
+    keep: Keep = lambda _: None,
 ) -> Diagnosis:
     """Locate the misfit, walk the loop, and look beyond the library where it does not reach.
 
-    **Arguments:** `library`: the effects to choose from, if not all that the campaign knows; `effect_file`: where to
-    write what the library lacks; the model with it then ends the walk. `keeps_walk`: whether the caller goes on with
-    the last model of the walk; what it lacks is then written, if named effects nearly explain the records, and else
-    what the fit lacks. `keep`: as of `continue_from`.
+    **Arguments:** `fitted`: or a walk that was stopped, which goes on; `library`: the effects to choose from, if not
+    all that the campaign knows; `effect_file`: where to write what the library lacks; the model with it then ends the
+    walk. `keeps_walk`: whether the caller goes on with the last model of the walk; what it lacks is then written, if
+    named effects nearly explain the records, and else what the fit lacks. `keep`: as of `continue_from`.
     """
+    walked = fitted if isinstance(fitted, Walked) else Walked(fitted)
+    fitted = walked.start
     library = registry(fitted.campaign.effect_files) if library is None else library
     report("locating the misfit")
     bench = prepare(working(fitted))
@@ -123,7 +125,7 @@ def diagnose(
     if any(suspect.first for suspect in suspects):
         nothing = Discovery("ambiguous", fitted, (), (), {}, (), bench)
         return Diagnosis(nothing, where, suspects=suspects)
-    found = continue_from(fitted, library, report, keep=keep, look=look)
+    found = continue_from(walked, library, report, keep=keep, look=look)
     suspects = judged_again(suspects, found.final, report)
     if found.verdict == "identified" and any(one.kind in BY_OTHERS for one in suspects):
         found = replace(found, verdict="ambiguous")

@@ -9,7 +9,7 @@ sure: with the true effect absent from the library an impostor still lowers the 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -29,14 +29,14 @@ from .prune import Pruned, confirmed, hurts, prune
 from .score import Candidate, score, significant
 from .shorten import is_long, working
 from .side_by_side import at_once
-from .steps import Discovery, Step, Verdict
+from .steps import Discovery, Step, Verdict, Walked
 from .ties import TieSet, tie_set
 from .together import both, hidden_by_each_other
 from .trajectory import Diverged
 
 Report = Callable[[str], None]
-Keep = Callable[["Fit", "Sequence[Step]"], None]
-"""Called with the first fit and the steps so far after each of them, so that a walk that is stopped has left them."""
+Keep = Callable[[Walked], None]
+"""Called with the walk so far after each of its steps, so that one that is stopped has left them."""
 
 MOST_TERMS = 6
 _SHORTLIST = 3  # refits to excerpts, of which those on all samples decide
@@ -49,22 +49,24 @@ def discover(
     """Walk from a model to one that the records do not contradict, as far as the library reaches."""
     report(f"fitting {', '.join(model.names) or 'the linear model'}")
     start = fit(model, campaign)
-    return continue_from(start, library, report, most)
+    return continue_from(Walked(start), library, report, most)
 
 
 def continue_from(
-    start: Fit,
+    walked: Walked,
     library: Library,
     report: Report = lambda _: None,
     most: int = MOST_TERMS,
-    keep: Keep = lambda _, __: None,
+    keep: Keep = lambda _: None,
     look: Look | None = None,
 ) -> Discovery:
-    """The loop from a fit; `look`: at it, if somebody had one already."""
-    current, steps = start, []
+    """The loop from a fit, or from where it was stopped; `look`: at the first fit, if somebody had one already."""
+    start = walked.start
     look = look or first_look(start, library, report)
-    first, at_best, gains = look.first, look.bench, dict[str, float]()
+    first, at_best, gains = look.first, look.bench, dict(walked.gains)
     ranking = tuple(look.candidates) if look.worth_it else ()
+    steps, look = _gone_before(walked, look)
+    current = steps[-1].fit if steps else start
     while look.worth_it and look.real and len(steps) < most:
         if not_worth_adding(look.bench, max(c.drop for c in look.real), first) and not hidden_by_each_other(
             look.bench, look.candidates, None, first
@@ -78,7 +80,7 @@ def continue_from(
             steps.append(step)
             report(f"added {step.added}: error over noise {step.fit.fitted.error_over_noise:.3g}")
         current, look = steps[-1].fit, Look(bench, first, library, report)
-        keep(start, steps)
+        keep(Walked(start, tuple(steps), gains))
     bench, candidates = look.bench, look.candidates
     steps = _without_refuted(start, steps, bench)
     alike: tuple[Parts, ...] = ()
@@ -87,6 +89,7 @@ def continue_from(
         alike = needed.alike
         if needed.names != tuple(s.added for s in steps):
             steps = _replayed(start, needed, library, at_best)
+            steps = _without_refuted(start, steps, prepare(working(steps[-1].fit)))  # the laws before it have changed
     if steps and is_long(start.campaign):
         report("fitting all samples")
         last = steps[-1].fit
@@ -101,6 +104,16 @@ def continue_from(
     lacks = lacking(_after_effects(steps, bench), first, report) if steps else 0.0
     verdict = _verdict(steps, bench, first, lacks, contradicted(steps[-1].fit if steps else start))
     return Discovery(verdict, start, tuple(steps), ranking, gains, remaining, bench, lacks)
+
+
+def _gone_before(walked: Walked, look: Look) -> tuple[list[Step], Look]:
+    """The steps so far with the benches that no file holds, and the look at the last of them."""
+    steps = []
+    for step in walked.steps:
+        tied = tuple(c for c in look.real if c.name in step.tie_set)
+        steps.append(step._replace(bench=look.bench, tied=tied))
+        look = Look(prepare(working(step.fit)), look.first, look.library, look.report)
+    return steps, look
 
 
 def _without_refuted(start: Fit, steps: list[Step], bench: Bench) -> list[Step]:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 from ..fit import Fit
 from .change import lineage_entry
 from .diagnose import Diagnosis
-from .steps import Discovery, Step
+from .steps import Discovery, Step, Walked
 
 FORMAT = 1
 _LISTED = 12  # candidates of the ranking worth a reader's time
@@ -37,8 +36,9 @@ def diagnosis_dict(diagnosis: Diagnosis) -> dict[str, Any]:
     return document
 
 
-def unfinished_dict(start: Fit, steps: Sequence[Step]) -> dict[str, Any]:
+def unfinished_dict(walked: Walked) -> dict[str, Any]:
     """`diagnosis.json` of a walk that has not ended: the steps so far. What it would have questioned is open."""
+    start, steps, _ = walked
     return {
         "format": FORMAT,
         "finished": False,
@@ -54,13 +54,13 @@ def unfinished_dict(start: Fit, steps: Sequence[Step]) -> dict[str, Any]:
 
 def lineage_of(found: Discovery, parent: str) -> list[dict[str, Any]]:
     """One entry per step, for lineage.json and the staircase."""
-    return lineage_so_far(found.start, found.steps, parent)
+    return lineage_so_far(Walked(found.start, found.steps), parent)
 
 
-def lineage_so_far(start: Fit, steps: Sequence[Step], parent: str) -> list[dict[str, Any]]:
+def lineage_so_far(walked: Walked, parent: str) -> list[dict[str, Any]]:
     """The same of the steps of a walk that may go on."""
-    entries, before = [], start
-    for step in steps:
+    entries, before = [], walked.start
+    for step in walked.steps:
         entries.append(
             lineage_entry(before, step.fit, parent if not entries else f"step {len(entries)}", added=step.added)
         )

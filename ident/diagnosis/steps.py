@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Literal, NamedTuple
 
 from ..fit import Fit
@@ -33,6 +34,14 @@ class Step(NamedTuple):
     bench: Bench | None = None
     instead: Parts | None = None
     partner: str | None = None
+
+
+class Walked(NamedTuple):
+    """A walk so far: the fit it began with, its steps, and the gains of what the first of them had tried."""
+
+    start: Fit
+    steps: tuple[Step, ...] = ()
+    gains: Mapping[str, float] = MappingProxyType({})
 
 
 @dataclass(frozen=True, eq=False)

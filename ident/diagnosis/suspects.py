@@ -19,9 +19,9 @@ from ..campaign.suspect import ALL, Suspect, suspects_by_data
 from ..fit import Fit, fit
 from ..fit.reading import read
 from ..model import Model
-from .bench import Bench
+from .bench import Bench, prepare
 from .enough import ANOTHER_LAW, MOST_OF_IT
-from .evidence import VERY_STRONG, Left, criteria
+from .evidence import VERY_STRONG, Left, behind, criteria
 from .faults import OF_FREQUENCY, Fault, common_delay, explanations, faults_of, likeliest, told_by_others
 from .look import Look, first_look
 from .nuisance import DROPPED, Nuisance, rms
@@ -156,12 +156,22 @@ def _most_likely(fitted: Fit, inside: Sequence[int], look: Look) -> tuple[Suspec
     except Diverged:  # nor does it explain the motion
         return None
     faulty = faulty._replace(left=np.concatenate([faulty.left, best.apart]), numbers=faulty.numbers + 1)
-    weights = criteria([sound, _beside(sound.left, faulty.left, faulty.numbers)])
-    most = faulty.excess < MOST_OF_IT * sound.excess and sound.excess - faulty.excess > shapes
-    if not (most and weights[0] - weights[1] > VERY_STRONG):
+    if not _better(faulty, sound, shapes):
         return None
+    if faulty.model.names != fitted.model.names:
+        instead = _instead(fitted, faulty, look)
+        sound = sound if instead is None or behind(sound, instead) < 0 else instead
+        if not _better(faulty, sound, shapes):
+            return None
     campaign = best.campaign if best.record is None else fitted.campaign
     return _suspect(fitted, best, sound, faulty), faulty._replace(traces=campaign.traces)
+
+
+def _better(faulty: _Explained, sound: _Explained, shapes: float) -> bool:
+    """Whether a fault is clearly the better answer, takes away most of what physics leaves, and more than `shapes`."""
+    weights = criteria([sound, _beside(sound.left, faulty.left, faulty.numbers)])
+    most = faulty.excess < MOST_OF_IT * sound.excess and sound.excess - faulty.excess > shapes
+    return most and weights[0] - weights[1] > VERY_STRONG
 
 
 def _beside(left: np.ndarray, other: np.ndarray, numbers: int) -> Left:
@@ -177,6 +187,17 @@ def _with_physics(fitted: Fit, look: Look) -> _Explained:
         told += [(one.model, one.values, one.left, one.numbers) for one in look.tried if one.possible]
     tried = [_explained(fitted, bench, *one) for one in told]
     return tried[int(np.argmin(criteria(tried)))]
+
+
+def _instead(fitted: Fit, faulty: _Explained, look: Look) -> _Explained | None:
+    """An effect in the place of the fault, beside the effect that the fault was found with: of two that are missing
+    it may mimic one."""
+    look.report(f"an effect beside {faulty.model.names[-1]} in the place of a faulty record")
+    try:
+        one = fit(faulty.model, fitted.campaign, initial=faulty.values)
+        return _with_physics(one, Look(prepare(one), look.first, look.library, look.report))
+    except Diverged:
+        return None
 
 
 def _explained(fitted: Fit, bench: Bench, model: Model, values: np.ndarray, left: np.ndarray, n: int) -> _Explained:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -43,6 +45,7 @@ def fit(
     seed: int = 0,
     initial: np.ndarray | Sequence[np.ndarray] | None = None,
     report: Report = lambda _: None,
+    until: float = np.inf,
 ) -> Fit:
     """Fit a model to the records of a campaign that are not held out.
 
@@ -54,28 +57,27 @@ def fit(
 
     **Arguments:** `sigma`: "known" (noise floors as given or estimated), "scaled" (error bars times the error over
     noise), "fitted" (each record's own residual); `robust`: large residuals count linearly; `report`: called with
-    progress in words.
+    progress in words; `until`: the `time.monotonic()` at which the search ends where it is, not converged.
 
     **Raises:** UserError if there is nothing to fit.
     """
     if not campaign.fitted_sweeps:  # a curve tells gain and quality, whatever the traces do
         model = hold_quality(hold_gain(model, campaign.fitted), campaign.fitted)
     all_else = replace(model, undetermined=model.undetermined & {gain_of(model)})
-    found = minimise(
-        model, campaign, robust=robust, starts=starts, spread=spread, seed=seed, initial=initial, report=report
-    )
+    search = partial(minimise, robust=robust, until=until)
+    found = search(model, campaign, starts=starts, spread=spread, seed=seed, initial=initial, report=report)
     if model.undetermined != all_else.undetermined and found.error > _AT_THE_FLOOR:
         # What is left of the record's beginning may tell the quality factor after all.
-        other = minimise(all_else, campaign, robust=robust, initial=found.values)
+        other = search(all_else, campaign, initial=found.values)
         if other.error < _AT_THE_FLOOR:
-            found = minimise(model, campaign, robust=robust, initial=other.values)
+            found = search(model, campaign, initial=other.values)
     elif found.error > _AT_THE_FLOOR and not campaign.fitted_sweeps:
         held = hold_dragged(model, found.values, campaign.fitted)
         if held is not model:
-            model, found = held, minimise(held, campaign, robust=robust, initial=initial, report=report)
+            model, found = held, search(held, campaign, initial=initial, report=report)
     if sigma == "fitted":
         campaign = _with_residual_noise(campaign, found)
-        again = fit(model, campaign, robust=robust, initial=found.values, report=report)
+        again = fit(model, campaign, robust=robust, initial=found.values, report=report, until=until)
         return replace(again, sigma="fitted", starts=found.starts)
     report("uncertainties")
     return finish(model, campaign, found, sigma)
@@ -93,6 +95,7 @@ def minimise(
     report: Report = lambda _: None,
     most: int = solve.MAX_STEPS,
     compared: bool = False,
+    until: float = np.inf,
 ) -> Minimum:
     """The least-squares minimum alone, without uncertainties; arguments as in `fit`, `most` steps per start, and
     whether it is only `compared` with that of another model."""
@@ -123,14 +126,14 @@ def minimise(
         report(stage)
         pulse = Pulse(report, stage)
         watch = lambda cost, pulse=pulse: pulse.beat(f"error over noise {per_sample(cost):.3g}")
-        found = solve.least_squares(static, there, begin_at, robust, most, begun, watch, compared)
+        found = solve.least_squares(static, there, begin_at, robust, most, begun, watch, compared, until)
         solutions.append((per_sample(first), *found))
-        if not starts and not told and per_sample(solutions[-1][2].cost) < _AT_THE_FLOOR:
+        if time.monotonic() > until or (not starts and not told and per_sample(solutions[-1][2].cost) < _AT_THE_FLOOR):
             break
     # All starts had the same weights; those of the best one's model are its own.
     chosen = min(range(len(solutions)), key=lambda i: _finite(solutions[i][2].cost))
     first, data, best = solutions[chosen]
-    data, best = _reweighed(static, data, best, robust, most, watch)
+    data, best = _reweighed(static, data, best, robust, most, watch, until)
     solutions[chosen] = (first, data, best)
     table = tuple(Start(first, per_sample(s.cost), s.steps, s.converged) for first, _, s in solutions)
     return Minimum(static, data, best, table, scales)
@@ -141,7 +144,13 @@ def _finite(cost: float) -> float:
 
 
 def _reweighed(
-    static: Static, data: Data, found: solve.Solution, robust: bool, most: int, watch: Callable[[float], None]
+    static: Static,
+    data: Data,
+    found: solve.Solution,
+    robust: bool,
+    most: int,
+    watch: Callable[[float], None],
+    until: float,
 ) -> tuple[Data, solve.Solution]:
     """A solution with the noise of the curves carried through the model as it is there; `most` steps in all."""
     for _ in range(_REWEIGHED if data.curves is not None and np.isfinite(found.cost) else 0):
@@ -155,7 +164,9 @@ def _reweighed(
         found = found._replace(cost=cost, found=again)
         if settled or found.steps >= most:
             break
-        data, better = solve.least_squares(static, data, found.unknowns, robust, most - found.steps, again, watch)
+        data, better = solve.least_squares(
+            static, data, found.unknowns, robust, most - found.steps, again, watch, until=until
+        )
         found = better._replace(steps=found.steps + better.steps)
     return data, found
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from typing import Any
+
+import numpy as np
 
 from ..campaign.campaign import Campaign
 from ..campaign.read import read_campaign
@@ -25,6 +28,8 @@ def fit_data(
     robust: bool = False,
     starts: int = 0,
     seed: int = 0,
+    initial: np.ndarray | None = None,
+    seconds: float = np.inf,
     report: Callable[[str], None] = lambda _: None,
     **told: Any,
 ) -> Fit:
@@ -36,13 +41,25 @@ def fit_data(
     - `effects`: names of effects, or effect classes of one's own, instead of those of the campaign; () is the linear
       model alone. Or a whole model.
     - `sigma`, `robust`: what the error bars stand on, as in `ident.fit_model`.
-    - `starts`, `seed`: random starts beside those that the records suggest. `report`: called with progress in words.
+    - `starts`, `seed`: random starts beside those that the records suggest; `initial`: (m,) SI, the one point to start
+      from instead, such as `Fit.values` of a search that `seconds` ended. `report`: called with progress in words.
 
     **Raises:** UserError for data, effects or settings that cannot be used.
     """
+    until = time.monotonic() + seconds
     campaign = read_campaign(data, **told)
     model = model_for(campaign, effects, report)
-    return fit(model, campaign, sigma=sigma, robust=robust, starts=starts, seed=seed, report=report)
+    return fit(
+        model,
+        campaign,
+        sigma=sigma,
+        robust=robust,
+        starts=starts,
+        seed=seed,
+        initial=initial,
+        report=report,
+        until=until,
+    )
 
 
 def model_for(campaign: Campaign, effects: Effects, report: Callable[[str], None] = lambda _: None) -> Model:

@@ -16,6 +16,7 @@ S. Boyd, L. Vandenberghe, Convex Optimization, 2004, §9.5.1 (decrement).
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -158,11 +159,12 @@ def least_squares(
     begun: Evaluation | None = None,
     watch: Callable[[float], None] = lambda _: None,
     compared: bool = False,
+    until: float = np.inf,
 ) -> tuple[Data, Solution]:
     """Minimise from one starting point in at most so many steps; the data as rescaled there, and the solution.
 
     `begun`: the model at the start, if it is known; `watch`: called with Σ r² after every step; `compared`: whether the
-    cost is only compared with another model's.
+    cost is only compared with another model's; `until`: the `time.monotonic()` after which no step is begun.
     """
     data, start, found = rescale(static, data, start, begun)
     farthest = _farthest(data)
@@ -178,7 +180,7 @@ def least_squares(
         promised = _decrement(point, turn.units, farthest)
         worth = _COMPARED * max(2 * float(point.cost) / data.count, 1.0) if compared else _SMALL_GAIN
         converged = promised < worth + _SMALL_SHARE * float(point.cost)
-        if converged or float(turn.reach) < _LEAST_STEP:
+        if converged or float(turn.reach) < _LEAST_STEP or time.monotonic() > until:
             break
         change = np.clip(turn.move, -farthest, farthest)
         found = evaluate(static, data, unpack(y + change, start, data))

@@ -11,10 +11,11 @@ from ..campaign.device import Device
 from ..campaign.record import Trace
 from ..posterior.attribution import Attributed, Attribution, Share
 from .drive_words import drive_words
-from .html import Picture, Section
+from .html import Section
+from .picture import draw
 from .quantity import Scale, show_in
 from .sheet import Column, Mark, Sheet
-from .style import FAINT, HELDOUT, INK, MODEL, RESIDUAL, new_axes, new_figure, png, shortened
+from .style import FAINT, HELDOUT, INK, MODEL, RESIDUAL, new_axes, new_figure, shortened
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -172,6 +173,6 @@ def _cell(
 def attribution_section(document: Mapping[str, Any]) -> Section:
     """The part of the report about the offset's causes, from `attribution.json`."""
     caption = "Share of the offset that each mechanism explains; line: 90 % interval"
-    picture = Picture(caption, png(attribution_figure(document)))
+    picture = draw(caption, attribution_figure(document))
     sheets = (attribution_sheet(document),)
     return Section("What explains the zero-point offset", (document["words"],), sheets, (picture,))

@@ -12,10 +12,10 @@ from ..diagnosis.steps import Discovery, Step
 from ..diagnosis.suspects import BY_OTHERS
 from ..fit import Fit
 from .data_judgement import one_frequency
-from .html import Picture, Section
+from .html import Section
+from .picture import draw
 from .quantity import show
 from .sheet import Column, Mark, Sheet
-from .style import png
 from .tables import listed, percent_text, ratio_text
 from .where_figure import where_figure
 
@@ -203,7 +203,7 @@ def _not_identified(final: Fit) -> list[str]:
 def sections(found: Diagnosis) -> list[Section]:
     """The diagnosis as parts of the report."""
     device = found.discovery.start.model.device
-    where = Picture("Error over noise by record, time, motion, phase and harmonic", png(where_figure(found.where)))
+    where = draw("Error over noise by record, time, motion, phase and harmonic", where_figure(found.where))
     parts = [Section("Where the first model fails", (), (), (where,))]
     if found.suspects and not found.discovery.ranking:
         parts.append(Section("Which record is suspect", (verdict_words(found), *advice(found))))
@@ -213,6 +213,6 @@ def sections(found: Diagnosis) -> list[Section]:
     if found.unknown is not None:
         from .unknown_figure import unknown_figure
 
-        picture = Picture("The missing term against its coordinates", png(unknown_figure(found.unknown, device)))
+        picture = draw("The missing term against its coordinates", unknown_figure(found.unknown, device))
         parts.append(Section("What the library lacks", found.unknown.sentences, (), (picture,)))
     return parts

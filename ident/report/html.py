@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import platform
 import re
 from collections.abc import Mapping, Sequence
@@ -19,9 +18,9 @@ from .figures import record_figure
 from .linear_words import linear_sheet
 from .offset_table import offset_sheet
 from .overview import overview_figure
+from .picture import Picture, draw
 from .sentences import GOOD, sentences, verdict
 from .sheet import Sheet
-from .style import png
 from .tables import (
     combination_sentences,
     correlation_sentences,
@@ -36,17 +35,6 @@ if TYPE_CHECKING:
 
 _MOST_FIGURES = 16  # more records than a reader looks at, and each figure takes time
 _PACKAGES = ("ident", "jax", "numpy", "scipy", "optimistix", "pandas")
-
-
-class Picture(NamedTuple):
-    """A PNG with the words that stand for it."""
-
-    caption: str
-    image: bytes
-
-    @property
-    def source(self) -> str:
-        return "data:image/png;base64," + base64.b64encode(self.image).decode("ascii")
 
 
 class Section(NamedTuple):
@@ -74,14 +62,14 @@ def write_report(fit: Fit, folder: Path, extra: Mapping[str, Any] | None = None)
     pictures = folder / "figures"
     pictures.mkdir(parents=True, exist_ok=True)
     overview, records, omitted = _pictures(fit)
-    (pictures / "overview.png").write_bytes(overview.image)
+    overview.write(pictures, "overview")
     for i, record in enumerate(records, 1):
-        (pictures / f"{i:02d}_{_file_stem(record.name)}.png").write_bytes(record.picture.image)
+        record.picture.write(pictures, f"{i:02d}_{_file_stem(record.name)}")
     given = dict(extra or {})
     sections = tuple(given.pop("sections", ()))
     if (seen := dynamic_stiffness_figure(fit.campaign)) is not None:
-        picture = Picture("Natural frequency and damping of every measured point, by amplitude and velocity", png(seen))
-        (pictures / "before_any_fit.png").write_bytes(picture.image)
+        picture = draw("Natural frequency and damping of every measured point, by amplitude and velocity", seen)
+        picture.write(pictures, "before_any_fit")
         sections = (Section("The curves before any fit", pictures=(picture,)), *sections)
     page = _template().render(
         title=fit.campaign.title or "Fit",
@@ -120,15 +108,15 @@ def _pictures(fit: Fit) -> tuple[Picture, list[_Record], list[str]]:
         if id(trace) not in shown:
             continue
         caption = f"{trace.name}: model over data, residual in noise floors, response against the drive"
-        image = png(record_figure(trace, reading, score, device, figures))
-        records.append(_Record(trace.name, Picture(caption, image), offset_sheet(trace, reading, device)))
+        picture = draw(caption, record_figure(trace, reading, score, device, figures))
+        records.append(_Record(trace.name, picture, offset_sheet(trace, reading, device)))
     omitted = [trace.name for trace, _, _ in rows if id(trace) not in shown]
     for curve in fit.curves:
         caption = (
             f"{curve.sweep.name}: model over data, stable (solid) and unstable (dashed) responses, jumps, backbone"
         )
-        records.append(_Record(curve.sweep.name, Picture(caption, png(curve_figure(curve, fit))), None))
-    return Picture("Error over noise of each record", png(overview_figure(fit))), records, omitted
+        records.append(_Record(curve.sweep.name, draw(caption, curve_figure(curve, fit)), None))
+    return draw("Error over noise of each record", overview_figure(fit)), records, omitted
 
 
 def _model_words(fit: Fit) -> str:

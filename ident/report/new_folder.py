@@ -21,6 +21,7 @@ OWN = frozenset(
         "run.json",
         "lineage.json",
         "parts.json",
+        "walk.json",
         "diagnosis.json",
         "profiles.json",
         "posterior.json",

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .html import Picture, Section
+from .html import Section
+from .picture import from_dict
 from .sheet import Column, Sheet
 
 FILE = "parts.json"
@@ -27,7 +27,7 @@ def parts_of(document: Mapping[str, Any]) -> dict[str, list[Section]]:
 
 
 def _as_dict(section: Section) -> dict[str, Any]:
-    pictures = [{"caption": p.caption, "png": base64.b64encode(p.image).decode("ascii")} for p in section.pictures]
+    pictures = [picture.as_dict() for picture in section.pictures]
     sheets = [sheet._asdict() | {"columns": [list(c) for c in sheet.columns]} for sheet in section.sheets]
     return {"title": section.title, "paragraphs": list(section.paragraphs), "sheets": sheets, "pictures": pictures}
 
@@ -40,5 +40,5 @@ def _as_section(told: Mapping[str, Any]) -> Section:
         )
         for one in told["sheets"]
     ]  # fmt: skip
-    pictures = [Picture(one["caption"], base64.b64decode(one["png"])) for one in told["pictures"]]
+    pictures = [from_dict(one) for one in told["pictures"]]
     return Section(told["title"], tuple(told["paragraphs"]), sheets, pictures)

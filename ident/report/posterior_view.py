@@ -10,10 +10,11 @@ import numpy as np
 
 from ..campaign.device import Device
 from ..posterior.result import Marginal, Posterior
-from .html import Picture, Section
+from .html import Section
+from .picture import draw
 from .quantity import scale, show, show_in
 from .sheet import Column, Sheet
-from .style import FAINT, INK, MODEL, RESIDUAL, new_axes, new_figure, png
+from .style import FAINT, INK, MODEL, RESIDUAL, new_axes, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -145,4 +146,4 @@ def posterior_section(posterior: Posterior, document: Mapping[str, Any]) -> Sect
     caption = "Each parameter before (line) and after (filled) the records; dotted: 90 % interval"
     paragraphs = (verdict_words(document), evidence_words(document["log_evidence"]), *document["notes"])
     sheets = (posterior_sheet(document, device), prior_sheet(document, device))
-    return Section("Posterior", paragraphs, sheets, (Picture(caption, png(posterior_figure(posterior))),))
+    return Section("Posterior", paragraphs, sheets, (draw(caption, posterior_figure(posterior)),))

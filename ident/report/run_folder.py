@@ -27,6 +27,7 @@ from .html import Section, write_report
 from .new_folder import OWN, link_or_copy, new_folder
 from .parts import FILE as PARTS
 from .parts import parts_dict, parts_of
+from .picture import drawn_as_before
 from .run_json import run_dict
 from .run_state import origin, rebuild, restore, state, versions
 from .story import staircase_section
@@ -89,7 +90,8 @@ def renew_report(fit: Fit, folder: PathLike, **parts: Sequence[Section]) -> Path
                 link_or_copy(entry, temporary / entry.name)
         if parts:
             write_json(temporary / PARTS, parts_dict({**_parts(temporary), **parts}))
-        _draw_page(fit, temporary)
+        with drawn_as_before(target / "figures"):
+            _draw_page(fit, temporary)
     return target / "report.html"
 
 
@@ -103,13 +105,12 @@ def _draw_page(fit: Fit, folder: Path) -> None:
     write_report(fit, folder, {**extra, "sections": [*history, *sections]})
     for name, own in parts.items():
         for k, picture in enumerate([picture for section in own for picture in section.pictures], 1):
-            file = f"{name}.png" if k == 1 else f"{name}_{k}.png"
-            (folder / "figures" / file).write_bytes(picture.image)
+            picture.write(folder / "figures", name if k == 1 else f"{name}_{k}")
 
 
 def _parts(folder: Path) -> dict[str, list[Section]]:
     path = folder / PARTS
-    return parts_of(_read_json(path)) if exists(path) else {}
+    return parts_of(read_json(path)) if exists(path) else {}
 
 
 def read_run(folder: PathLike) -> dict[str, Any]:
@@ -118,7 +119,7 @@ def read_run(folder: PathLike) -> dict[str, Any]:
     if not exists(path):
         do = "name the folder that `ident fit … -o FOLDER` wrote"
         raise UserError("this is no run folder: it has no run.json", where=str(folder), do=do)
-    document = _read_json(path)
+    document = read_json(path)
     if not isinstance(document, dict) or document.get("format") != FORMAT or "state" not in document:
         what = f"run.json is not of the format {FORMAT} that this version reads"
         raise UserError(what, where=str(path), do="fit the campaign again")
@@ -141,7 +142,7 @@ def load_state(folder: PathLike) -> tuple[Model, Campaign, np.ndarray]:
 def read_lineage(folder: PathLike) -> list[dict[str, Any]]:
     """The ancestors of a run, oldest first."""
     path = Path(folder) / "lineage.json"
-    return _read_json(path) if exists(path) else []
+    return read_json(path) if exists(path) else []
 
 
 def write_json(path: Path, document: Any) -> None:
@@ -185,7 +186,8 @@ def _can_write(folder: Path) -> bool:
     return folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)
 
 
-def _read_json(path: Path) -> Any:
+def read_json(path: Path) -> Any:
+    """What a JSON file of a run folder holds. **Raises:** UserError if it cannot be read."""
     try:
         return json.loads(read_bytes(path, str(path), MOST_DATA).decode("utf-8"))
     except (OSError, ValueError, RecursionError) as error:

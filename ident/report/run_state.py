@@ -76,6 +76,13 @@ def state(fit: Fit) -> dict[str, Any]:
 
 def restore(document: dict[str, Any], folder: Path) -> tuple[Model, Campaign, np.ndarray]:
     """Model, campaign and parameter values (m,) SI of a `run.json`, from the campaign's files and the names in it."""
+    campaign = restore_campaign(document, folder)
+    model, values = _model(document, campaign, folder)
+    return model, campaign, values
+
+
+def restore_campaign(document: dict[str, Any], folder: Path) -> Campaign:
+    """The campaign of a `run.json`, with the effect files and noise floors of then; its files must be the same."""
     kept = document["state"]
     campaign = _campaign(document["campaign"], folder)
     told = [(folder / file).resolve() for file in document["campaign"].get("effect_files", ())]
@@ -88,6 +95,11 @@ def restore(document: dict[str, Any], folder: Path) -> tuple[Model, Campaign, np
     campaign = replace(campaign, effect_files=(*campaign.effect_files, *added))
     floors = [NoiseFloor(**{**floor, "ar": tuple(floor["ar"])}) for floor in kept["noise"]]
     records = tuple(replace(record, noise=noise) for record, noise in zip(campaign.records, floors, strict=True))
+    return replace(campaign, records=records)
+
+
+def _model(document: dict[str, Any], campaign: Campaign, folder: Path) -> tuple[Model, np.ndarray]:
+    kept = document["state"]
     known = registry(campaign.effect_files)
     effects = tuple(find(name, known)(campaign.device, kept["settings"].get(name)) for name in document["effects"])
     start, held, freed = tuple(kept["start"].items()), frozenset(kept["held"]), frozenset(kept["freed"])
@@ -98,12 +110,17 @@ def restore(document: dict[str, Any], folder: Path) -> tuple[Model, Campaign, np
         what = f"the run knows nothing of {missing[0]}, which its effect has today"
         raise UserError(what, where=str(folder / "run.json"), do="fit the campaign again")
     values = [kept["values"][p.name] for p in model.parameters]
-    return model, replace(campaign, records=records), np.array([np.nan if v is None else v for v in values])
+    return model, np.array([np.nan if v is None else v for v in values])
 
 
 def rebuild(document: dict[str, Any], folder: Path) -> Fit:
     """The Fit of a `run.json`, without fitting again."""
-    model, campaign, values = restore(document, folder)
+    return rebuild_in(restore_campaign(document, folder), document, folder)
+
+
+def rebuild_in(campaign: Campaign, document: dict[str, Any], folder: Path) -> Fit:
+    """The same in a campaign that was restored already."""
+    model, values = _model(document, campaign, folder)
     starts = [Start(_number(a), _number(b), steps, ok) for a, b, steps, ok in document["state"]["starts"]]
     return fit_at(
         model, campaign, values, sigma=document["sigma"], starts=starts, converged=document["converged"],

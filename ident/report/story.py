@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from .html import Picture, Section
+from .html import Section
+from .picture import draw
 from .sheet import Column, Sheet
-from .style import FAINT, HELDOUT, INK, MODEL, label, new_axes, new_figure, png
+from .style import FAINT, HELDOUT, INK, MODEL, label, new_axes, new_figure
 from .tables import ratio_text
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def moved_sheet(entry: Mapping[str, Any]) -> Sheet | None:
 
 def staircase_section(lineage: Lineage) -> Section:
     """The lineage as a part of the report."""
-    picture = Picture("Error over noise after each step", png(staircase_figure(lineage)))
+    picture = draw("Error over noise after each step", staircase_figure(lineage))
     moved = [sheet for sheet in (moved_sheet(entry) for entry in lineage) if sheet is not None]
     return Section("How the error fell", (), (change_sheet(lineage), *moved), (picture,))
 

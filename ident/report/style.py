@@ -86,12 +86,25 @@ def key(figure: Figure, right: float, y: float, *entries: tuple[str, str]) -> No
 
 def png(figure: Figure) -> bytes:
     """The figure as PNG."""
+    return _saved(figure, format="png", dpi=DPI, pil_kwargs={"compress_level": 2})
+
+
+def vector(figure: Figure, format: str) -> bytes:
+    """The figure as "svg" or "pdf", the same bytes whenever it is drawn; text in a PDF stays text, as journals ask."""
+    from matplotlib import rc_context
+
+    date = "Date" if format == "svg" else "CreationDate"
+    with rc_context({"pdf.fonttype": 42, "svg.hashsalt": "ident"}):
+        return _saved(figure, format=format, metadata={date: None})
+
+
+def _saved(figure: Figure, **how: Any) -> bytes:
     from matplotlib.text import Text
 
     for text in figure.findobj(Text):
         text.set_parse_math(False)  # type: ignore[attr-defined]  # "$" is a sign in names of files, not a formula
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=DPI, pil_kwargs={"compress_level": 2})
+    figure.savefig(buffer, **how)
     return buffer.getvalue()
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from experiments.hidden_effects.generator import draw, write
 from ident.campaign import Campaign, Trace, read_campaign
 from ident.campaign.clipping import clipped_mask
 from ident.campaign.record import Channel, NoiseFloor
@@ -166,3 +167,12 @@ def test_a_level_is_no_drift():
     measured = predicted + 0.3 + 0.01 * np.random.default_rng(0).standard_normal(700)
     found = nuisances(record_of(measured), predicted)
     assert next(one for one in found if one.kind == "drift").error == np.inf
+
+
+def test_two_missing_effects_are_no_fault_of_the_record_that_shows_them_most(tmp_path):
+    """Read with samples missing, the record at the resonance left a third of what any single effect does."""
+    case = draw(
+        9861, ("cubic-stiffness", "coulomb-friction"), size=0.08, noise=0.003, device="oscillator", records=6
+    )  # fmt: skip
+    write(case, tmp_path / "case", tmp_path / "truth.json")
+    assert suspects_of(fit(build_model(campaign := read_campaign(tmp_path / "case")), campaign)) == ()

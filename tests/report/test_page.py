@@ -13,7 +13,8 @@ import pytest
 from ident.campaign import Platform
 from ident.fit.judge import score_record
 from ident.report.figures import record_figure
-from ident.report.html import Picture, Section, write_report
+from ident.report.html import Section, write_report
+from ident.report.picture import Picture
 from ident.report.sheet import Column, Sheet
 from ident.report.style import envelope, png
 

@@ -1,0 +1,73 @@
+"""A figure as the page shows it, and as files in the formats that a paper asks for."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from .style import png, vector
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FORMATS = ("png", "svg", "pdf")
+_asked: ContextVar[tuple[str, ...]] = ContextVar("formats of figures", default=("png",))
+
+
+class Picture(NamedTuple):
+    """A PNG with the words that stand for it, and the same figure in further formats."""
+
+    caption: str
+    image: bytes
+    others: Mapping[str, bytes] = MappingProxyType({})
+
+    @property
+    def source(self) -> str:
+        return "data:image/png;base64," + base64.b64encode(self.image).decode("ascii")
+
+    def write(self, folder: Path, name: str) -> list[Path]:
+        """Write it as `name.png` and so on, in the formats that were asked for and that it has; the files."""
+        files = {"png": self.image} | dict(self.others)
+        paths = {folder / f"{name}.{format}": files[format] for format in _asked.get() if format in files}
+        for path, content in paths.items():
+            path.write_bytes(content)
+        return list(paths)
+
+    def as_dict(self) -> dict[str, str]:
+        """Caption and base64 of every format, for JSON."""
+        files = {"png": self.image} | dict(self.others)
+        return {"caption": self.caption} | {f: base64.b64encode(files[f]).decode("ascii") for f in files}
+
+
+def draw(caption: str, figure: Figure) -> Picture:
+    """A figure as a picture, in the formats that were asked for."""
+    return Picture(caption, png(figure), {format: vector(figure, format) for format in _asked.get() if format != "png"})
+
+
+def from_dict(told: Mapping[str, Any]) -> Picture:
+    """The picture that `as_dict` told."""
+    files = {format: base64.b64decode(told[format]) for format in FORMATS if format in told}
+    return Picture(told["caption"], files.pop("png"), files)
+
+
+@contextmanager
+def drawn_as(formats: tuple[str, ...]) -> Iterator[None]:
+    """Figures are written in these formats while this lasts."""
+    before = _asked.set(formats)
+    try:
+        yield
+    finally:
+        _asked.reset(before)
+
+
+@contextmanager
+def drawn_as_before(figures: Path) -> Iterator[None]:
+    """Figures are also written in the formats that are in this folder, so that a page made anew loses none."""
+    there = tuple(f for f in FORMATS if f not in _asked.get() and any(figures.glob(f"*.{f}")))
+    with drawn_as((*_asked.get(), *there)):
+        yield
