@@ -100,8 +100,8 @@ def read() -> dict[float, Level]:
 
 
 def tail(level: Level, frequency: float) -> float:
-    """Drive that the response on the low branch needs, A (f² − ω0(A)²) with the natural frequency of `START`, per unit of
-    what it is called, at a frequency far above the resonance: the same at all levels of one drive scale."""
+    """Drive that the response on the low branch needs, A (f² − ω0(A)²) with the frequency of `START`, per unit of what
+    it is called, at a frequency far above the resonance: the same at all levels of one drive scale."""
     at = np.isclose(level.frequency, frequency)
     low = np.min(level.amplitude[at])
     return low * (frequency**2 - START["k0"] ** 2 - 2 * START["k0"] * START["k2"] * low**2) / level.drive
