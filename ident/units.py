@@ -246,3 +246,12 @@ def format_quantity(value: float, name: str = "", digits: int = 4) -> str:
             return f"{value * scale / power:.{digits}g} {prefix}{symbol}"
     power, prefix = _SHOWN[-1]
     return f"{value * scale / power:.{digits}g} {prefix}{symbol}"
+
+
+@cache
+def exponents(name: str) -> dict[str, int]:
+    """Powers of kg, m, s and V in a unit; electric current is written through the volt (1 A = 1 kg m² s⁻³ V⁻¹)."""
+    m, kg, s, ampere, *rest = unit(name).dimension
+    if any(rest):
+        raise UserError(f"the unit {name!r} is not one of mechanics and voltage", do="use kg, m, s, N, Pa, Hz and V")
+    return {"kg": kg + ampere, "m": m + 2 * ampere, "s": s - 3 * ampere, "V": -ampere}

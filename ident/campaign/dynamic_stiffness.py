@@ -19,7 +19,6 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from .record import Sweep
 
@@ -127,6 +126,8 @@ def _splines(x: np.ndarray, over: np.ndarray, intervals: int) -> np.ndarray:
     held = np.histogram(over, even)[0][:-1] > 0
     knots = np.concatenate([even[:1], even[1:-1][held], even[-1:]])
     padded = np.concatenate([np.repeat(knots[0], 3), knots, np.repeat(knots[-1], 3)])
+    from scipy.interpolate import BSpline  # here, because its import costs more than reading a campaign
+
     return BSpline.design_matrix(np.clip(x, knots[0], knots[-1]), padded, 3).toarray()
 
 

@@ -47,7 +47,7 @@ def _instantaneous(table: Table, roles: list[Role]) -> bool:
     amplitude = match_any(table, (replace(sweep_roles(VOLTAGE, LENGTH)[-2], weak=frozenset(), needed=False),))
     column = amplitude.get("amplitude") or match_any(table, tuple(roles)).get("response")
     try:
-        return column is None or bool(np.any(column.numbers() < 0))
+        return column is None or bool(np.any(column.numbers(missing=True) < 0))
     except UserError:
         return True
 
@@ -100,11 +100,14 @@ def _travel(column: Column, role: str) -> float:
     none), or it is empty."""
     meant = _meaning(column) if role == "amplitude" else None
     unit = find_unit(column.unit if meant is None else meant.unit) if column.unit else None
-    if unit is None or unit.dimension != LENGTH or not len(numbers := column.numbers()):
+    if unit is None or unit.dimension != LENGTH:
         return 0.0
-    if meant is None:
-        return travel_of(numbers) * unit.factor
-    return 0.0 if meant.per else float(np.max(meant.amplitudes(numbers))) * unit.factor
+    numbers = column.numbers(missing=True)
+    numbers = numbers[np.isfinite(numbers)]
+    if not len(numbers) or (meant is not None and meant.per):
+        return 0.0
+    far = travel_of(numbers) if meant is None else float(np.max(meant.amplitudes(numbers)))
+    return far * unit.factor
 
 
 def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
