@@ -6,8 +6,8 @@
     print(fit["quality"].value, fit["quality"].error)
 
 What the command line does is a function here, on files, DataFrames or arrays (see `read_campaign`): check, fit,
-diagnose, add, remove, discover, sample, compare, simulate. Names are imported when they are first used, so that
-`import ident` costs nothing.
+diagnose, add, remove, discover, sample, compare, attribute, simulate. Names are imported when they are first used, so
+that `import ident` costs nothing.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from .diagnosis.change import remove as remove
     from .diagnosis.diagnose import diagnose as diagnose
     from .diagnosis.diagnose import discover as discover
+    from .diagnosis.judged import attribute as attribute
     from .diagnosis.judged import compare as compare
     from .diagnosis.judged import sample as sample
     from .effects import AbstractEffect as AbstractEffect
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
     from .effects import shape as shape
     from .errors import UserError as UserError
     from .fit import Fit as Fit
-    from .fit.fit import fit as fit_model  # noqa: F401
     from .fit.fit_data import fit_data as fit  # noqa: F401
     from .fit.profile import profile as profile
     from .fit.simulate import simulate as simulate
@@ -54,6 +54,7 @@ _STORY = {
     "discover": ("diagnosis.diagnose", "discover"),
     "sample": ("diagnosis.judged", "sample"),
     "compare": ("diagnosis.judged", "compare"),
+    "attribute": ("diagnosis.judged", "attribute"),
     "simulate": ("fit.simulate", "simulate"),
     "profile": ("fit.profile", "profile"),
     "write_run": ("report.run_folder", "write_run"),
@@ -69,7 +70,6 @@ _STORY = {
     "shape": ("effects", "shape"),
     "choice": ("effects", "choice"),
     "build_model": ("model", "build_model"),
-    "fit_model": ("fit.fit", "fit"),
 }
 
 __all__ = list(_STORY)  # pyright: ignore[reportUnsupportedDunderAll]

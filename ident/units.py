@@ -45,6 +45,7 @@ _PREFIXED: dict[str, tuple[float, Dimension, str]] = {
     "Hz": (1.0, FREQUENCY, "hertz"),
     "N": (1.0, _dimension(1, 1, -2), "newton"),
     "Pa": (1.0, PRESSURE, "pascal"),
+    "Nm": (1.0, _dimension(2, 1, -2), "newtonmeter"),  # of a torque; the textile number of pint is nobody's here
     "J": (1.0, _dimension(2, 1, -2), "joule"),
     "W": (1.0, _dimension(2, 1, -3), "watt"),
     "C": (1.0, _dimension(s=1, ampere=1), "coulomb"),
@@ -245,3 +246,12 @@ def format_quantity(value: float, name: str = "", digits: int = 4) -> str:
             return f"{value * scale / power:.{digits}g} {prefix}{symbol}"
     power, prefix = _SHOWN[-1]
     return f"{value * scale / power:.{digits}g} {prefix}{symbol}"
+
+
+@cache
+def exponents(name: str) -> dict[str, int]:
+    """Powers of kg, m, s and V in a unit; electric current is written through the volt (1 A = 1 kg m² s⁻³ V⁻¹)."""
+    m, kg, s, ampere, *rest = unit(name).dimension
+    if any(rest):
+        raise UserError(f"the unit {name!r} is not one of mechanics and voltage", do="use kg, m, s, N, Pa, Hz and V")
+    return {"kg": kg + ampere, "m": m + 2 * ampere, "s": s - 3 * ampere, "V": -ampere}

@@ -89,6 +89,9 @@ def _with_row(index: int, row: str) -> str:
     return "\n".join([*_rows[:index], row, *_rows[index + 1 :]])
 
 
+_HALF = np.where(np.arange(len(signals())) < 300, np.nan, signals()[:, 2])
+
+
 # --- data files ---------------------------------------------------------------------------------------------------
 _data("empty file", "", "empty")
 _data("only blank lines", "\n\n  \n", "empty")
@@ -97,9 +100,9 @@ _data("prose", "Dear colleague,\nthe data are on the other disk.\nRegards\n", "n
 _data("binary", bytes(range(256)) * 20)
 _data("utf-16 without mark", csv_text().encode("utf-16-le"), "not a text file")
 _data("text in a cell", _with_row(7, "0.0003,3.1,oops"), "line 8", "column 3", "oops")
-_data("empty cell", _with_row(7, "0.0003,,1.5"), "line 8", "column 2", "empty")
-_data("nan", _with_row(9, "0.0004,1.0,nan"), "line 10", "column 3", "nan")
-_data("inf", _with_row(9, "0.0004,-inf,0.1"), "line 10", "column 2", "inf")
+_data("nan in time", _with_row(9, "nan,1.0,0.1"), "line 10", "column 1", "nan")
+_data("no number in the response", csv_text(values=_column(2, np.full(len(signals()), np.nan))), "line 2", "column 3")
+_data("no number in half of the response", csv_text(values=_column(2, _HALF)), "line 2", "column 3", "nan")
 _data("short row", _with_row(12, "0.00055,1.0"), "line 13", "2 columns")
 _data("long row", _with_row(12, "0.00055,1.0,2.0,3.0"), "line 13", "4 columns")
 _data("cut off", csv_text()[:-14], "line 401")

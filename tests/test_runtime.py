@@ -40,3 +40,8 @@ def test_a_backend_that_runs_already_is_warned_about():
     done = run("import jax; jax.numpy.zeros(1).block_until_ready()", IDENT_CACHE="off")
     assert "JAX was already running when ident was imported" in done.stderr
     assert "float64" in done.stdout
+
+
+def test_a_check_and_a_new_campaign_need_no_jax():
+    code = "import sys, ident.cli.new, ident.report.check, ident.campaign.propose; print('jax' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "False\n"

@@ -11,9 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ident import fit_model
 from ident.campaign import Campaign, Channel, NoiseFloor, Platform, Trace
-from ident.fit import Fit
+from ident.fit import Fit, fit_data
 from ident.model import build_model
 from ident.report.style import DATA, MODEL, RESIDUAL, label
 
@@ -48,7 +47,7 @@ def campaign() -> Campaign:
 
 def study() -> Found:
     told = campaign()
-    fit = fit_model(build_model(told, platform().names), told)
+    fit = fit_data(told, build_model(told, platform().names))
     values = dict(zip((p.name for p in fit.model.parameters), fit.values.tolist(), strict=True))
     curves = [[Sine(volts, float(f)) for f in FREQUENCIES] for volts in LEVELS]
     return Found(

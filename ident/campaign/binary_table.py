@@ -16,6 +16,8 @@ import numpy as np
 from ident.errors import UserError
 
 from .opening import check_unfolded
+from .preamble import Told, step_of
+from .sampling import with_time, without_repeats
 from .table import Column, Table, split_header, with_unit_row
 
 Pair = tuple[str, np.ndarray, str]
@@ -57,12 +59,18 @@ def numeric_columns(name: str, values: Any, unit: str = "") -> Iterator[Pair]:
         yield f"{name}:{k + 1}", array[:, k], unit
 
 
-def table_of(name: str, pairs: list[Pair]) -> Table:
-    """The columns of the most common length; the others cannot belong to the record."""
+def _length(name: str, pairs: list[Pair], timed: bool = False) -> int:
+    """The most common length of columns, of equally common ones (three make a record, two if it is `timed` without) the
+    longest; the others cannot belong to the record."""
     lengths = [len(values) for _, values, _ in pairs]
     if not lengths:
         raise UserError("no columns of numbers in this file", where=name, do="a record needs time, drive and response")
-    length = max(set(lengths), key=lambda one: (min(lengths.count(one), 3), one))
+    return max(set(lengths), key=lambda one: (min(lengths.count(one), 2 if timed else 3), one))
+
+
+def table_of(name: str, pairs: list[Pair], step: float | None = None) -> Table:
+    """The columns of the most common length, with times `step` s apart where none of them holds the time."""
+    length = _length(name, pairs, step is not None)
     columns = []
     for header, values, unit in pairs:
         if len(values) == length:
@@ -71,7 +79,7 @@ def table_of(name: str, pairs: list[Pair]) -> Table:
             )
             column = Column(name, header, stem, own, len(columns) + 1, values.astype(float), (), ".", doubtful)
             columns.append(with_unit_row(column, unit))
-    return Table(name, tuple(columns))
+    return without_repeats(with_time(Table(name, tuple(columns)), Told(step=step)))
 
 
 def read_mat(path: Path, name: str) -> Table:
@@ -102,10 +110,11 @@ def read_mat(path: Path, name: str) -> Table:
     except (EOFError, MemoryError, OverflowError, AttributeError, UnicodeDecodeError, AssertionError) as error:
         raise unreadable(name, "MATLAB", error) from None
     pairs: list[Pair] = []
+    steps: list[float] = []
     for key, value in content.items():
         if not key.startswith("__"):
-            pairs += _mat_value(key, value, 0)
-    return table_of(name, pairs)
+            pairs += _mat_value(key, value, 0, steps)
+    return table_of(name, pairs, steps[0] if steps else None)
 
 
 def _mat_promises(path: Path) -> Iterator[int]:
@@ -127,13 +136,37 @@ def _mat_promises(path: Path) -> Iterator[int]:
                 file.seek(size + -size % 8, 1)
 
 
-def _mat_value(key: str, value: Any, depth: int) -> Iterator[Pair]:
+_NAMES = ("Name", "name", "label", "Label", "title")
+_UNITS = ("Unit", "unit", "Units", "units")
+_VALUES = ("Data", "data", "values", "Values")
+"""Fields of a structure that is one signal: dSPACE writes Name, Data and Unit, Simulink label and values."""
+
+
+def _mat_value(key: str, value: Any, depth: int, steps: list[float]) -> Iterator[Pair]:
+    """The columns in a variable, in structures and arrays of structures too; numbers that tell the time between samples
+    ("Fs", "Ts") go to `steps`."""
     fields = getattr(value, "_fieldnames", None)
-    if fields is not None and depth < 4:
+    if fields is not None and depth < 5:
+        values = next((getattr(value, one) for one in _VALUES if one in fields), None)
+        if _numeric(values) is not None:
+            name = next((text for one in _NAMES if (text := _words(value, one))), key)
+            unit = next((text for one in _UNITS if (text := _words(value, one))), "")
+            yield from numeric_columns(name, values, unit)
         for one in fields:
-            yield from _mat_value(one, getattr(value, one), depth + 1)
+            if one not in _VALUES or _numeric(values) is None:
+                yield from _mat_value(one, getattr(value, one), depth + 1, steps)
+    elif isinstance(value, np.ndarray) and value.dtype == object and value.size < 1000 and depth < 5:
+        for k, one in enumerate(value.ravel(), 1):
+            yield from _mat_value(f"{key}:{k}", one, depth + 1, steps)
     elif isinstance(value, np.ndarray):
         yield from numeric_columns(key, value)
+    elif isinstance(value, (int, float, np.number)) and (step := step_of(key, repr(float(value)))) is not None:  # type: ignore[arg-type]
+        steps.append(step)
+
+
+def _words(structure: Any, field: str) -> str:
+    text = getattr(structure, field, "")
+    return text.strip() if isinstance(text, str) else ""
 
 
 def read_hdf(path: Path, name: str) -> Table:
@@ -179,7 +212,7 @@ def read_tdms(path: Path, name: str) -> Table:
     """LabVIEW TDMS, by npTDMS; time from the waveform properties where there is no time channel."""
     nptdms = library("nptdms", name)
     pairs: list[Pair] = []
-    increment = None
+    increments: list[Any] = []
     try:
         told = nptdms.TdmsFile.read_metadata(path)
         if any(len(channel) > path.stat().st_size for group in told.groups() for channel in group.channels()):
@@ -189,17 +222,14 @@ def read_tdms(path: Path, name: str) -> Table:
                 properties = channel.properties
                 unit = properties.get("unit_string", properties.get("NI_UnitDescription", ""))
                 pairs += numeric_columns(channel.name, channel[:], unit if isinstance(unit, str) else "")
-                increment = properties.get("wf_increment", increment)
+                increments += [properties.get("wf_increment")] * (len(pairs) - len(increments))
     except (OSError, ValueError, TypeError, KeyError, IndexError, EOFError, AttributeError, OverflowError) as error:
         raise unreadable(name, "TDMS", error) from None
     except (MemoryError, NotImplementedError, zipfile.BadZipFile, AssertionError, struct.error) as error:
         raise unreadable(name, "TDMS", error) from None
-    has_time = any(
-        header.lower().startswith(("time", "t_", "t ", "t(")) or header.lower() == "t" for header, _, _ in pairs
-    )
-    if increment and not has_time and pairs:
-        pairs.insert(0, ("time", float(increment) * np.arange(len(pairs[0][1])), "s"))
-    return table_of(name, pairs)
+    length = _length(name, pairs, any(increments))  # slower channels have an increment of their own
+    steps = [step for step, (_, values, _) in zip(increments, pairs, strict=True) if step and len(values) == length]
+    return table_of(name, pairs, float(steps[0]) if steps else None)
 
 
 READERS: dict[str, Callable[[Path, str], Table]] = {

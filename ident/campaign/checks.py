@@ -79,19 +79,19 @@ def uniform_time(column: Column, factor: float, notes: list[str]) -> np.ndarray:
     return factor * (origin + slope * index)
 
 
-def on_grid(column: Column, factor: float, time: np.ndarray, signal: np.ndarray) -> np.ndarray:
-    """A signal (n,) that was sampled at the printed times, on the uniform grid `time` (n,) s that they mean.
+def on_grid(column: Column, factor: float, time: np.ndarray, *signals: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Signals (n,) that were sampled at the printed times, on the uniform grid `time` (n,) s that they mean.
 
     Where print rounds the times more than the clock jitters, the samples are on the grid already.
     """
     printed = factor * column.numbers()
-    worst = float(np.max(np.abs(printed - time)))
-    if worst <= max(_STILL_UNIFORM * (time[1] - time[0]), 0.75 * factor * _resolution(column)):
-        return signal
+    worst, still = float(np.max(np.abs(printed - time))), _STILL_UNIFORM * (time[1] - time[0])
+    if worst <= still or worst <= 0.75 * factor * _resolution(column):
+        return signals
     from scipy.interpolate import CubicSpline  # here, because its import costs more than reading a campaign
 
     inside = np.clip(time, printed[0], printed[-1])
-    return CubicSpline(printed, signal)(inside)
+    return tuple(CubicSpline(printed, signal)(inside) for signal in signals)
 
 
 def _resolution(column: Column) -> float:

@@ -9,27 +9,44 @@ CLIPPED = 1e-3
 
 _BESIDE = 6  # samples at least, on each side of a gap, that say how the curve crosses it
 _DEGREE = 4
+_MOST = 20  # runs that are looked at
 
 
 def clipped_samples(signal: np.ndarray) -> np.ndarray:
     """(n,) whether a sample sticks to the largest or smallest value, as a saturated amplifier or converter leaves it.
 
-    A limit counts if it is reached in at least two runs of three or more equal samples and is far more crowded than
-    the values next to it (the top of a coarsely quantised sine is a few samples wide, but so are its neighbours).
+    A limit counts if it is far more crowded than the values next to it (the top of a coarsely quantised sine is a few
+    samples wide, but so are its neighbours), and if beyond one of its runs of three or more equal samples the curve
+    through what lies beside that run goes: once is enough, as a transient overshoots, and a plateau is no limit.
     """
     stuck = np.zeros(len(signal), dtype=bool)
     levels, counts = np.unique(signal, return_counts=True)
     if len(levels) < 8:
         return stuck
+    quantum = float(np.median(np.diff(levels)))
     for limit, own, near in ((levels[-1], counts[-1], counts[-6:-1]), (levels[0], counts[0], counts[1:6])):
-        at_limit = np.concatenate(([0], (signal == limit).astype(int), [0]))
-        edges = np.flatnonzero(np.diff(at_limit))
-        lengths = edges[1::2] - edges[::2]
-        inner = (edges[::2] > 0) & (edges[1::2] < len(signal))
-        long = np.sum((lengths >= 3) & inner)
-        if long >= 2 and own > 4 * np.max(near):
-            stuck |= signal == limit
+        if own <= 4 * np.max(near):
+            continue
+        at_limit = signal == limit
+        edges = np.flatnonzero(np.diff(np.concatenate(([0], at_limit.astype(int), [0]))))
+        runs = list(zip(edges[::2], edges[1::2], strict=True))
+        runs = [(a, b) for a, b in runs if b - a >= 3 and a > 0 and b < len(signal)]
+        if any(_beyond(signal, at_limit, *run) > 2 * quantum for run in runs[:_MOST]):
+            stuck |= at_limit
     return stuck
+
+
+def _beyond(signal: np.ndarray, masked: np.ndarray, first: int, stop: int) -> float:
+    """How far the curve through what lies beside a run of equal samples leaves the range of all samples, less three
+    times what it misses there. Rounding hides at most one step of a converter."""
+    beside = max(_BESIDE, stop - first)
+    near = np.arange(max(first - beside, 0), min(stop + beside, len(signal)))
+    known = near[~masked[near]]
+    if len(known) <= 2 * _DEGREE or not known[0] < first <= stop <= known[-1]:
+        return 0.0
+    curve = np.polynomial.Polynomial.fit(known, signal[known], _DEGREE)
+    missed, across = float(np.std(signal[known] - curve(known))), curve(np.arange(first, stop))
+    return float(max(np.max(across) - np.max(signal), np.min(signal) - np.min(across))) - 3 * missed
 
 
 def clipped_mask(signal: np.ndarray) -> np.ndarray | None:

@@ -87,7 +87,8 @@ _AMPLITUDE_STRONG = _words("amp, amplitude, mag, magnitude, gain, frf")
 _LEVEL = _DRIVE | _words(
     "level, drive level, drive amplitude, voltage amplitude, v, voltage, drive amp, amplitude drive"
 )
-_PHASE = _words("phase, phi, phase lag, phase angle, theta, arg")
+_PHASE = _words("phase, phase lag, phase angle")
+_PHASE_WEAK = _words("phi, theta, arg")  # angles that a thing may swing by, too
 _DIRECTION = _words("direction, dir, sweep, sweep dir, sweep direction, up")
 
 
@@ -102,21 +103,20 @@ def trace_roles(drive: Dimension, response: Dimension, own_units: tuple[str, str
 
 def sweep_roles(drive: Dimension, response: Dimension, own_units: tuple[str, str] = ("", "")) -> tuple[Role, ...]:
     """Frequency, drive level, amplitude, and where they were measured phase and direction, of a sweep."""
-    strong = _DRIVE_STRONG | {"level"}
+    strong, read = _DRIVE_STRONG | {"level"}, _RESPONSE | _RESPONSE_STRONG | _RESPONSE_WEAK
     level = Role("level", _LEVEL, strong, _DRIVE_WEAK, drive, own_units[0], needed=False)
     return (
         Role("frequency", _FREQUENCY, _FREQUENCY_STRONG, dimension=FREQUENCY),
-        Role("phase", _PHASE, _words("phase"), dimension=NUMBER, needed=False),
+        Role("phase", _PHASE, _words("phase"), _PHASE_WEAK, NUMBER, needed=False),
         Role("direction", _DIRECTION, _words("direction, dir"), dimension=NUMBER, needed=False),
         level,
-        Role(
-            "amplitude", _AMPLITUDE, _AMPLITUDE_STRONG, _RESPONSE | _RESPONSE_STRONG, response, own_units[1], per=level
-        ),
+        Role("amplitude", _AMPLITUDE, _AMPLITUDE_STRONG, read, response, own_units[1], per=level),
         Role("time", _TIME, _words("time, zeit"), dimension=TIME, needed=False),
     )
 
 
-def _claim(column: Column, role: Role) -> int:
+def claim(column: Column, role: Role) -> int:
+    """How clearly a column is named like a role: 3 exactly, 2 by a word of it, 1 by a hint, 0 not at all."""
     stem = re.sub(r"([a-z])([A-Z])", r"\1 \2", column.stem) if not column.stem.isupper() else column.stem
     words = re.sub(r"[^a-z0-9]+", " ", (split_convention(stem)[0] or stem).lower()).split()
     if " ".join(words) in role.exact or "".join(words) in role.exact:
@@ -128,7 +128,7 @@ def _claim(column: Column, role: Role) -> int:
 
 def _example(roles: tuple[Role, ...], chosen: Mapping[str, Column], table: Table) -> str:
     """The TOML line that would settle the table."""
-    left = [column for column in table.columns if column not in chosen.values()]
+    left = [column for column in table.columns if column not in chosen.values() and not column.counts]
     parts = []
     for role in roles:
         if role.needed or role.name in chosen:
@@ -165,16 +165,16 @@ def match_columns(
     for role in roles:
         if role.name in given:
             chosen[role.name] = _given_column(table, role, given[role.name], where)
-    for claim in (3, 2, 1, 0):
+    for least in (3, 2, 1, 0):
         for role in roles:
-            if role.name in chosen or (claim == 0 and not role.needed and role.name not in ("level", "response")):
+            if role.name in chosen or (least == 0 and not role.needed and role.name not in ("level", "response")):
                 continue
             free = [column for column in table.columns if column not in chosen.values()]
-            fits = [c for c in free if _claim(c, role) >= claim and role.accepts(units.get(role.name, c.unit))]
-            if claim == 0:  # no name helps: only the unit can tell
-                fits = [c for c in fits if c.unit is not None and not any(_claim(c, r) >= 2 for r in roles)]
+            fits = [c for c in free if claim(c, role) >= least and role.accepts(units.get(role.name, c.unit))]
+            if least == 0:  # no name helps: only the unit can tell
+                fits = [c for c in fits if c.unit is not None and not any(claim(c, r) >= 2 for r in roles)]
                 fits = fits if role.dimension not in (None, NUMBER) and _tells(role, roles, free) else []
-            if claim == 0 and not fits and role.name == "response":
+            if least == 0 and not fits and role.name == "response":
                 fits = _only_one_left(role, roles, chosen, free)
             if len(fits) > 1:
                 raise _ambiguous(table, roles, chosen, role, fits)
@@ -253,7 +253,7 @@ def _missing(
         what = f'"{units[role.name]}" is not a unit of {role.name}'
         return UserError(what, where=where or table.name, do=f"give {needed} or a multiple of it")
     for column in table.columns:  # the name fits, the unit does not: that is the better message
-        if column not in chosen.values() and _claim(column, role) >= 2:
+        if column not in chosen.values() and claim(column, role) >= 2:
             return _wrong_unit(column, column.unit or "", role, "")
     if len(table.columns) < sum(r.needed for r in roles):
         count = f"{len(table.columns)} column{'s' if len(table.columns) > 1 else ''}"
@@ -269,7 +269,7 @@ def _missing(
 def _or_sweep(table: Table, role: Role) -> str:
     """A table with a frequency and no time is a sweep."""
     frequency = Role("frequency", _FREQUENCY, _FREQUENCY_STRONG, dimension=FREQUENCY)
-    is_sweep = role.name == "time" and any(_claim(c, frequency) and frequency.accepts(c.unit) for c in table.columns)
+    is_sweep = role.name == "time" and any(claim(c, frequency) and frequency.accepts(c.unit) for c in table.columns)
     return '; or write kind = "sweep"' if is_sweep else ""
 
 

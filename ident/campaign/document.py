@@ -60,8 +60,8 @@ class Section:
     def text(self, key: str, default: str = "") -> str:
         return self.get(key, str, 'a text in quotes ("…")', default)
 
-    def flag(self, key: str, default: bool = False) -> bool:
-        return self.get(key, bool, "true or false", default)
+    def flag(self, key: str) -> bool:
+        return self.get(key, bool, "true or false", False)
 
     def choice(self, key: str, choices: tuple[str, ...], default: str) -> str:
         """One word out of `choices`."""
@@ -97,7 +97,7 @@ class Section:
         header = re.compile(rf"^\s*\[\s*{named}\s*\]|(^|[{{,\s]){re.escape(key)}\s*=")
         title = f"{key}:" if record else f"[{full}]"
         start = self.start
-        for number in range(max(self.start, 1), len(self.lines) + 1):
+        for number in range(max(self.start, 1), len(self.lines) + 1 if values else 0):
             if header.search(self.lines[number - 1].replace('"', "").replace("'", "")):
                 start = number
                 break

@@ -29,7 +29,7 @@ def drive_alone(table: Table, device: Device, columns: Mapping[str, str | int] |
     found = match_columns(table, roles, columns or {}, {})
     time_factor, drive_factor = _factor(found["time"]), _factor(found["drive"])
     time = uniform_time(found["time"], time_factor, [])
-    drive = on_grid(found["time"], time_factor, time, found["drive"].numbers() * drive_factor)
+    (drive,) = on_grid(found["time"], time_factor, time, found["drive"].numbers() * drive_factor)
     noise = NoiseFloor(_FINE, method="nothing was measured")
     channels = Channel(found["drive"].unit or unit, drive_factor), Channel(response_unit, 1.0)
     nothing = np.zeros(len(time))

@@ -20,6 +20,7 @@ from .clipping import across_gaps, clipped_mask
 from .columns import match_columns, trace_roles, without_reference
 from .device import Device
 from .drive import find_period
+from .gaps import without_gaps
 from .guess import guess_kind, match_any
 from .instrument_files import INSTRUMENT_READERS
 from .load_sweep import load_sweep
@@ -28,6 +29,7 @@ from .outliers import find_outliers, without_outliers
 from .record import MEASURES, Channel, NoiseFloor, Record, Trace
 from .rest_level import rest_level
 from .scale import Scale
+from .segments import segment_of
 from .spec import RecordSpec, signal_units
 from .table import Column, Table
 from .text_table import read_text_table
@@ -54,6 +56,7 @@ def load_record(spec: RecordSpec, table: Table, device: Device) -> tuple[Record,
     notes = list(table.notes)
     if not spec.kind and kind == "sweep":
         notes.append(f'{spec.file}: taken as a sweep (kind = "sweep"), because it has a frequency and no time.')
+    table = table if kind == "sweep" else segment_of(spec, table)
     record, found = (load_sweep if kind == "sweep" else _trace)(spec, table, device)
     return record, notes + found
 
@@ -65,12 +68,13 @@ def _no_peak_unit(column: Column) -> None:
 
 
 def _signal(column: Column, base: str, scale: Scale | None, notes: list[str], role: str) -> tuple[Channel, np.ndarray]:
-    """The numbers of a column in SI, and the unit in which they are shown."""
+    """The numbers of a column in SI, NaN where one is missing, and the unit in which they are shown."""
+    values = column.numbers(missing=True)
     if scale is None:
         channel = channel_of(column, base, notes, role)
-        return channel, column.numbers() * channel.factor
+        return channel, values * channel.factor
     read = channel_of(column, base_unit(scale.dimension), notes, role)
-    return Channel(scale.unit, scale.size), column.numbers() * read.factor * scale.factor
+    return Channel(scale.unit, scale.size), values * read.factor * scale.factor
 
 
 def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[str]]:
@@ -104,9 +108,15 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
     response_channel, response = _signal(
         columns["response"], response_unit, spec.scale.get("response"), notes, "response"
     )
+    gone = np.isnan(response)
+    if np.any(gone):
+        response = without_gaps(columns["response"], response, notes)
     drive_channel, drive = Channel(drive_unit, 1.0), np.zeros(len(response))
     if not undriven:
         drive_channel, drive = _signal(columns["drive"], drive_unit, spec.scale.get("drive"), notes, "drive")
+        if np.any(np.isnan(drive)):
+            gone = gone | np.isnan(drive)
+            drive = without_gaps(columns["drive"], drive, notes, drive=True)
     if len(drive) < 20:
         raise UserError(f"{len(drive)} samples are too few", where=spec.file, do="a record needs at least 20 samples")
     if spec.rate is not None:
@@ -114,11 +124,13 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
     else:
         channel = channel_of(columns["time"], "s", notes, "time")
         time = uniform_time(columns["time"], channel.factor, notes)
-        drive, response = (on_grid(columns["time"], channel.factor, time, signal) for signal in (drive, response))
+        drive, response = on_grid(columns["time"], channel.factor, time, drive, response)
     moved = response / _PLATFORM_OMEGA ** MEASURES.index(spec.measures)
     check_plausible(time, drive, moved, columns, device, notes)
     check_response(columns["response"], response, notes)
     masked = clipped_mask(response)
+    if np.any(gone):
+        masked = gone if masked is None else masked | gone
     outliers = find_outliers(response)
     if len(outliers):
         shown = ", ".join(f"{time[k]:.6g} s" for k in outliers[:5]) + (" …" if len(outliers) > 5 else "")
@@ -156,7 +168,7 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
     if not spec.start:
         notes.append(f"{spec.file}: start is not given; the initial state is fitted.")
     trace = Trace(
-        name=spec.file,
+        name=spec.name,
         time=time,
         drive=drive,
         response=response,

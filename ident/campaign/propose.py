@@ -23,6 +23,7 @@ from .guess import guess_device, guess_kind, match_any, renamed
 from .load import load_record, read_table
 from .opening import check_file
 from .record import Record, Sweep, Trace, same_level
+from .segments import segments
 from .spec import RecordSpec
 from .sweep_form import direction_in, level_in
 from .table import Column, Table
@@ -52,25 +53,26 @@ def propose(paths: Sequence[Path], folder: Path, columns: Mapping[str, str | int
 
     **Arguments:** `columns`: which column is which, where the user says so.
 
-    **Raises:** UserError for a file in which no table can be read at all.
+    **Raises:** UserError for a file that is none, and if no table can be read in any of them.
     """
     for path in paths:
         check_file(path, str(path))
-    tables = {path: read_table(path, path.name) for path in paths}
+    tables, unread = _tables(paths)
     pairs = _pairs(tables)
     second = set(pairs.values())
-    alone = [path for path in paths if path not in second]
+    alone = [path for path in tables if path not in second]
     joined = {path: _joined(path, tables[path], pairs.get(path), columns or {}) for path in alone}
     chosen = {path: (dict(columns), "") if columns else _columns_by_content(joined[path]) for path in alone}
     chosen = _compared(chosen)
     units = {path: _units(renamed(joined[path], chosen[path][0])) for path in alone}
-    device, device_notes = guess_device([renamed(joined[path], chosen[path][0], units[path]) for path in alone])
+    device, device_notes = guess_device([_with_units(renamed(joined[p], chosen[p][0]), units[p]) for p in alone])
     proposals = [
-        _record(path, tables[path], pairs.get(path), device, (*chosen[path], units[path]), columns, folder)
+        _record(path, tables[path], pairs.get(path), device, (*chosen[path], units[path]), columns, folder, segment)
         for path in alone
+        for segment in _segments(renamed(joined[path], chosen[path][0]))
     ]
-    if len(proposals) == 1:
-        proposals = _one_per_level(proposals[0])
+    if all(isinstance(p.record, Sweep) for p in proposals):
+        proposals = [one for p in proposals for one in _one_per_level(p)]
     records = [p.record for p in proposals]
     held = _held_out(records) or _held_out_level(records)
     parts = [f"title = {_text(folder.resolve().name)}"]
@@ -90,9 +92,30 @@ def propose(paths: Sequence[Path], folder: Path, columns: Mapping[str, str | int
         if k in held:
             parts.append("holdout = true                   # suggested: never fitted, only used to judge")
         parts += [f"# doubt: {doubt}" for doubt in proposal.doubts] + [""]
+    parts += [f"# left out: {error}" for error in unread]
     if not held:
         parts.append("# Nothing is held out: a record taken under other conditions, with holdout = true, would judge.")
     return "\n".join(_line(part) for part in parts).rstrip() + "\n"
+
+
+def _tables(paths: Sequence[Path]) -> tuple[dict[Path, Table], list[UserError]]:
+    """The tables in files, and what is wrong with files without one: notes and settings lie beside the records."""
+    tables: dict[Path, Table] = {}
+    unread: list[UserError] = []
+    for path in paths:
+        try:
+            tables[path] = read_table(path, path.name)
+        except UserError as error:
+            unread.append(error)
+    if not tables and unread:
+        raise unread[0]
+    return tables, unread
+
+
+def _segments(table: Table) -> list[int | None]:
+    """The numbers of the recordings in a file; None stands for the only one."""
+    count = len(segments(table))
+    return [None] if count < 2 else list(range(1, count + 1))
 
 
 def _joined(path: Path, table: Table, drive: Path | None, told: Mapping[str, str | int]) -> Table:
@@ -121,15 +144,19 @@ def _record(
     chosen: tuple[Mapping[str, str | int], str, Mapping[str, str]],
     told: Mapping[str, str | int] | None,
     folder: Path,
+    segment: int | None,
 ) -> _Proposal:
     lines = [f"file = {_text(_relative(path, folder))}"]
+    if segment is not None:
+        lines.append(f"segment = {segment}                      # time starts again with each recording in the file")
     if drive is not None:
         lines.append(f"drive_file = {_text(_relative(drive, folder))}")
     kind = guess_kind(table)
     lines.append(f'kind = "{kind}"')
     given, why, units = chosen
     given = {role: name for role, name in given.items() if told or drive is None or role != "drive"}
-    spec = RecordSpec(file=path.name, path=path, kind=kind, columns=given, drive_file=drive, units=units)  # type: ignore[arg-type]
+    spec = RecordSpec(file=path.name, path=path, kind=kind, columns=given, drive_file=drive, units=units,  # type: ignore[arg-type]
+                      segment=segment)  # fmt: skip
     if given and not told:
         lines.append("columns = { " + ", ".join(f"{r} = {_value(n)}" for r, n in given.items()) + " }")
     doubts = [why] if why else []
@@ -179,9 +206,10 @@ def _columns_by_content(table: Table) -> tuple[dict[str, str | int], str]:
         return {}, ""
     why = ""
     if drive is None:
-        others.sort(key=lambda c: _roughness(c.numbers()))
+        others.sort(key=lambda c: (not _switches(c.numbers(missing=True)), _roughness(c.numbers(missing=True))))
         drive = others.pop(0)
-        why = f'which of "{drive.header}" and "{others[0].header}" is the drive is not said; the smoother is taken'
+        by = "the one that switches" if _switches(drive.numbers(missing=True)) else "the smoother"
+        why = f'which of "{drive.header}" and "{others[0].header}" is the drive is not said; {by} is taken'
     chosen = {"time": time, "drive": drive, "response": others[0]}
     return {role: _name(column, table) for role, column in chosen.items()}, why
 
@@ -199,11 +227,24 @@ def _compared(
 
 def _units(table: Table) -> dict[str, str]:
     """Volts, for a response without a unit whose numbers no platform can have in metres."""
-    found = match_any(table, tuple(replace(role, needed=False) for role in trace_roles(VOLTAGE, LENGTH)))
-    response = found.get("response")
+    response = _response(table)
     if response is None or response.unit is not None or not _varies(response):
         return {}
-    return {"response": "V"} if float(np.ptp(response.numbers())) > PLATFORM_TRAVEL else {}
+    return {"response": "V"} if float(np.ptp(_known(response))) > PLATFORM_TRAVEL else {}
+
+
+def _response(table: Table) -> Column | None:
+    """The column of the response, or of its amplitudes, if it can be told."""
+    roles = sweep_roles(VOLTAGE, LENGTH) if guess_kind(table) == "sweep" else trace_roles(VOLTAGE, LENGTH)
+    found = match_any(table, tuple(replace(role, needed=False) for role in roles))
+    return found.get("response", found.get("amplitude"))
+
+
+def _with_units(table: Table, units: Mapping[str, str]) -> Table:
+    """The table with the unit that is assumed for its response."""
+    told = _response(table) if units else None
+    columns = (replace(c, unit=units["response"]) if c is told else c for c in table.columns)
+    return replace(table, columns=tuple(columns))
 
 
 def _name(column: Column, table: Table) -> str | int:
@@ -221,13 +262,30 @@ def _is_time(column: Column) -> bool:
 
 def _varies(column: Column) -> bool:
     try:
-        return float(np.ptp(column.numbers())) > 0
+        known = _known(column)
     except UserError:
         return False
+    return len(known) > 0 and float(np.ptp(known)) > 0
+
+
+def _known(column: Column) -> np.ndarray:
+    """The numbers of a column that are there."""
+    values = column.numbers(missing=True)
+    return values[np.isfinite(values)]
+
+
+def _switches(values: np.ndarray) -> bool:
+    """Whether a signal has two levels, and hardly anything between, as a generator or a trigger has: a sine spends 29 %
+    of its time within a twentieth of its range from its ends."""
+    values = values[np.isfinite(values)]
+    low, high = np.quantile(values, (0.01, 0.99))
+    near = np.minimum(np.abs(values - low), np.abs(values - high)) < 0.05 * (high - low)
+    return bool(np.mean(near) > 0.9)
 
 
 def _roughness(values: np.ndarray) -> float:
     """Noise over size, from sixth differences, which a vibration hardly has (924: their gain of noise)."""
+    values = values[np.isfinite(values)]
     return float(np.sqrt(np.mean(np.diff(values, 6) ** 2) / 924.0) / max(float(np.std(values)), 1e-300))
 
 
@@ -255,7 +313,7 @@ def _sweep_lines(path: Path, table: Table, record: Sweep) -> list[str]:
 
 
 def _one_per_level(proposal: _Proposal) -> list[_Proposal]:
-    """A record for each level of a single table of three or more, so that one of them can judge."""
+    """A record for each level of a table of three or more, so that one of them can judge."""
     record = proposal.record
     groups = same_level(record.level) if isinstance(record, Sweep) else ()
     if not isinstance(record, Sweep) or len(groups) < 3:

@@ -28,7 +28,7 @@ SWEEP_NAMES = {"drive": "level", "response": "amplitude"}
 @dataclass(frozen=True)
 class RecordSpec:
     """One `[[record]]`; `sine`: what `drive` tells instead of a column; `undriven`: nothing drove the device; `table`:
-    the data, where they were no file.
+    the data, where they were no file; `segment`: which of several recordings in the file, from 1.
 
     `noise` and `level` (a peak) are SI, `relative_noise` a fraction of the amplitude, `skip` is seconds (float) or
     samples (int), `rate` is Hz, `sweep_rate` Hz/s, `dwell` s."""
@@ -53,10 +53,16 @@ class RecordSpec:
     units: Mapping[str, str] = field(default_factory=dict)
     sine: str = ""
     drive_file: Path | None = None
+    segment: int | None = None
     undriven: bool = False
     measures: Measures = "displacement"
     scale: Mapping[str, Scale] = field(default_factory=dict)
     table: Table | None = None
+
+    @property
+    def name(self) -> str:
+        """How the record is called."""
+        return self.file if self.segment is None else f"{self.file} #{self.segment}"
 
 
 def signal_units(
@@ -120,6 +126,7 @@ def parse_record(section: Section, folder: Path, device: Device, usual: Measures
         units=_units(section, device),
         sine="" if undriven else sine,
         drive_file=_drive_file(section, folder),
+        segment=_segment(section),
         undriven=undriven,
         measures=measures,  # type: ignore[arg-type]
         scale=_scale(
@@ -135,7 +142,9 @@ def parse_record(section: Section, folder: Path, device: Device, usual: Measures
             raise section.error(
                 key, "belongs to a sweep, and this record is a trace", 'remove it, or write kind = "sweep"'
             )
-    for key in ("start", "skip", "rate", "drive", "drive_file", "measures", "scale") if kind == "sweep" else ():
+    for key in (
+        ("start", "skip", "rate", "drive", "drive_file", "measures", "scale", "segment") if kind == "sweep" else ()
+    ):
         if key in section.values:
             raise section.error(
                 key, "belongs to a trace, and this record is a sweep", 'remove it, or write kind = "trace"'
@@ -205,6 +214,13 @@ def _drive_file(section: Section, folder: Path) -> Path | None:
     if "\0" in name or not exists(folder / name):
         raise section.error("drive_file", f'there is no file "{name}" in {folder}', "correct the name")
     return check_file(folder / name, f"{section.where('drive_file')}: {name}")
+
+
+def _segment(section: Section) -> int | None:
+    value = section.get("segment", int, "the number of a recording in its file (1)")
+    if value is not None and (isinstance(value, bool) or value < 1):
+        raise section.error("segment", f"{shown(value)} is no number of a recording", "count them from 1")
+    return value
 
 
 def _skip(section: Section) -> float | int:

@@ -27,7 +27,7 @@ ADVICE: dict[Kind, str] = {
     "sign": "is a probe reversed? Turn the sign of the column, or leave the record out",
     "time-scale": "is the unit of its time, or its sampling rate, right? Correct it, or leave the record out",
     "wrong-record": "does this file belong to this drive, device and load? Find the right one, or leave the record out",
-    "clipping": "measure again in a wider range, or leave the record out",
+    "clipping": "measure again, in a wider range if it left its range, or leave the record out",
     "spikes": "what the neighbours say took their place; look at the sensor if there are many",
     "drift": "let it settle, or take the drift out before; a model would need sensor-drift",
     "duplicate": "list it once: twice makes error bars too small",
@@ -66,14 +66,16 @@ def suspects_by_data(campaign: Campaign) -> tuple[Suspect, ...]:
     """What the records alone tell, without any model."""
     found: list[Suspect] = []
     traces = campaign.traces
+    begins = np.array([record.response[:_BEGIN] for record in traces])
     for k, record in enumerate(traces):
-        twin = next((other for other in traces[:k] if _same(other, record)), None)
+        near = np.flatnonzero(np.max(np.abs(begins[:k] - begins[k]), axis=1, initial=0.0) <= _allowed(record))
+        twin = next((traces[j] for j in near if _same(traces[j], record)), None)
         if twin is not None:
             says = f"the response is sample by sample that of {twin.name}"
             found.append(Suspect(record.name, "duplicate", 1.0, "records", 1.0, says))
         clipped = 0.0 if record.masked is None else float(np.mean(record.masked))
         if clipped > CLIPPED:
-            says = f"{clipped:.1%} of the response sticks to a limit; those samples have no weight"
+            says = f"{clipped:.1%} of the response sticks to a limit or is missing; those samples have no weight"
             found.append(Suspect(record.name, "clipping", 100 * clipped, "%", 0.99, says))
         if record.outliers:
             count = len(record.outliers)
@@ -87,11 +89,16 @@ def suspects_by_data(campaign: Campaign) -> tuple[Suspect, ...]:
     return tuple(found)
 
 
+_BEGIN = 8  # samples, which tell most records apart
+
+
+def _allowed(record: Trace) -> float:
+    """By how much samples of one and the same recording may differ: digits that were printed."""
+    return 1e-9 * float(np.std(record.response))
+
+
 def _same(one: Trace, other: Trace) -> bool:
     """Whether two responses are one recording: noise never repeats."""
     if len(one.response) != len(other.response):
         return False
-    allowed = 1e-9 * judge(one).size
-    return all(  # a few samples tell most of them apart
-        float(np.max(np.abs(one.response[part] - other.response[part]))) <= allowed for part in (slice(8), slice(None))
-    )
+    return float(np.max(np.abs(one.response - other.response))) <= _allowed(other)

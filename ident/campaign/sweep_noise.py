@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import nnls
 
 from .jump import find_jump
 from .record import NoiseFloor, Sweep
@@ -167,6 +166,8 @@ def _variances(scatter: _Scatter) -> tuple[np.ndarray, np.ndarray]:
 
     The weights 1/variance² make it the likelihood equation of Gaussian residuals; what is beyond `_CLIP` is clipped.
     """
+    from scipy.optimize import nnls  # here, because its import costs more than reading a campaign
+
     used = np.flatnonzero(np.any(scatter.share > 0, 0))
     scale = np.array([np.median(scatter.squared / np.maximum(scatter.share[:, k], 1e-300)) for k in used]) / 0.455
     scale = np.maximum(scale, 1e-300)

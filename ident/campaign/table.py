@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections.abc import Sequence
@@ -11,7 +12,7 @@ import numpy as np
 
 from ident.errors import UserError
 
-from .amplitude_unit import is_amplitude_unit
+from .amplitude_unit import is_amplitude_unit, split_convention
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,25 +49,47 @@ class Column:
         lines = [self.lines[row] for row in rows] if len(self.lines) else ()
         return replace(self, cells=cells, lines=lines, printed=())
 
-    def numbers(self) -> np.ndarray:
-        """(n,) the cells as finite numbers, in the unit of the file; a `UserError` at the first cell that is none."""
+    def numbers(self, missing: bool = False) -> np.ndarray:
+        """(n,) the cells as finite numbers, in the unit of the file; a `UserError` at the first cell that is none.
+
+        If some may be `missing`, what stands for a number that is not there, or nothing, becomes NaN.
+        """
         if isinstance(self.cells, np.ndarray):
             values = np.asarray(self.cells, dtype=float)
         else:
             cells = self.cells if self.decimal == "." else [cell.replace(",", ".") for cell in self.cells]
-            row = next((row for row, cell in enumerate(cells) if not is_number(cell) and not _no_finite(cell)), None)
-            if row is not None:
-                raise self._bad_cell(row)
-            values = np.array([float(cell) for cell in cells])
+            empty = missing and any(is_number(cell) for cell in cells)
+            found = [
+                float(cell)
+                if is_number(cell)
+                else math.nan
+                if no_finite(cell) or (empty and not cell.strip())
+                else None
+                for cell in cells
+            ]
+            if None in found:
+                raise self._bad_cell(found.index(None))
+            values = np.array(found, dtype=float)
         bad = np.flatnonzero(~(np.abs(values) < MOST))
+        if missing:
+            bad = bad[np.isfinite(values[bad])]
+            values = np.where(np.isfinite(values), values, math.nan)
         if len(bad):
             raise self._bad_cell(int(bad[0]), len(bad))
         return np.where(np.abs(values) < 1 / MOST, 0.0, values)
 
+    @property
+    def counts(self) -> bool:
+        """Whether the column only counts the samples."""
+        first = [str(cell) for cell in self.cells[:50]]
+        if len(first) < 3 or not all(is_number(cell) for cell in first):
+            return False
+        return all(float(after) - float(before) == 1.0 for before, after in itertools.pairwise(first))
+
     def _bad_cell(self, row: int, count: int = 1) -> UserError:
         cell = str(self.cells[row]).strip()
         what = f'"{cell}" is not a number' if cell else "the cell is empty"
-        if is_number(cell) or _no_finite(cell):
+        if is_number(cell) or no_finite(cell):
             what = f'"{cell}" is not a finite number' + (" whose square is one" if is_number(cell) else "")
         if count > 1:
             what += f" (and {count - 1} more like it)"
@@ -91,9 +114,12 @@ class Table:
 MOST = 1e100  # whatever was measured is less, and its square still a number; what is less than its inverse is zero
 
 
-def _no_finite(cell: str) -> bool:
+_NO_FINITE = frozenset(re.split(" ", "nan inf infinity \u221e 1.#inf 1.#ind 1.#qnan #n/a n/a #inf over overrange ovr"))
+
+
+def no_finite(cell: str) -> bool:
     """Whether a text is how instruments print a number that they do not have."""
-    return str(cell).strip().lower().lstrip("+-") in ("nan", "inf", "infinity")
+    return str(cell).strip().lower().lstrip("+-") in _NO_FINITE
 
 
 def is_number(cell: str) -> bool:
@@ -108,14 +134,19 @@ def is_number(cell: str) -> bool:
 _SUFFIX_UNITS = frozenset(
     re.split(
         " ",
-        "s ms us ns min V mV uV kV m mm um nm pm micron Hz kHz MHz rad deg A mA uA N mN uN Pa kPa MPa K C kg mg "
-        "Vpp Vrms Vpk dB dBV dBm volt volts second seconds hertz m/s mm/s rad/s m/s^2 m/s2",
+        "s ms us ns min V mV uV kV m mm um nm pm micron Hz kHz MHz rad deg A mA uA N mN uN Nm mNm uNm Pa kPa MPa K C "
+        "kg mg dB dBV dBm volt volts second seconds hertz m/s mm/s rad/s m/s^2 m/s2",
     )
 )
 
 
 def _usual(text: str) -> str:
     return text.replace("µ", "u").replace("μ", "u")
+
+
+def _suffix_unit(text: str) -> bool:
+    """Whether what follows an underscore is a unit, of a sine's amplitude too: "mV", "mVrms", "umpp"."""
+    return _usual(text) in _SUFFIX_UNITS or _usual(split_convention(text)[0]) in _SUFFIX_UNITS
 
 
 def is_unit(text: str, rare: bool = True) -> bool:
@@ -163,9 +194,9 @@ def _split(header: str, own_unit: str) -> tuple[str, str | None, str]:
     match = re.fullmatch(r"(.+)([_ .:-])([^\s_.:-]+)", text)
     if match and (match[2] != " " or len(match[3]) > 1 or match[3] in "sV"):  # "Channel A" is not in amperes
         stem, _, unit = match.groups()
-        if _usual(unit) in _SUFFIX_UNITS or unit == own_unit:
+        if _suffix_unit(unit) or unit == own_unit:
             return stem.strip(" _"), unit, ""
-        if text.isupper() and unit.lower() in _SUFFIX_UNITS:  # TIME_MS, DRIVE_MV
+        if text.isupper() and _suffix_unit(unit.lower()):  # TIME_MS, DRIVE_MV
             lower = unit.lower()
             return stem.strip(" _"), {"v": "V", "mv": "mV", "uv": "uV", "kv": "kV", "hz": "Hz"}.get(lower, lower), ""
         if text.isupper() and unit in ("MV", "UV", "HZ", "KHZ", "KV"):

@@ -27,8 +27,7 @@ from .output import progress, say, say_fit, say_json
 @click.option(
     "--sigma",
     type=click.Choice(["known", "scaled", "fitted"]),
-    default="known",
-    show_default=True,
+    show_default="known, or as the run that goes on",
     help="What the error bars stand on: the noise floors, these times the error over noise, or the residuals.",
 )
 @click.option("--robust", is_flag=True, help="Let outliers count less.")
@@ -45,7 +44,7 @@ def command(
     campaign: tuple[str, ...],
     effects: tuple[str, ...] | None,
     output: str | None,
-    sigma: str,
+    sigma: str | None,
     robust: bool,
     starts: int,
     seed: int,
@@ -67,16 +66,20 @@ def command(
       ident fit data/platform_317hz --effects residual-stress,pzt-hysteresis -o runs/first
     """
     from ident.campaign import read_campaign
-    from ident.report.run_folder import check_target, load_state, read_run, write_run
+    from ident.report.run_folder import check_target, load_state, read_lineage, read_run, write_run
 
     from .resume import check_resumed
 
     data = read_campaign(campaign)
     folder = Path(output) if output else default_folder(campaign)
+    lineage = ()
     if resume:
         check_resumed(folder, data, effects)
+        before, lineage = read_run(folder), read_lineage(folder)
+        sigma, robust = sigma or before["sigma"], robust or before["options"].get("robust", False)
     else:
         check_target(folder, force)
+    sigma = sigma or "known"
     seconds = math.inf if minutes is None else 60 * minutes
 
     from ident.fit.fit_data import fit_data, model_for
@@ -98,8 +101,8 @@ def command(
     options = {"sigma": sigma, "robust": robust, "starts": starts, "seed": seed}
     documents = {"profiles.json": {"format": 1, "profiles": [c.as_dict() for c in curves]}} if curves else {}
     write_run(
-        found, folder, force=force or resume, command=command_line(), options=options, documents=documents,
-        report=progress,
+        found, folder, force=force or resume, command=command_line(), options=options, lineage=lineage,
+        documents=documents, report=progress,
     )  # fmt: skip
     if as_json:
         say_json(read_run(folder))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import click
 
 from .options import columns_option, force_option
-from .output import progress, say
+from .output import progress, say, say_json
 
 
 @click.command("new", short_help="Write a campaign from your files, or one to start from.")
@@ -15,7 +17,8 @@ from .output import progress, say
 @click.argument("files", nargs=-1, metavar="[FILE…]")
 @columns_option
 @force_option
-def command(folder: str, files: tuple[str, ...], columns: dict[str, str | int], force: bool) -> None:
+@click.option("--json", "as_json", is_flag=True, help="Print the files that were written as JSON.")
+def command(folder: str, files: tuple[str, ...], columns: dict[str, str | int], force: bool, as_json: bool) -> None:
     """Write a campaign into FOLDER. With FILES: the campaign.toml that describes them, whatever instrument wrote them:
     columns found, settings guessed, one record held out, every doubt as a comment. The files stay where they are.
 
@@ -38,16 +41,16 @@ def command(folder: str, files: tuple[str, ...], columns: dict[str, str | int], 
         raise UserError("this exists already", where=str(theirs), do=do)
     try:
         if files:
-            _from_files(target, files, columns)
+            _from_files(target, files, columns, as_json)
         elif columns:
             raise UserError("--columns is for data files", do="name the files after the folder")
         else:
-            _starter(target)
+            _starter(target, as_json)
     except OSError as error:
         raise UserError(error.strerror or "cannot be written", where=folder, do="choose another folder") from None
 
 
-def _from_files(target: Path, files: tuple[str, ...], columns: dict[str, str | int]) -> None:
+def _from_files(target: Path, files: tuple[str, ...], columns: dict[str, str | int], as_json: bool) -> None:
     from ident.campaign.propose import propose
 
     progress(f"reading {len(files)} file{'s' if len(files) > 1 else ''}")
@@ -57,17 +60,28 @@ def _from_files(target: Path, files: tuple[str, ...], columns: dict[str, str | i
     beside = path.with_name(path.name + ".part")
     beside.write_text(text, encoding="utf-8")
     beside.replace(path)
+    if as_json:
+        say_json(_written([path]))
+        return
     say(text)
     say(f"{path} is written. Look at what is guessed and at the doubts, then:")
     say(f"      ident check {target}")
     say(f"      ident fit {target}")
 
 
-def _starter(target: Path) -> None:
+def _starter(target: Path, as_json: bool) -> None:
     from .starter import write_starter
 
     progress("compiling the model and simulating two records")
-    for file in write_starter(target):
+    written = write_starter(target)
+    if as_json:
+        say_json(_written(written))
+        return
+    for file in written:
         say(str(file))
     say(f"\nNext: ident fit {target}")
     say(f"      ident effects gas-drag --file {target / 'my_effect.py'}   the example effect, as the tool sees it")
+
+
+def _written(files: Sequence[Path]) -> dict[str, Any]:
+    return {"format": 1, "files": [str(file) for file in files]}

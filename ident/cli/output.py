@@ -40,8 +40,7 @@ def width() -> int:
 
 def say_sheet(sheet: Sheet) -> None:
     """A table."""
-    from ident.report.sheet import rich_table
-    from ident.report.terminal import sheet_text
+    from ident.report.sheet import rich_table, sheet_text
 
     if sys.stdout.isatty():
         from rich.console import Console

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import click
 
-from .options import figures_option, run_argument, trust_option
-from .output import progress, say
+from .options import figures_option, json_option, run_argument, trust_option
+from .output import progress, say, say_json
 
 
 @click.command("report", short_help="Make the HTML report of a run again.")
 @run_argument
+@json_option
 @figures_option
 @trust_option
-def command(run: str) -> None:
+def command(run: str, as_json: bool) -> None:
     """Make report.html and the figures of RUN again, from its numbers and the campaign's files. Nothing is fitted.
 
     \b
@@ -25,4 +26,8 @@ def command(run: str) -> None:
     progress("reading the campaign and compiling the model")
     fit = load_run(run)
     progress("writing the report")
-    say(str(renew_report(fit, run)))
+    page = renew_report(fit, run)
+    if as_json:
+        say_json(read_run(run))
+        return
+    say(str(page))

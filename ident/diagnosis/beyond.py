@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 from ..effects.registry import registry
 from ..fit import Fit, fit
+from ..pulse import Report
 from .bench import Bench
 from .change import add
 from .effect_file import write_effect
 from .unknown import Unknown, find_unknown
 
-Report = Callable[[str], None]
 NAME = "unknown-effect"
 
 

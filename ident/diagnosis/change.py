@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,11 +13,11 @@ from ..fit.fit import minimise
 from ..fit.judge import Score
 from ..fit.rebuild import fit_at
 from ..fit.starts import starting_points
+from ..pulse import Report
 from .bench import prepare
 from .confirm import start_of, with_effect
 from .score import score
 
-Report = Callable[[str], None]
 _FEW = 4  # steps after which the better of two starts is known
 ENOUGH = 25  # steps from the parent's values: a model that is as good without the effect, or with another, is near by
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from html import escape
@@ -14,6 +14,7 @@ from ..effects.effect import AbstractEffect
 from ..effects.registry import registry
 from ..fit import Fit, fit_data
 from ..fit.fit_data import Effects
+from ..pulse import Report
 from .bench import Bench, prepare
 from .beyond import free_name, go_beyond
 from .discover import Keep, continue_from
@@ -33,7 +34,6 @@ from .where_words import summary
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-Report = Callable[[str], None]
 _EXPERIMENTS = 3
 _NEARLY = 0.05  # of the first misfit: if named effects leave less, they are kept and the rest is looked for
 

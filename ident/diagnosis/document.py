@@ -48,6 +48,7 @@ def unfinished_dict(walked: Walked) -> dict[str, Any]:
         "final": _state(steps[-1].fit if steps else start),
         "ranking": [],
         "next_experiments": [],
+        "records": [],
         "summary": "The walk was stopped before its end: effects may be missing, and those named were not questioned.",
     }
 

@@ -32,7 +32,7 @@ from .bench import Bench
 from .confirm import accept, confirm
 from .equivalences import equivalence
 from .score import Candidate
-from .waveforms import Limits, Waveform, limits_of, proposals
+from .waveforms import Waveform, limits_of, proposals
 
 SEPARATED = 10.0  # expected Δχ² from which a record is worth taking
 _MOST_RIVALS = 4
@@ -83,18 +83,17 @@ def next_experiments(
     return rank_experiments(rivals, count=count)
 
 
-def rank_experiments(rivals: Mapping[str, Fit], limits: Limits | None = None, count: int = 3) -> list[NextExperiment]:
+def rank_experiments(rivals: Mapping[str, Fit], count: int = 3) -> list[NextExperiment]:
     """The proposals that tell apart most, best first; none if no proposal tells any two of the rivals apart.
 
-    **Arguments:** `rivals`: effect name → the fit of its model to the present records; `limits`: of the laboratory,
-    else those of the device and its records.
+    `rivals`: effect name → the fit of its model to the present records.
     """
     pairs = [pair for pair in combinations(rivals, 2) if not _never_apart(*pair, rivals)]
     if not pairs:
         return []
     first = next(iter(rivals.values()))
     resonance = 1.0 / first.scales.period
-    limits = limits or limits_of(first.campaign.device, first.campaign.fitted, resonance)
+    limits = limits_of(first.campaign.device, first.campaign.fitted, resonance)
     waves = proposals(limits, resonance)
     laid_out = _lay_out(list(rivals.values()), waves, limits.time)
     predictions = {name: _predict(fitted, *laid_out) for name, fitted in rivals.items()}

@@ -5,7 +5,7 @@ The search for faulty records and the walk ask the same of the first fit; it is 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -13,6 +13,7 @@ import numpy as np
 
 from ..effects.effect import AbstractEffect
 from ..fit import Fit
+from ..pulse import Report
 from .anchor import prepare_at_best
 from .bench import Bench
 from .confirm import Confirmed, confirm
@@ -22,7 +23,6 @@ from .refits import by_refits
 from .score import Candidate, score, significant
 
 Library = Mapping[str, type[AbstractEffect]]
-Report = Callable[[str], None]
 
 _SHORTLIST = 3  # twice as many if refits keep less than the scores promised
 _BROKEN = 0.5  # of what the scores promised: if the refits of the shortlist keep less, refits rank the rest

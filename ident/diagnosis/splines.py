@@ -17,19 +17,11 @@ from scipy.interpolate import BSpline
 
 from ..campaign.recursive import recursive_filter
 from ..effects.dependence import COORDINATES
-from ..effects.effect import Scale
 from ..response.lane import Lane
 from .trajectory import Path
 
-UNITS = {
-    "z": "m",
-    "v": "m/s",
-    "V": "V",
-    "dV": "V",
-    "t": "s",
-    "rate": "V/s",
-}  # dV is V̇/ω, so that records of any frequency compare
-SCALES: Mapping[str, Scale] = {"z": "displacement", "v": "velocity", "V": "voltage", "dV": "voltage", "t": "duration"}
+# dV is V̇/ω, so that records of any frequency compare.
+UNITS = {"z": "m", "v": "m/s", "V": "V", "dV": "V", "t": "s", "rate": "V/s"}
 
 _SINGLE, _PAIRED, _DEGREE = 18, 6, 3
 _WIDTHS = (0.02, 0.05, 0.1, 0.18, 0.3, 0.45, 0.6, 0.8)  # of the plays, in parts of the largest value

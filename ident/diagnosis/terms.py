@@ -169,9 +169,9 @@ def table(name: str, size: Size, gauge: bool) -> list[Term]:
     return found
 
 
-def number(value: float, digits: int = 3) -> str:
+def number(value: float) -> str:
     """A number as a formula has it: 3.1e9."""
-    mantissa, _, power = f"{value:.{digits}g}".partition("e")
+    mantissa, _, power = f"{value:.3g}".partition("e")
     return f"{mantissa}e{int(power)}" if power else mantissa
 
 

@@ -70,13 +70,13 @@ def _innovation(ar: np.ndarray) -> float:
     return float(1.0 / np.linalg.norm(impulse))
 
 
-def prediction_filter(rows: np.ndarray, order: int = _ORDER) -> np.ndarray:
+def prediction_filter(rows: np.ndarray) -> np.ndarray:
     """Filter that whitens what it is given (Yule–Walker); rows (records, n) share one colour.
 
     Source: P. J. Brockwell, R. A. Davis, Time Series: Theory and Methods, 1991, §8.1.
     """
     n = rows.shape[1]
-    lags = np.array([np.sum(rows[:, : n - k] * rows[:, k:]) for k in range(order + 1)])
-    lags = lags / lags[0] if lags[0] > 0 else np.eye(1, order + 1)[0]
+    lags = np.array([np.sum(rows[:, : n - k] * rows[:, k:]) for k in range(_ORDER + 1)])
+    lags = lags / lags[0] if lags[0] > 0 else np.eye(1, _ORDER + 1)[0]
     lags[0] *= 1.0 + 1e-9
     return np.concatenate([[1.0], -solve_toeplitz(lags[:-1], lags[1:])])

@@ -11,7 +11,6 @@ Source: G. I. Barenblatt, Scaling, 1996, §1.1 (covariance of physical laws).
 from __future__ import annotations
 
 from dataclasses import fields, replace
-from functools import lru_cache
 from itertools import product
 from typing import Any
 
@@ -19,22 +18,13 @@ import numpy as np
 
 from ..campaign.device import Device, Platform
 from ..errors import UserError
-from ..units import unit as parse_unit
+from ..units import exponents
 from .effect import AbstractEffect, Drive, Parameter, State
 
 _WORLD = {"kg": 1.7, "m": 2.3, "s": 0.6, "V": 3.1}  # one SI unit, measured in the other world's units
 _DISPLACEMENT, _VELOCITY, _VOLTAGE, _TIME = 3e-6, 2e-2, 5.0, 1e-3
 _TOLERANCE = 1e-6
 _MOTIONS = (1.0, -4.0)  # times the typical state: a contact or a slip shows on one side, or far out, only
-
-
-@lru_cache(maxsize=256)
-def exponents(unit: str) -> dict[str, int]:
-    """Powers of kg, m, s and V in a unit; electric current is written through the volt (1 A = 1 kg m² s⁻³ V⁻¹)."""
-    m, kg, s, ampere, *rest = parse_unit(unit).dimension
-    if any(rest):
-        raise UserError(f"the unit {unit!r} is not one of mechanics and voltage", do="use kg, m, s, N, Pa, Hz and V")
-    return {"kg": kg + ampere, "m": m + 2 * ampere, "s": s - 3 * ampere, "V": -ampere}
 
 
 def _factor(unit: str) -> float:

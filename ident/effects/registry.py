@@ -84,12 +84,16 @@ def _load(file: Path, content: bytes) -> list[type[AbstractEffect]]:
     except UnicodeDecodeError:
         raise UserError("this is no text in UTF-8", where=str(file), do="an effect file is a Python file") from None
     except SyntaxError as error:
-        raise UserError(f"not valid Python: {error.msg}", where=f"{file}, line {error.lineno}") from error
+        raise UserError(
+            f"not valid Python: {error.msg}", where=f"{file}, line {error.lineno}", do="correct it"
+        ) from error
     except Exception as error:  # whatever a user's file does wrong, it is answered with its place in that file
         raise _failure(error, file) from error
     except SystemExit as error:
         raise UserError(
-            "this effect file ends the program", where=str(file), do="an effect file only defines"
+            "this effect file ends the program",
+            where=str(file),
+            do="remove the exit: an effect file only defines classes",
         ) from error
     effects = _effects_of(module)
     if not effects:
@@ -117,4 +121,5 @@ def _place(effect: type[AbstractEffect], file: Path) -> str:
 def _failure(error: Exception, file: Path) -> UserError:
     lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]
     where = f"{file}, line {lines[-1]}" if lines else str(file)
-    return UserError(f"running this effect file failed: {type(error).__name__}: {error}", where=where)
+    what = f"running this effect file failed: {type(error).__name__}: {error}"
+    return UserError(what, where=where, do="correct it, or take it out of effect_files")

@@ -9,9 +9,9 @@ import numpy as np
 
 from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
-from ..effects.dimensions import exponents
 from ..model import Model, ModelParameter
 from ..response import Equation, Tape
+from ..units import exponents
 from .coordinates import to_coordinates
 from .curves import Curves
 from .guess import DataScales

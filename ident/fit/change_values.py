@@ -30,6 +30,7 @@ def changed_values(model: Model, values: np.ndarray, changes: Mapping[str, float
         else:
             raise UserError(f"{told!r} is no number", where=name, do='give a number in SI units, or a text ("0.6 kHz")')
         if not math.isfinite(value) or (parameter.positive and value < 0):
-            raise UserError(f"{told} is not possible", where=name, do="give a finite value of the right sign")
+            do = "give a finite number" + (" that is not negative" if parameter.positive else "")
+            raise UserError(f"{told} is not possible", where=name, do=do)
         values[index] = value
     return values

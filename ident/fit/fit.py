@@ -13,7 +13,7 @@ from ..campaign.campaign import Campaign
 from ..campaign.record import Sweep, Trace
 from ..errors import UserError
 from ..model import Model
-from ..pulse import Pulse
+from ..pulse import Pulse, Report
 from ..response import lay_out
 from . import solve
 from .assemble import assemble, at_values, begin
@@ -26,11 +26,11 @@ from .reading import fit_starts
 from .result import Fit, SigmaChoice, Start
 from .starts import base_values, first_guess, random_points, scales_of, starting_points
 
-Report = Callable[[str], None]
 _KEPT_STARTS = 4  # of the grid, the ones whose first error is smallest
 _AT_THE_FLOOR = 1.02  # error over noise with which no further start of the grid can be better
 _REWEIGHED = 4  # times that the noise of curves is carried through the model anew, at most
 _ROUNDS = 2  # in which initial states are fitted before a search: they enter almost linearly
+_SPREAD = 0.3  # of a parameter, by which random starts move it at most
 _SETTLED = 0.01  # relative change of the cost by new weights that is not worth another search
 
 
@@ -41,7 +41,6 @@ def fit(
     sigma: SigmaChoice = "known",
     robust: bool = False,
     starts: int = 0,
-    spread: float = 0.3,
     seed: int = 0,
     initial: np.ndarray | Sequence[np.ndarray] | None = None,
     report: Report = lambda _: None,
@@ -50,8 +49,8 @@ def fit(
     """Fit a model to the records of a campaign that are not held out.
 
     Minimises Σ ((measured − model)/σ)² over the fitted parameters and the initial states of the records that do not
-    start at rest, from the records' own linear guess, from the effects' grids, and from `starts` random points within
-    ±`spread` of the best; or from `initial` alone, one point or several (SI, all parameters). The grids are tried until
+    start at rest, from the records' own linear guess, from the effects' grids, and from `starts` random points
+    around the first; or from `initial` alone, one point or several (SI, all parameters). The grids are tried until
     one start ends at the noise floor. A quality factor that steady sines of one frequency do not determine is held, at
     the value with which the model reaches the noise floor if there is one.
 
@@ -65,7 +64,7 @@ def fit(
         model = hold_quality(hold_gain(model, campaign.fitted), campaign.fitted)
     all_else = replace(model, undetermined=model.undetermined & {gain_of(model)})
     search = partial(minimise, robust=robust, until=until)
-    found = search(model, campaign, starts=starts, spread=spread, seed=seed, initial=initial, report=report)
+    found = search(model, campaign, starts=starts, seed=seed, initial=initial, report=report)
     if model.undetermined != all_else.undetermined and found.error > _AT_THE_FLOOR:
         # What is left of the record's beginning may tell the quality factor after all.
         other = search(all_else, campaign, initial=found.values)
@@ -89,7 +88,6 @@ def minimise(
     *,
     robust: bool = False,
     starts: int = 0,
-    spread: float = 0.3,
     seed: int = 0,
     initial: np.ndarray | Sequence[np.ndarray] | None = None,
     report: Report = lambda _: None,
@@ -117,7 +115,7 @@ def minimise(
     report(f"compiling the model ({len(static.free)} parameters, {len(records) + len(sweeps)} records)")
     points = told or starting_points(model, base, scales)
     if not told and starts:
-        points = [base, *random_points(model, base, starts, spread, seed)]
+        points = [base, *random_points(model, base, starts, _SPREAD, seed)]
     candidates = _first_errors(static, data, points, bool(told))[: None if starts or told else _KEPT_STARTS]
     per_sample = lambda cost: float(np.sqrt(cost / data.count))
     solutions = []

@@ -40,7 +40,7 @@ def fit_data(
     - `data`, `told`: a campaign, files, or arrays, as of `read_campaign`.
     - `effects`: names of effects, or effect classes of one's own, instead of those of the campaign; () is the linear
       model alone. Or a whole model.
-    - `sigma`, `robust`: what the error bars stand on, as in `ident.fit_model`.
+    - `sigma`, `robust`: what the error bars stand on, as in `ident.fit.fit.fit`.
     - `starts`, `seed`: random starts beside those that the records suggest; `initial`: (m,) SI, the one point to start
       from instead, such as `Fit.values` of a search that `seconds` ended. `report`: called with progress in words.
 

@@ -1,14 +1,12 @@
 """Starting values read off the records themselves: resonance, quality factor, drive gain, and the size of everything.
 
-For a trial resonance the response of a linear oscillator to the measured drive is one filter; gain, initial states
-and an
-offset then follow from linear least squares (variable projection: G. H. Golub, V. Pereyra, SIAM J. Numer. Anal. 10
+For a trial resonance the response of a linear oscillator to the measured drive is one filter; gain, initial states and
+an offset then follow from linear least squares (variable projection: G. H. Golub, V. Pereyra, SIAM J. Numer. Anal. 10
 (1973) 413). Every record is weighted by its own size, so that a strongly nonlinear one does not rule the others.
 """
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
@@ -18,12 +16,10 @@ import numpy as np
 from scipy import optimize
 
 from ..campaign.record import Trace
-from ..campaign.recursive import recursive_filter
 from .decay import read_ringing
+from .pieces import Piece, highest_content, make_piece, sums
 
-_MOST_SAMPLES = 4000  # of a record: enough to place a resonance, and long records stay cheap
 _QUALITIES = (4.0, 15.0, 60.0)
-_CRITICAL = 0.4999  # quality below which a start in motion leaves two exponentials
 _LEAST_QUALITY, _LOG_QUALITY = 0.5, 9.0  # below, nothing oscillates; beyond e⁹, nothing decays within a record
 _POINTS_PER_OCTAVE = 14
 GRID_STEP = math.log(2) / _POINTS_PER_OCTAVE  # in ln f
@@ -90,11 +86,10 @@ def _searched(records: tuple[Trace, ...], nominal_frequency: float | None, held:
     return LinearGuess(frequency, quality, _gain(pieces, frequency, quality), misfit)
 
 
-def coarse_frequency(records: Sequence[Trace], among: Sequence[Trace], held: float | None = None) -> float:
+def coarse_frequency(records: Sequence[Trace], among: Sequence[Trace]) -> float:
     """The best frequency (Hz) for some records of a campaign, on the grid for all of them; good to a step of it."""
     pieces = [make_piece(record) for record in records]
-    qualities = _QUALITIES if held is None else (held,)
-    return min((_misfit(pieces, f, q), f) for q in qualities for f in _frequencies(among, None))[1]
+    return min((_misfit(pieces, f, q), f) for q in _QUALITIES for f in _frequencies(among, None))[1]
 
 
 def told_guess(start: Mapping[str, float], names: Sequence[str]) -> LinearGuess | None:
@@ -126,41 +121,6 @@ def _scales(records: tuple[Trace, ...], frequency: float) -> DataScales:
     return DataScales(displacement, velocity, voltage, 1.0 / frequency, duration)
 
 
-class Piece(NamedTuple):
-    """A record for the linear search: its liveliest stretch, the response divided by its `size`; `rest`: whether it
-    starts from rest; `power` of the response about its mean; `order` of the derivative of the displacement that it is;
-    `sums` that have been asked for, by frequency and
-    quality."""
-
-    step: float
-    drive: np.ndarray
-    response: np.ndarray
-    size: float
-    rest: bool
-    driven: bool
-    power: float
-    order: int
-    sums: dict[tuple[float, float], _Sums]
-
-
-@lru_cache(maxsize=256)
-def make_piece(record: Trace) -> Piece:
-    """A record for the linear search."""
-    part = _liveliest(record.response)
-    size = float(np.std(record.response[part])) or 1.0
-    rest = record.start == "rest" and part.start == 0
-    response = record.response[part] / size
-    power = float(np.sum((response - np.mean(response)) ** 2))
-    return Piece(record.step, record.drive[part], response, size, rest, record.driven, power, record.order, {})
-
-
-def _liveliest(response: np.ndarray) -> slice:
-    """The stretch of a long record that moves most; a lab may wait long before it drives."""
-    starts = range(0, max(len(response) - _MOST_SAMPLES, 0) + 1, _MOST_SAMPLES // 2)
-    first = max(starts, key=lambda i: float(np.std(response[i : i + _MOST_SAMPLES])))
-    return slice(first, first + _MOST_SAMPLES)
-
-
 def _frequencies(records: Sequence[Trace], nominal: float | None) -> np.ndarray:
     lowest = min(2.0 / (r.time[-1] - r.time[0]) for r in records)
     highest = max(0.3 / r.step for r in records)
@@ -176,116 +136,20 @@ def _highest_content(record: Trace) -> float:
     return max(highest_content(x, record.step) for x in (record.drive, record.response))
 
 
-def highest_content(signal: np.ndarray, step: float) -> float:
-    """Frequency below which 99.9 % of a signal's power lies, Hz; (n,) samples, one every `step` s."""
-    power = np.abs(np.fft.rfft((signal - np.mean(signal)) * np.hanning(len(signal)))) ** 2
-    index = int(np.searchsorted(np.cumsum(power), 0.999 * np.sum(power)))
-    return max(index, 1) / (len(signal) * step)
-
-
-def oscillator_filter(frequency: float, quality: float, step: float, order: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    """Digital filter (b, a) of z̈ + (ω0/Q) ż + ω0² z = u, exact for an input that is linear between samples; of z, or of
-    its derivative of some `order` up to 2.
-
-    The response to one triangle of input is the second difference of the response p(t) to a ramp; the poles are those
-    of the oscillator, so three terms of that response fix the numerator.
-
-    Source: K. J. Åström, B. Wittenmark, Computer-Controlled Systems, 1997, §2.3 (first-order hold).
-    """
-    omega = 2 * math.pi * frequency
-    decay = omega / (2 * quality)
-    ringing = cmath.sqrt(omega**2 - decay**2) or 1e-9 * omega
-    t = step * np.arange(4)
-    one, other = (np.exp((-decay + sign * 1j * ringing) * t) for sign in (1, -1))
-    cosine, sine = (
-        np.real(one + other) / 2,
-        np.real((one - other) / (2j * ringing)),
-    )  # decaying; sine over its frequency
-    if order == 0:
-        p = t / omega**2 - 2 * decay / omega**4 * (1.0 - cosine) + (2 * decay**2 - omega**2) / omega**4 * sine
-    elif order == 1:
-        p = (1.0 - cosine - decay * sine) / omega**2
-    else:
-        p = sine
-    a = np.array([1.0, -2 * cosine[1], math.exp(-2 * decay * step)])
-    g = np.array([p[1], p[2] - 2 * p[1], p[3] - 2 * p[2] + p[1]]) / step
-    return np.array([g[0], g[1] + a[1] * g[0], g[2] + a[1] * g[1] + a[2] * g[0]]), a
-
-
-def free_motion(piece: Piece, frequency: float, quality: float) -> np.ndarray:
-    """What a start in motion may add to the response, (n, 2)."""
-    omega = 2 * math.pi * frequency
-    t = piece.step * np.arange(len(piece.drive))
-    decay = np.exp(-omega / (2 * quality) * t)
-    if quality < _CRITICAL:  # two exponentials
-        fast, slow = _rates(omega, quality)
-        return np.stack([np.exp(-slow * t), np.exp(-fast * t)], axis=1)
-    ring = omega * math.sqrt(max(1 - 1 / (4 * quality**2), 1e-6)) * t
-    return np.stack([decay * np.cos(ring), decay * np.sin(ring)], axis=1)
-
-
-def _rates(omega: float, quality: float) -> tuple[float, float]:
-    """The fast and the slow rate (1/s) at which an overdamped oscillator comes to rest."""
-    fast = omega / (2 * quality) * (1 + math.sqrt(1 - 4 * quality**2))
-    return fast, omega**2 / fast
-
-
-class _Sums(NamedTuple):
-    """Of records without what the start may add to them: `forced` x·x, `both` x·y and `measured` y·y of the response x
-    to the drive for unit gain and of the measured y; `power` of what was there to explain."""
-
-    forced: float
-    both: float
-    measured: float
-    power: float
-
-
-def _sums(pieces: Sequence[Piece], frequency: float, quality: float) -> _Sums:
-    """The records as a trial frequency and quality see them.
-
-    A driven record must be explained by its drive: the share of its power that is left beside its free motion counts.
-    A decay is free motion, and all of it counts.
-    """
-    return _Sums(*np.sum([_sums_of(piece, frequency, quality) for piece in pieces], axis=0))
-
-
-def _sums_of(piece: Piece, frequency: float, quality: float) -> _Sums:
-    """Of one record, remembered: campaigns that differ by a record ask for the others again."""
-    known = piece.sums.get((frequency, quality))
-    if known is None:
-        known = piece.sums[frequency, quality] = _projected(piece, frequency, quality)
-    return known
-
-
-def _projected(piece: Piece, frequency: float, quality: float) -> _Sums:
-    column = np.zeros_like(piece.drive)  # to a decay a constant drive is a level, whatever the gain
-    if piece.driven:
-        column = recursive_filter(*oscillator_filter(frequency, quality, piece.step, piece.order), piece.drive)
-    both = np.stack([column / piece.size, piece.response])
-    if piece.rest:
-        both -= both.mean(axis=1, keepdims=True)
-    else:
-        constant = np.ones((len(piece.drive), 1))
-        basis, _ = np.linalg.qr(np.hstack([constant, free_motion(piece, frequency, quality)]))
-        both -= both @ basis @ basis.T
-    (xx, xy), (_, yy) = both @ both.T
-    return _Sums(float(xx), float(xy), float(yy), float(yy) if piece.driven else piece.power)
-
-
 def _misfit(pieces: Sequence[Piece], frequency: float, quality: float) -> float:
-    sums = _sums(pieces, frequency, quality)
+    seen = sums(pieces, frequency, quality)
     driven = any(piece.driven for piece in pieces)
-    if driven and not (np.isfinite(sums.forced) and sums.forced > 0.0):
+    if driven and not (np.isfinite(seen.forced) and seen.forced > 0.0):
         return 1.0
-    left = sums.measured - (sums.both**2 / sums.forced if driven else 0.0)
-    return math.sqrt(max(left, 0.0) / sums.power)
+    left = seen.measured - (seen.both**2 / seen.forced if driven else 0.0)
+    return math.sqrt(max(left, 0.0) / seen.power)
 
 
 def _gain(pieces: Sequence[Piece], frequency: float, quality: float) -> float:
     if not any(piece.driven for piece in pieces):
         return 0.0
-    sums = _sums(pieces, frequency, quality)
-    return sums.both / sums.forced
+    seen = sums(pieces, frequency, quality)
+    return seen.both / seen.forced
 
 
 def _distinct(trials: list[tuple[float, float, float]]) -> list[tuple[float, float, float]]:

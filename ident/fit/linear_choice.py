@@ -22,10 +22,11 @@ from scipy import optimize
 
 from ..campaign.record import Trace
 from ..errors import UserError
-from .guess import Piece, guess_linear, highest_content, make_piece
+from .guess import guess_linear
 from .independent import independent_samples
 from .linear_forms import FORMS, Form
 from .modes import Mode, find_modes, solved
+from .pieces import Piece, highest_content, make_piece
 
 FormName = Literal["oscillator", "overdamped", "no-spring", "quasi-static"]
 Told = Literal["auto", "oscillator", "no-spring", "quasi-static"]
@@ -85,20 +86,18 @@ class LinearChoice:
         return next((c for c in self.candidates if c.form == "quasi-static"), None)
 
 
-def choose_linear(
-    records: Sequence[Trace], told: str = "auto", level: bool = True, modes: int | None = None
-) -> LinearChoice:
+def choose_linear(records: Sequence[Trace], told: str = "auto", *, modes: int | None = None) -> LinearChoice:
     """The linear model with which to start on these records.
 
     A constant is looked for only where no record starts from rest, for there the first sample says where the zero is,
     and not in decays, whose displacements are counted from where they come to rest.
 
-    **Arguments:** `told`: "auto", or the form that the campaign asks for; `level`: whether a constant may be added;
-    `modes`: how many an oscillator has, None if the records decide.
+    **Arguments:** `told`: "auto", or the form that the campaign asks for; `modes`: how many an oscillator has, None if
+    the records decide.
     """
     pieces = [make_piece(record) for record in records]
     driven = any(piece.driven for piece in pieces)
-    level = level and driven and all(record.start != "rest" for record in records)
+    level = driven and all(record.start != "rest" for record in records)
     found = [_of(pieces, "constant", True, None, None)]
     found += [_static(records, pieces)] if driven else []
     guess = guess_linear(records) if told not in ("no-spring", "quasi-static") else None

@@ -12,7 +12,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..campaign.recursive import recursive_filter
-from .guess import Piece, free_motion, oscillator_filter
+from .pieces import Piece, free_motion, oscillator_filter
 
 _POINTS_PER_OCTAVE = 5  # Nelder and Mead find the rest
 

@@ -26,7 +26,8 @@ from scipy import optimize
 
 from ..campaign.campaign import MOST_MODES
 from ..campaign.recursive import recursive_filter
-from .guess import GRID_STEP, Piece, free_motion, oscillator_filter
+from .guess import GRID_STEP
+from .pieces import Piece, free_motion, oscillator_filter
 
 _SAMPLES = 24_000  # that compare modes
 _QUALITIES = (8.0, 40.0)

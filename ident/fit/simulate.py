@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from ..campaign.read import read_campaign
 from ..campaign.record import Trace
 from ..errors import UserError
 from ..model import Model
+from ..pulse import Report
 from .change_values import changed_values
 from .fit_data import Effects, model_for
 from .guess import data_scales, guess_linear
@@ -23,7 +24,6 @@ from .starts import base_values
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-Report = Callable[[str], None]
 State = tuple[Model, Campaign, np.ndarray]
 
 

@@ -31,17 +31,14 @@ from .problem import Data, Evaluation, Static, Unknowns, evaluate
 
 MAX_STEPS = 400
 _SMALL_GAIN = 1e-4  # of the cost ½χ²: no parameter is then further than 0.014 standard errors from its optimum
-_COMPARED = (
-    0.05  # the same per mean squared residual, of models that are only compared: n ln χ² then falls by 0.1 at most
-)
+_COMPARED = 0.05
+"""The same per mean squared residual, of models that are only compared: n ln χ² then falls by 0.1 at most."""
 _SMALL_SHARE = 1e-9  # of the cost: more than that of a misfit is not worth a step
 _FLAT = 1e-11  # curvature, as a share of the steepest, below which the data leave a direction free
 _LEAST_STEP = 1e-12  # where damping has grown that much, rounding decides
 
 _FIRST_STEP = 100.0  # the inverse of the first damping
 _FARTHEST = 0.5  # in ln p, for positive parameters in one step
-
-
 _SIZES = (8, 16, 32)  # of the normal equations as they are solved: one program for all that have fewer unknowns
 
 

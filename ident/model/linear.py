@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from ..campaign.device import Device, Platform
-from ..effects.effect import Expected
+from ..effects.parameter import Expected
 from ..effects.section import device_section
 from ..mechanics import drive_force_coefficient, l_beam, stage_stiffness
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from ..effects.effect import Expected, Scale
+from ..effects.parameter import Expected, Scale
 
 
 @dataclass(frozen=True)

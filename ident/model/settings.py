@@ -9,7 +9,7 @@ from typing import Any
 from ..campaign.campaign import Campaign
 from ..campaign.device import Platform
 from ..campaign.document import read_document
-from ..effects.effect import Choice
+from ..effects.parameter import Choice
 from ..effects.registry import Registry
 from ..errors import UserError
 from ..units import parse_quantity, to_si, unit

@@ -123,6 +123,10 @@ class Attribution(NamedTuple):
     records: tuple[RecordAttribution, ...]
     within: tuple[Share, ...] = ()
 
+    def __repr__(self) -> str:
+        shares = _each(self.overall, self.mechanisms) or "nothing shared"
+        return f"<Attribution: {self.verdict}; {shares}>"
+
 
 def attribute(fit: Fit, draws: np.ndarray | None = None, *, doubts: Sequence[str] = (), seed: int = 0) -> Attribution:
     """Attribute the offset of every periodic record of a fit.
@@ -137,7 +141,10 @@ def attribute(fit: Fit, draws: np.ndarray | None = None, *, doubts: Sequence[str
         what = "the model has no effect, and a linear platform has no offset"
         raise UserError(what, do="fit with the effects that may explain it, or let `ident discover` find them")
     if len(names) > _MOST:
-        raise UserError(f"{len(names)} effects have too many subsets to try", do=f"attribute to at most {_MOST}")
+        raise UserError(
+            f"{len(names)} effects have too many subsets to try",
+            do=f"leave at most {_MOST} in the model (`ident remove`)",
+        )
     periodic = tuple(r for r in fit.campaign.traces if fold(r, r.response[None]) is not None)
     if not periodic:
         what = "no record has a periodic drive on which an offset could be folded"

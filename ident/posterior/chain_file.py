@@ -41,7 +41,7 @@ def need_h5py() -> Any:
         import h5py
     except ImportError:
         what = "a chain is kept in HDF5, for which the package h5py is missing"
-        raise UserError(what, do="pip install 'ident[posterior]'") from None
+        raise UserError(what, do="in the folder of ident: pip install '.[posterior]'") from None
     return h5py
 
 

@@ -89,7 +89,7 @@ def _same_records(fits: Sequence[tuple[str, Fit]]) -> None:
             raise UserError(what, where=name, do="fit both models to one campaign")
         if any(a.noise != b.noise for a, b in zip(mine, theirs, strict=True)) or fit.sigma != first.sigma:
             what = f"it stands on other noise floors than {first_name}"
-            raise UserError(what, where=name, do="fit both with the same --sigma, not fitted")
+            raise UserError(what, where=name, do="fit both with one --sigma, known or scaled")
 
 
 def _judge(models: tuple[Weighed, ...], doubts: Callable[[Fit], Sequence[str]]) -> Comparison:

@@ -27,7 +27,7 @@ def need_arviz_base() -> Any:
         import h5netcdf  # noqa: F401
     except ImportError:
         what = "a posterior is kept as NetCDF, for which the packages arviz-base and h5netcdf are missing"
-        raise UserError(what, do="pip install 'ident[posterior]'") from None
+        raise UserError(what, do="in the folder of ident: pip install '.[posterior]'") from None
     return arviz_base
 
 

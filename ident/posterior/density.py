@@ -273,7 +273,10 @@ def make_density(fit: Fit, records: Sequence[Trace] | None = None) -> Density:
     campaign = Campaign("", chosen, fit.model.device)
     static, data = assemble(fit.model, campaign, chosen, tape, fit.values, fit.scales)
     if not static.free:
-        raise UserError("nothing in this model was fitted, so it has no posterior", do="free a parameter and fit again")
+        raise UserError(
+            "nothing in this model was fitted, so it has no posterior",
+            do='free a parameter (free = ["…"] under its [effect.…]) and fit again',
+        )
     unknowns, kick = begin(data, static), np.ones(data.start_scale.shape[1])
     if static.starts_free:
         unknowns, found = fit_starts(static, data, unknowns)

@@ -13,9 +13,8 @@ from ..campaign.read import read_campaign
 from ..campaign.suspect import Suspect, suspects_by_data
 from ..campaign.trust import is_trusted
 from .data_judgement import about, judgement_dict, judgement_sheet, remarks, what_the_records_tell
-from .sheet import Sheet
+from .sheet import Sheet, sheet_text
 from .sweep_words import run_sheet
-from .terminal import sheet_text
 
 if TYPE_CHECKING:
     from pandas import DataFrame

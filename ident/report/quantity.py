@@ -12,8 +12,7 @@ from typing import NamedTuple
 
 from ..campaign.device import Device, Oscillator
 from ..campaign.record import Record, Trace
-from ..effects.dimensions import exponents
-from ..units import base_unit, find_unit
+from ..units import base_unit, exponents, find_unit
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "µ", -9: "n", -12: "p"}

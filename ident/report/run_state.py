@@ -136,7 +136,7 @@ def _number(told: float | None) -> float:
 def _campaign(told: dict[str, Any], folder: Path) -> Campaign:
     if not told["files"]:
         what = "this run was fitted to data in memory, which no file holds"
-        raise UserError(what, where=str(folder), do="fit them again, or from files")
+        raise UserError(what, where=str(folder), do="fit them again, from files if the run is to be read back")
     campaign = read_campaign([folder / file for file in told["files"]])
     for file, told_sum in told["checksums"].items():
         if campaign.checksums.get(file) != told_sum:
@@ -144,5 +144,5 @@ def _campaign(told: dict[str, Any], folder: Path) -> Campaign:
             raise UserError(f"{word}, so its result no longer stands", where=file, do="fit the campaign again")
     for file in campaign.checksums:
         if file not in told["checksums"]:
-            raise UserError("was added since this run", where=file, do="fit the campaign again")
+            raise UserError("was added to the campaign since this run", where=file, do="fit the campaign again")
     return campaign

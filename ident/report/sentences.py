@@ -63,7 +63,7 @@ def _not_counted(fit: Fit) -> str:
     if not clipped:
         return ""
     share = listed([f"{np.mean(masked):.1%} of {name}" for name, masked in clipped])
-    return f" Clipped samples were not counted, {share}: where the response is largest, nothing judges the model."
+    return f" Samples that clipped or are missing were not counted, {share}: there nothing judges the model."
 
 
 def _heldout(fit: Fit) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 from ..errors import visible
 
 if TYPE_CHECKING:
+    from rich.console import RenderableType
     from rich.table import Table
 
 Mark = Literal["", "quiet", "warning", "total"]
@@ -62,3 +63,28 @@ def rich_table(sheet: Sheet) -> Table:
             total = True
         table.add_row(*(escape(visible(cell)) for cell in row), style=_STYLE[sheet.mark(i)])
     return table
+
+
+def rich_sheet(sheet: Sheet) -> RenderableType:
+    """The sheet with its note for a `rich` console."""
+    from rich.console import Group
+    from rich.padding import Padding
+    from rich.text import Text
+
+    return Padding(Group(rich_table(sheet), Text(sheet.note)) if sheet.note else rich_table(sheet), (0, 0, 1, 0))
+
+
+def sheet_text(sheet: Sheet, width: int = 96) -> str:
+    """One table as plain text."""
+    return plain(rich_sheet(sheet), width)
+
+
+def plain(view: RenderableType, width: int) -> str:
+    """What a `rich` console shows, as text."""
+    import io
+
+    from rich.console import Console
+
+    buffer = io.StringIO()
+    Console(file=buffer, width=width, color_system=None, force_terminal=False, highlight=False).print(view)
+    return "\n".join(line.rstrip() for line in buffer.getvalue().splitlines()) + "\n"

@@ -18,6 +18,7 @@ _FLAGS = {
     "not-significant": "not significant: may be zero",
     "held": "held",
 }
+_CORRELATED = 0.9  # correlation from which two parameters are said to be poorly told apart
 _SAME_MINIMUM = 1e-3  # relative difference of the error within which two starts reached the same minimum
 
 
@@ -172,7 +173,7 @@ def start_sentence(fit: Fit) -> str:
     return text + (f"; {failed} could not be solved" if failed else "")
 
 
-def correlation_sentences(fit: Fit, limit: float = 0.9) -> tuple[str, ...]:
+def correlation_sentences(fit: Fit) -> tuple[str, ...]:
     """Pairs of determined parameters that the records hardly tell apart, the closest first."""
     deviation = [math.sqrt(max(v, 0.0)) for v in fit.covariance.diagonal()] if len(fit.free) else []
     known = [k for k, i in enumerate(fit.free) if fit.estimates[i].standard_error is not None and deviation[k] > 0]
@@ -180,7 +181,7 @@ def correlation_sentences(fit: Fit, limit: float = 0.9) -> tuple[str, ...]:
     for a, i in enumerate(known):
         for j in known[a + 1 :]:
             r = float(fit.covariance[i, j]) / (deviation[i] * deviation[j])
-            if abs(r) > limit:
+            if abs(r) > _CORRELATED:
                 pairs.append((r, fit.estimates[fit.free[i]].name, fit.estimates[fit.free[j]].name))
     words = {True: "both can grow together", False: "one can grow as the other shrinks"}
     return tuple(

@@ -8,7 +8,7 @@ from ..errors import visible
 from ..fit.result import Fit
 from .linear_words import linear_sheet
 from .sentences import sentences, verdict
-from .sheet import Sheet, rich_table
+from .sheet import plain, rich_sheet
 from .tables import combination_sentences, correlation_sentences, parameter_sheet, record_sheet, start_sheet
 
 if TYPE_CHECKING:
@@ -19,33 +19,18 @@ def fit_view(fit: Fit) -> Group:
     """The whole fit for a `rich` console: `console.print(fit_view(fit))`."""
     from rich.console import Group
 
-    parts: list[RenderableType] = [_paragraph(verdict(fit)), _table(parameter_sheet(fit))]
+    parts: list[RenderableType] = [_paragraph(verdict(fit)), rich_sheet(parameter_sheet(fit))]
     parts += _list("Undetermined", combination_sentences(fit))
     parts += _list("Strong correlations", correlation_sentences(fit))
-    parts += [_table(record_sheet(fit)), _table(start_sheet(fit))]
-    parts += [_table(sheet) for sheet in [linear_sheet(fit)] if sheet is not None]
+    parts += [rich_sheet(record_sheet(fit)), rich_sheet(start_sheet(fit))]
+    parts += [rich_sheet(sheet) for sheet in [linear_sheet(fit)] if sheet is not None]
     parts += _list("To know", tuple(("! " if s.warning else "") + s.text for s in sentences(fit)))
     return Group(*parts)
 
 
 def fit_text(fit: Fit, width: int = 96) -> str:
     """The same as plain text."""
-    return _plain(fit_view(fit), width)
-
-
-def sheet_text(sheet: Sheet, width: int = 96) -> str:
-    """One table as plain text."""
-    return _plain(_table(sheet), width)
-
-
-def _plain(view: RenderableType, width: int) -> str:
-    import io
-
-    from rich.console import Console
-
-    buffer = io.StringIO()
-    Console(file=buffer, width=width, color_system=None, force_terminal=False, highlight=False).print(view)
-    return "\n".join(line.rstrip() for line in buffer.getvalue().splitlines()) + "\n"
+    return plain(fit_view(fit), width)
 
 
 def _paragraph(text: str) -> RenderableType:
@@ -53,14 +38,6 @@ def _paragraph(text: str) -> RenderableType:
     from rich.text import Text
 
     return Padding(Text(visible(text)), (0, 0, 1, 0))
-
-
-def _table(sheet: Sheet) -> RenderableType:
-    from rich.console import Group
-    from rich.padding import Padding
-    from rich.text import Text
-
-    return Padding(Group(rich_table(sheet), Text(sheet.note)) if sheet.note else rich_table(sheet), (0, 0, 1, 0))
 
 
 def _list(title: str, items: tuple[str, ...]) -> list[RenderableType]:

@@ -89,3 +89,19 @@ def test_a_column_exported_twice_is_noted(tmp_path):
     values[:, 2] = values[:, 1]
     _, notes = _notes(tmp_path, values)
     assert "same signal" in notes
+
+
+def test_an_overshoot_that_clips_once_is_clipped_and_a_plateau_is_not():
+    from scipy.signal import lfilter
+
+    from ident.campaign.clipping import clipped_samples
+
+    rng, t = np.random.default_rng(31), np.arange(1500)
+    transient = np.exp(-t / 300) * np.sin(2 * np.pi * t / 60) + 0.2 * np.sin(2 * np.pi * t / 43)
+    noisy = transient + 0.002 * rng.standard_normal(len(t))
+    cut = np.minimum(noisy, 0.9)
+    assert list(np.flatnonzero(clipped_samples(cut))) == list(np.flatnonzero(noisy >= 0.9))
+    assert not np.any(clipped_samples(np.maximum(np.minimum(noisy, 1.2), -1.2)))
+    pulses = ((t // 250) % 2).astype(float)
+    settled = np.round(64 * lfilter([0.05], [1, -0.95], pulses)) / 64  # a slow device that is read coarsely
+    assert not np.any(clipped_samples(settled))

@@ -79,6 +79,7 @@ def test_check_of_curves_says_how_they_were_taken_and_what_they_show_before_any_
 
 def test_new_makes_a_campaign_of_curves_that_check_reads(tmp_path):
     files = sorted((DATA / "platform_sweeps").glob("*.csv"))
-    assert ident("new", tmp_path / "mine", *files).code == 0
+    made = ident("new", tmp_path / "mine", *files, "--json")
+    assert made.code == 0 and json.loads(made.out)["files"] == [str(tmp_path / "mine" / "campaign.toml")]
     told = ident("check", tmp_path / "mine")
     assert told.code == 0 and "held out" in told.out and "with phase" in told.out

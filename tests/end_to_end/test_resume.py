@@ -62,11 +62,12 @@ def test_what_cannot_go_on_is_told(walks, clean, tmp_path):
 
 def test_a_fit_that_ran_out_of_time_goes_on(oscillator, tmp_path):
     run, effects = tmp_path / "run", ("--effects", "cubic-stiffness")
-    stopped = ident("fit", DATA / "oscillator", *effects, "-o", run, "--minutes", "1e-6")
+    stopped = ident("fit", DATA / "oscillator", *effects, "-o", run, "--minutes", "1e-6", "--sigma", "scaled")
     assert stopped.code == 0 and "--resume goes on" in stopped.err and "did not converge" in stopped.out
     assert document(run, "run.json")["converged"] is False
     assert ident("fit", DATA / "oscillator", "-o", run, "--resume").code == 0
     assert document(run, "run.json")["converged"] is True
+    assert document(run, "run.json")["sigma"] == "scaled"  # as it was begun
     values, expected = (document(r, "run.json")["state"]["values"] for r in (run, oscillator[0]))
     assert values == pytest.approx(expected, rel=1e-3)
 
@@ -74,7 +75,8 @@ def test_a_fit_that_ran_out_of_time_goes_on(oscillator, tmp_path):
 def test_figures_in_the_formats_of_a_paper(clean, tmp_path):
     figures = clean[0] / "run" / "figures"
     before = {path.stem for path in figures.glob("*.png")}
-    assert ident("report", clean[0] / "run", "--figures", "pdf,svg").code == 0
+    drawn = ident("report", clean[0] / "run", "--figures", "pdf,svg", "--json")
+    assert drawn.code == 0 and json.loads(drawn.out) == document(clean[0] / "run", "run.json")
     for format, begins in (("pdf", b"%PDF"), ("svg", b"<?xml"), ("png", b"\x89PNG")):
         files = list(figures.glob(f"*.{format}"))
         assert {path.stem for path in files} == before

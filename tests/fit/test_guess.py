@@ -5,7 +5,8 @@ import pytest
 from scipy import signal
 
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.fit.guess import guess_linear, oscillator_filter
+from ident.fit.guess import guess_linear
+from ident.fit.pieces import oscillator_filter
 
 
 @pytest.mark.parametrize(("f", "q", "h"), [(500, 30, 4e-5), (68, 20, 1 / 610), (500, 0.3, 1e-4), (1, 50, 1e-2)])

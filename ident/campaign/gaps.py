@@ -1,0 +1,41 @@
+"""Samples that are no number: the response's are not counted; a drive is drawn across them where that is harmless."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .clipping import across_gaps
+from .table import Column
+
+_HARMLESS = 0.01  # of the drive's rms: as much as an amplifier's gain is known; the response beside is not counted
+_PLACES = 8  # where the same gaps are made, to see what the curve drawn across them is worth
+
+
+def without_gaps(column: Column, signal: np.ndarray, notes: list[str], drive: bool = False) -> np.ndarray:
+    """A signal (n,) with a smooth curve in place of NaN. **Raises:** UserError where too much of it is missing, or a
+    curve across the same gaps elsewhere misses what a `drive` does there."""
+    gone = np.isnan(signal)
+    count, first = np.count_nonzero(gone), int(np.argmax(gone))
+    filled = _crossed(signal, gone) if 2 * count < len(gone) else signal
+    if 2 * count >= len(gone) or (drive and not _error(filled, gone) < _HARMLESS):
+        column.numbers()  # raises, with the place of the first
+    role = "drive" if drive else "response"
+    many = f"{count} samples of the {role} are" if count > 1 else f"one sample of the {role} is"
+    then = "a smooth curve takes their place" if drive else "left out of every fit"
+    notes.append(f"{column.place(first)}: {many} no number; {then}.")
+    return filled
+
+
+def _crossed(signal: np.ndarray, gone: np.ndarray) -> np.ndarray:
+    known, index = ~gone, np.arange(len(gone))
+    return across_gaps(np.where(gone, np.interp(index, index[known], signal[known]), signal), gone)
+
+
+def _error(filled: np.ndarray, gone: np.ndarray) -> float:
+    """The largest error of a curve across gaps as long as these, made where the signal is known, in rms of it."""
+    n, worst = len(gone), 0.0
+    for place in range(1, _PLACES + 1):
+        made = np.roll(gone, place * n // (_PLACES + 1)) & ~gone
+        if np.any(made):
+            worst = max(worst, float(np.max(np.abs(_crossed(np.where(made, np.nan, filled), made) - filled)[made])))
+    return worst / max(float(np.std(filled)), 1e-300)

@@ -1,0 +1,113 @@
+"""The numbers and words of an effect, declared where the physics is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+if TYPE_CHECKING:
+    from .effect import AbstractEffect
+
+Scale = Literal["displacement", "velocity", "voltage", "period", "duration", "one"]
+
+
+class Expected(NamedTuple):
+    """What is known of a parameter before any record is seen: `centre` ± `spread` in SI; for a positive parameter the
+    spread is that of its logarithm. `source`: where it comes from, in words."""
+
+    centre: float
+    spread: float
+    source: str
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of an effect, declared where the physics is.
+
+    An `amplitude` enters so that zero means absent. A `shape` (a gap, a time, a yield) is meaningless while the
+    effect is off; its `grid` lists values to try and its `limits` where it keeps its meaning, in multiples of the
+    data's own `scale`.
+    """
+
+    kind: Literal["amplitude", "shape"]
+    unit: str
+    doc: str
+    default: float
+    positive: bool
+    grid: tuple[float, ...]
+    scale: Scale
+    fitted: bool
+    limits: tuple[float, float] | None = None
+    one_sided: bool = False
+    expected: Expected | None = None
+    name: str = ""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        object.__setattr__(self, "name", name)
+
+    def __get__(self, effect: AbstractEffect | None, owner: type) -> Any:
+        return self if effect is None else effect.values[self.name]
+
+
+def amplitude(
+    unit: str,
+    doc: str = "",
+    *,
+    default: float = 0.0,
+    positive: bool = False,
+    one_sided: bool = False,
+    fitted: bool = True,
+    expected: Expected | None = None,
+) -> Any:
+    """Declare a parameter that switches the effect off when it is zero.
+
+    **Arguments:** `unit` ("N/m^3"); `doc`, a few words for the help page; `default`, the value to start a fit from;
+    `positive`, if a fit must keep it above zero; `one_sided`, if it may pass through zero on its way but means nothing
+    below (a friction that drives): what ends there is not the effect that is missing; `fitted=False` holds it unless
+    the campaign frees it; `expected`, what is known beforehand, which a posterior takes as its prior (a fit does not).
+    """
+    return Parameter("amplitude", unit, doc, default, positive, (), "one", fitted, None, one_sided, expected)
+
+
+def shape(
+    unit: str,
+    doc: str = "",
+    *,
+    grid: tuple[float, ...],
+    scale: Scale = "one",
+    limits: tuple[float, float] | None = None,
+    positive: bool = True,
+    fitted: bool = True,
+    expected: Expected | None = None,
+) -> Any:
+    """Declare a parameter that says how an effect looks, not how large it is.
+
+    **Arguments:** `grid`, values worth trying in multiples of the data's `scale` ("displacement": its largest value in
+    the records, likewise "velocity" and "voltage"; "period": 1/f0; "duration" of a record; "one": SI as written);
+    `limits`, where it keeps its meaning, so that a fit cannot turn one effect into another (default: a third of the
+    smallest to three times the largest of the grid). A fit stays inside; one of a shape that may be negative does not,
+    but where it ends outside the effect is impossible, and there is no default. `expected`: as of an amplitude.
+    """
+    if limits is None and positive:
+        limits = (min(grid) / 3, max(grid) * 3)
+    default = grid[len(grid) // 2]
+    return Parameter("shape", unit, doc, default, positive, grid, scale, fitted, limits, expected=expected)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A setting of an effect that is one of a few words; the first is the default."""
+
+    words: tuple[str, ...]
+    name: str = ""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        object.__setattr__(self, "name", name)
+
+    def __get__(self, effect: AbstractEffect | None, owner: type) -> Any:
+        return self if effect is None else effect.settings.get(self.name, self.words[0])
+
+
+def choice(*words: str) -> Any:
+    """Declare a setting that the campaign chooses by a word (`closure = "frame"`), the first if it says nothing."""
+    return Choice(words)

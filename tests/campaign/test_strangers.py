@@ -1,0 +1,228 @@
+"""Files of instruments that nobody here owns are read, or refused with the line that would help."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ident.campaign import read_campaign
+from ident.campaign.clock import clock_seconds
+from ident.campaign.header import header_of
+from ident.campaign.load import read_table
+from ident.campaign.preamble import preamble_words, step_of
+from ident.campaign.propose import propose
+from tests.campaign.strangers import (
+    COUNT,
+    DRIVE,
+    LAYOUTS,
+    RESPONSE,
+    SINGLE,
+    STEP,
+    TIME,
+    lvm_segments,
+    rows,
+    segments,
+    single,
+)
+from tests.end_to_end.user import assert_one_line, ident
+
+HEADER = "time (s),drive (V),z (um)\n"
+
+
+def _campaign(folder, **files):
+    """The campaign that `ident new` makes of files."""
+    paths = []
+    for name, text in files.items():
+        paths.append(folder / name.replace("_", "."))
+        paths[-1].write_text(text, encoding="utf-8")
+    (folder / "campaign.toml").write_text(propose(paths, folder), encoding="utf-8")
+    return read_campaign(folder)
+
+
+def _assert_recording(record, level=1.0):
+    measured = record.response * (1e6 if np.ptp(record.response) < 1e-3 else 1.0)  # a displacement in um, or volts
+    np.testing.assert_allclose(np.diff(record.time), STEP, rtol=1e-5)
+    np.testing.assert_allclose(record.drive, level * DRIVE, atol=2e-5)
+    np.testing.assert_allclose(measured, level * RESPONSE, atol=2e-5)
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_a_table_of_both_channels(layout, tmp_path):
+    suffix = "lvm" if "LabVIEW" in layout else "csv"
+    (record,) = _campaign(tmp_path, **{f"a_{suffix}": LAYOUTS[layout]}).traces
+    assert len(record.time) == COUNT
+    _assert_recording(record)
+
+
+@pytest.mark.parametrize("kind", SINGLE)
+def test_a_file_for_each_channel(kind, tmp_path):
+    campaign = _campaign(tmp_path, DS0001CH1_csv=single("CH1", kind), DS0001CH2_csv=single("CH2", kind))
+    (record,) = campaign.traces
+    _assert_recording(record)
+
+
+@pytest.mark.parametrize("text", [segments(), lvm_segments()], ids=["bare", "with headers"])
+def test_recordings_one_below_the_other_are_records(text, tmp_path):
+    campaign = _campaign(tmp_path, a_lvm=text)
+    assert [record.name for record in campaign.traces] == ["a.lvm #1", "a.lvm #2", "a.lvm #3"]
+    assert [record.holdout for record in campaign.traces] == [False, True, False]
+    for level, record in enumerate(campaign.traces, 1):
+        _assert_recording(record, level)
+    assert_one_line(
+        ident("check", tmp_path / "a.lvm", "--columns", "drive=2,response=3"), "backwards", "segment = 1 to 3"
+    )
+    file = tmp_path / "campaign.toml"
+    file.write_text(file.read_text(encoding="utf-8").replace("segment = 2", "segment = 4"), encoding="utf-8")
+    assert_one_line(ident("check", tmp_path), "segment = 4", "holds 3")
+
+
+def test_a_segment_goes_through_a_fit(tmp_path):
+    (tmp_path / "a.csv").write_text(segments(), encoding="utf-8")
+    assert ident("new", tmp_path / "mine", tmp_path / "a.csv").code == 0
+    assert ident("check", tmp_path / "mine").code == 0
+    outcome = ident("fit", tmp_path / "mine", "-o", tmp_path / "run")
+    assert outcome.code == 0 and "a.csv #2" in outcome.out
+    assert ident("report", tmp_path / "run").code == 0
+
+
+def test_a_recording_that_falls_back_in_time_is_not_cut(tmp_path):
+    times = TIME.copy()
+    times[200] = times[150]
+    (tmp_path / "a.csv").write_text(HEADER + rows(times, DRIVE, RESPONSE), encoding="utf-8")
+    assert_one_line(ident("check", tmp_path / "a.csv"), "line 202", "runs backwards")
+
+
+@pytest.mark.parametrize("cell", ["NaN", "", "∞", "-inf", "1.#IND"])
+def test_samples_of_the_response_that_are_no_number_are_not_counted(cell, tmp_path):
+    lines = (HEADER + rows(TIME, DRIVE, RESPONSE)).splitlines()
+    for k in (100, 101, 300):
+        lines[k + 1] = ",".join([*lines[k + 1].split(",")[:2], cell])
+    (record,) = _campaign(tmp_path, a_csv="\n".join(lines) + "\n").traces
+    assert record.masked is not None and list(np.flatnonzero(record.masked)) == [100, 101, 300]
+    np.testing.assert_allclose(record.response[[100, 101, 300]], 1e-6 * RESPONSE[[100, 101, 300]], atol=1e-8)
+    assert abs(record.noise.sigma / 2e-9 - 1) < 0.3
+    assert any("line 102" in note and "3 samples" in note for note in read_campaign(tmp_path).notes)
+
+
+def test_a_drive_is_drawn_across_gaps_only_where_that_is_harmless(tmp_path):
+    def text(lost):
+        lines = (HEADER + rows(TIME, DRIVE, RESPONSE)).splitlines()
+        for k in lost:
+            lines[k + 1] = f"{TIME[k]:.9g},NaN,NaN"
+        return "\n".join(lines) + "\n"
+
+    (record,) = _campaign(tmp_path, a_csv=text((100, 101, 102))).traces
+    np.testing.assert_allclose(record.drive, DRIVE, atol=0.01 * float(np.std(DRIVE)))
+    assert record.masked is not None and np.count_nonzero(record.masked) == 3
+    (tmp_path / "a.csv").write_text(text(range(100, 140)), encoding="utf-8")
+    assert_one_line(ident("check", tmp_path), "line 102", "column 2", "and 39 more")
+
+
+def test_a_trigger_is_a_drive(tmp_path):
+    rng = np.random.default_rng(2)
+    drive = 5.0 * (np.sin(2 * np.pi * 480 * TIME) > 0) + 0.02 * rng.standard_normal(COUNT)
+    (record,) = _campaign(tmp_path, a_csv="Time (s),CH1 (V),CH2 (V)\n" + rows(TIME, RESPONSE, drive)).traces
+    np.testing.assert_allclose(record.drive, drive, atol=1e-6)
+
+
+def test_a_sensitivity_above_the_table_is_said(tmp_path):
+    text = "# Polytec OFV-5000, DD-300\n# Sensitivity: 5 um/V\nTime (s),Drive (V),Vibrometer (V)\n"
+    campaign = _campaign(tmp_path, a_csv=text + rows(TIME, DRIVE, RESPONSE))
+    assert any("5 um/V" in note and "scale = { response" in note for note in campaign.notes)
+
+
+def test_files_without_a_table_are_left_out(tmp_path):
+    campaign = _campaign(tmp_path, notes_txt="the data of Monday\n", a_csv=HEADER + rows(TIME, DRIVE, RESPONSE))
+    assert [record.name for record in campaign.traces] == ["a.csv"]
+    assert "# left out: notes.txt: no table" in (tmp_path / "campaign.toml").read_text(encoding="utf-8")
+    outcome = ident("new", tmp_path / "mine", tmp_path / "notes.txt")
+    assert outcome.code == 2 and "notes.txt: no table of numbers" in outcome.err
+
+
+def test_a_trace_whose_rate_is_nowhere_told_is_refused(tmp_path):
+    (tmp_path / "a.csv").write_text("drive (V),z (um)\n" + rows(DRIVE, RESPONSE), encoding="utf-8")
+    assert_one_line(ident("check", tmp_path / "a.csv"), "a.csv", "time")
+
+
+def _arrays(**more):
+    return {"u": DRIVE, "y": 1e-6 * RESPONSE, **more}
+
+
+def _signals():
+    axis = np.zeros(1, dtype=[("Name", object), ("Data", object)])
+    axis[0] = ("Time", TIME[None])
+    signals = np.zeros(2, dtype=[("Name", object), ("Data", object), ("Unit", object)])
+    signals[0], signals[1] = ("drive", DRIVE[None], "V"), ("displacement", RESPONSE[None], "um")
+    return {"exp_1": {"X": axis, "Y": signals}}
+
+
+def _scope_data():
+    signals = np.zeros(2, dtype=[("values", object), ("label", object), ("dimensions", object)])
+    signals[0], signals[1] = (DRIVE[:, None], "drive", 1), (1e-6 * RESPONSE[:, None], "position", 1)
+    return {"ScopeData": {"time": TIME[:, None], "signals": signals, "blockName": "m/Scope"}}
+
+
+MATLAB = {
+    "a rate": _arrays(Fs=20e3),
+    "a step": _arrays(Ts=STEP),
+    "a structure with a rate": {"data": _arrays(fs=20e3, info={"operator": "me"})},
+    "dSPACE": _signals(),
+    "Simulink": _scope_data(),
+}
+
+
+@pytest.mark.parametrize("content", MATLAB)
+def test_structures_of_matlab(content, tmp_path):
+    from scipy.io import savemat
+
+    savemat(tmp_path / "a.mat", MATLAB[content])
+    (tmp_path / "campaign.toml").write_text(propose([tmp_path / "a.mat"], tmp_path), encoding="utf-8")
+    (record,) = read_campaign(tmp_path).traces
+    _assert_recording(record)
+
+
+def test_each_rate_of_a_tdms_file_has_its_own_times(tmp_path):
+    nptdms = pytest.importorskip("nptdms")
+    channel = nptdms.ChannelObject
+    with nptdms.TdmsWriter(tmp_path / "a.tdms") as writer:
+        fast = [channel("fast", name, values, {"wf_increment": STEP, "unit_string": unit})
+                for name, values, unit in (("drive", DRIVE, "V"), ("displacement", RESPONSE, "um"))]  # fmt: skip
+        slow = [channel("slow", f"T{k}", np.linspace(20, 21, 20), {"wf_increment": 20 * STEP}) for k in range(4)]
+        writer.write_segment([*fast, *slow])
+    table = read_table(tmp_path / "a.tdms", "a.tdms")
+    assert [c.header for c in table.columns] == ["time (s)", "drive", "displacement"]
+    np.testing.assert_allclose(table.columns[0].numbers(), TIME)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "step"),
+    [
+        ("Sample Interval", "4e-09", 4e-9),
+        ("Time interval", "0.20uS", 2e-7),
+        ("Delta_X", "0,000050", 5e-5),
+        ("Sample rate", "20000Hz", 5e-5),
+        ("Sampling rate", "1.25 MSa/s", 8e-7),
+        ("Acquisition rate", "2.0e+04 Hz, Precision mode", 5e-5),
+        ("Record Length", "4000", None),
+        ("Sample rate", "fast", None),
+        ("Sample rate", "0", None),
+        ("Frame rate", "30", None),
+    ],
+)
+def test_what_tells_the_step(key, value, step):
+    found = step_of(key, value)
+    assert found is step if step is None or found is None else abs(found / step - 1) < 1e-12
+
+
+def test_a_line_that_tells_a_value_is_no_header():
+    assert header_of(["Min bandwidth:,0"], ",", 2).names == []
+    assert header_of(["SampleRate,2.0E+04"], ",", 2).names == []
+    assert header_of(["time,z", "Waveform Data,"], ",", 2).names == []
+    assert list(header_of(["time,z", "-----"], ",", 2).names) == ["time", "z"]
+    assert preamble_words([["Source", "CH1", "CH2"], ["XInc", "2e-6"]]).sources == ("CH1", "CH2")
+
+
+def test_times_of_day():
+    assert clock_seconds(["00:00:01.5", "00:00:02"]) == ["1.5", "2"]
+    assert clock_seconds(["12:00:00 AM", "12:00:00 PM"]) == ["0", "43200"]
+    assert clock_seconds(["05:33.5", "noon"]) is None
