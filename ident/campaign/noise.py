@@ -35,8 +35,8 @@ def noise_floor(
     """Standard deviation and colour of the measurement noise of a record.
 
     A periodic drive: the noise is what is left of the response beside a Fourier series, a transient and their products.
-    A long period with many harmonics: the differences between its repeats. Any other drive: the frequencies that the
-    signal leaves free.
+    A long period with many harmonics: the differences between its repeats. Any other drive, and
+    where these are in doubt: the frequencies that the signal leaves free.
 
     **Arguments:** `time` (n,) s, `drive` (n,) V, `response` (n,) m, `period`: samples per period of the drive or None,
     `masked` (n,): samples that say nothing; a smooth curve takes their place, which is counted as without noise.
@@ -60,12 +60,12 @@ def noise_floor(
         found = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
     elif period <= 8 * HARMONICS or _highest_harmonic(drive, period) <= HARMONICS // 3:
         found = _of_parts(response[-LONGEST:], period, mains, _short_period(response[-LONGEST:], period, mains))
-        if found[0].relative_error > _SURER * _EXTRAPOLATED:
-            far_above = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
-            if _SURER * far_above[0].relative_error < found[0].relative_error:
-                found = far_above  # a motion beyond description adds to what is left of it, but hardly so high
     else:
         found = _repeats(response, period)
+    if np.ptp(drive) > 0 and found[0].relative_error > _SURER * _EXTRAPOLATED:
+        far_above = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
+        if _SURER * far_above[0].relative_error < found[0].relative_error:
+            found = far_above  # a motion beyond description adds to what is left of it, but hardly so high
     fit, method = found
     quantum = _resolution(response)
     sigma = max(fit.sigma, quantum / math.sqrt(12.0), 1e-12)

@@ -120,7 +120,9 @@ def faults_of(fitted: Fit, i: int, rest: Rest) -> list[Fault]:
 
 def common_delay(fitted: Fit) -> Fault | None:
     """All responses come late, or early, alike: a lag that no record can place. A filter's is the same time in every
-    record, a converter's the same number of samples."""
+    record, a converter's the same number of samples. Decays alone have no drive to come late to."""
+    if not any(record.driven for record in fitted.campaign.fitted):
+        return None
     steps = {record.step for record in fitted.campaign.fitted}
     alike = [_common_delay(fitted, None)] + [_common_delay(fitted, min(steps))] * (len(steps) > 1)
     return min(filter(None, alike), key=lambda fault: rms(fault.left, 1.0), default=None)

@@ -42,7 +42,8 @@ def rms(misfit: np.ndarray, sigma: float) -> float:
 
 def nuisances(record: Trace, predicted: np.ndarray) -> list[Nuisance]:
     """Every explanation of a record by one number, best first."""
-    found = [_gain(record, predicted), _delay(record, predicted), _drift(record, predicted)]
+    found = [_gain(record, predicted), _drift(record, predicted)]
+    found += [_delay(record, predicted)] if record.driven else []  # a decay has nothing to come late to
     return sorted([*found, _dropped(record, predicted)], key=lambda one: one.error)
 
 

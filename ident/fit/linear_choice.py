@@ -174,7 +174,7 @@ def _searched(pieces: Sequence[Piece], form: Form, level: bool, start: tuple[flo
         options = {"initial_simplex": simplex, "xatol": 1e-5, "fatol": 1e-10, "maxiter": 100}
         at = optimize.minimize(misfit, simplex[0], method="Nelder-Mead", bounds=bounds.T, options=options)
         best = min(best, (float(at.fun), tuple(at.x)))
-    return _of(pieces, form.name, level, form, np.exp(np.array(best[1])))
+    return _of(pieces, form.name, level, form, form.told(np.exp(np.array(best[1])), pieces))
 
 
 def _of(pieces: Sequence[Piece], name: str, level: bool, form: Form | None, point: np.ndarray | None) -> Candidate:

@@ -48,6 +48,10 @@ class Form(ABC):
     def point(self, first: float, second: float) -> np.ndarray:
         """The trial point of those parameters."""
 
+    def told(self, point: np.ndarray, pieces: Sequence[Piece]) -> np.ndarray:
+        """The point that samples tell from others: where they do not, the one nearest to what they can."""
+        return point
+
 
 class _WithSpring(Form):
     qualities: ClassVar[tuple[float, ...]]
@@ -86,6 +90,17 @@ class Overdamped(_WithSpring):
     name = "overdamped"
     qualities = (0.05, 0.15, 0.4)
     least, most = (0.0, 1e-3), (math.inf, 0.5)
+
+    def told(self, point: np.ndarray, pieces: Sequence[Piece]) -> np.ndarray:
+        """A decay that is over within a sample might be of any rate: it is taken as falling to 5 % in one."""
+        omega, quality = 2 * math.pi * float(point[0]), float(point[1])
+        fast = omega / (2 * quality) * (1 + math.sqrt(max(1 - 4 * quality**2, 0.0)))
+        seen = 3.0 / min(piece.step for piece in pieces)
+        if fast <= seen:
+            return point
+        slow = omega**2 / fast
+        omega = math.sqrt(seen * slow)
+        return np.array([omega / (2 * math.pi), omega / (seen + slow)])
 
 
 class NoSpring(Form):

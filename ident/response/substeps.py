@@ -38,6 +38,7 @@ def _substeps(record: Trace, frequency: float, quality: float, finest: int) -> i
     average it as they do the noise: near resonance ln ω is known to σ/(2Q √n rms); a tenth of that is allowed.
     (With σ/10 instead of σ/(10 √n) 400 simulated campaigns returned frequencies 0.18 error bars too high.)
     In an excerpt no frequency is reported: σ/10 is fine, and so is half of the steps that sharp effects need.
+    An overdamped motion has a decay of rate ω/Q, of which a step may hold two times: it has no bound beyond 2.8.
     """
     signal = float(np.std(record.response)) or 1.0
     share = 0.1 / (1.0 if record.excerpt else math.sqrt(len(record.time)))
@@ -46,4 +47,6 @@ def _substeps(record: Trace, frequency: float, quality: float, finest: int) -> i
     if finest:
         largest = min(largest, 2 * math.pi / finest * (2 if record.excerpt else 1))
     omega = 2 * math.pi * frequency
+    if quality < 0.5:
+        largest = min(largest, 2.0 * quality)
     return int(np.clip(math.ceil(omega * record.step / largest - 0.05), 1, 32))

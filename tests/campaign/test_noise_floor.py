@@ -183,3 +183,18 @@ def test_a_motion_beyond_description_hides_no_floor(seed, hidden, starts, size, 
     case = draw(seed, hidden, size=size, noise=noise, records=4, length=length, starts=starts, device="oscillator")
     for record, truth in zip(campaign_of(case).traces, case.records, strict=True):
         assert record.noise.sigma < 1.3 * truth.sigma
+
+
+def test_what_drifts_under_a_long_period_is_no_noise():
+    """A stage without a spring never repeats: what two periods differ by is its motion, and it was called a floor 11 to
+    32 times too high, once larger than the signal. The frequencies above those of the drive know better."""
+    rng, rate, period = np.random.default_rng(3), 500.0, 2000
+    t = np.arange(2 * period) / rate
+    lines = np.arange(2, 48) * rate / period
+    drive = sum(np.cos(2 * np.pi * f * t + rng.uniform(0, 2 * np.pi)) for f in lines)
+    speed = np.cumsum(drive) / rate
+    z = np.cumsum(speed - speed[0] + 3.0 * np.exp(-t / 2.0)) / rate
+    sigma = 0.004 * float(np.std(z))
+    found = noise_floor(t, np.asarray(drive), z + sigma * rng.normal(size=t.size), float(period))
+    assert 0.9 < found.sigma / sigma < 1.1
+    assert found.relative_error < 0.2
