@@ -45,6 +45,7 @@ _PREFIXED: dict[str, tuple[float, Dimension, str]] = {
     "Hz": (1.0, FREQUENCY, "hertz"),
     "N": (1.0, _dimension(1, 1, -2), "newton"),
     "Pa": (1.0, PRESSURE, "pascal"),
+    "Nm": (1.0, _dimension(2, 1, -2), "newtonmeter"),  # of a torque; the textile number of pint is nobody's here
     "J": (1.0, _dimension(2, 1, -2), "joule"),
     "W": (1.0, _dimension(2, 1, -3), "watt"),
     "C": (1.0, _dimension(s=1, ampere=1), "coulomb"),

@@ -87,7 +87,8 @@ _AMPLITUDE_STRONG = _words("amp, amplitude, mag, magnitude, gain, frf")
 _LEVEL = _DRIVE | _words(
     "level, drive level, drive amplitude, voltage amplitude, v, voltage, drive amp, amplitude drive"
 )
-_PHASE = _words("phase, phi, phase lag, phase angle, theta, arg")
+_PHASE = _words("phase, phase lag, phase angle")
+_PHASE_WEAK = _words("phi, theta, arg")  # angles that a thing may swing by, too
 _DIRECTION = _words("direction, dir, sweep, sweep dir, sweep direction, up")
 
 
@@ -102,16 +103,14 @@ def trace_roles(drive: Dimension, response: Dimension, own_units: tuple[str, str
 
 def sweep_roles(drive: Dimension, response: Dimension, own_units: tuple[str, str] = ("", "")) -> tuple[Role, ...]:
     """Frequency, drive level, amplitude, and where they were measured phase and direction, of a sweep."""
-    strong = _DRIVE_STRONG | {"level"}
+    strong, read = _DRIVE_STRONG | {"level"}, _RESPONSE | _RESPONSE_STRONG | _RESPONSE_WEAK
     level = Role("level", _LEVEL, strong, _DRIVE_WEAK, drive, own_units[0], needed=False)
     return (
         Role("frequency", _FREQUENCY, _FREQUENCY_STRONG, dimension=FREQUENCY),
-        Role("phase", _PHASE, _words("phase"), dimension=NUMBER, needed=False),
+        Role("phase", _PHASE, _words("phase"), _PHASE_WEAK, NUMBER, needed=False),
         Role("direction", _DIRECTION, _words("direction, dir"), dimension=NUMBER, needed=False),
         level,
-        Role(
-            "amplitude", _AMPLITUDE, _AMPLITUDE_STRONG, _RESPONSE | _RESPONSE_STRONG, response, own_units[1], per=level
-        ),
+        Role("amplitude", _AMPLITUDE, _AMPLITUDE_STRONG, read, response, own_units[1], per=level),
         Role("time", _TIME, _words("time, zeit"), dimension=TIME, needed=False),
     )
 

@@ -14,14 +14,19 @@ Source: T. Breunung, B. Balachandran, Frequency response based identification of
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from .record import Sweep
 
-_INTERVALS = 6  # of the cubic splines through all levels: laws of an amplitude are smooth, but for one bend or two
+Found = TypeVar("Found")
+_INTERVALS = (6, 12, 24, 48)
+"""Of the cubic splines through all levels. Laws of an amplitude are smooth, but for a bend or two; a stop bends one so
+sharply that coarse splines keep levels apart that fall on one curve. Schwarz's criterion chooses, Annals of Statistics
+6 (1978) 461."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +76,7 @@ def dynamic_stiffness(sweeps: Sequence[Sweep]) -> DynamicStiffness | None:
     )
     good = (a > 5 * da) & (dp < 0.2)  # 1/Z is linear in the noise there
     f, level, a, phase, da, dp = (x[good] for x in (f, level, a, phase, da, dp))
-    if len(f) < 5 * _INTERVALS:
+    if len(f) < 5 * _INTERVALS[0]:
         return None
     omega = 2 * np.pi * f
     stiffness = level / a * np.exp(-1j * phase)
@@ -79,10 +84,18 @@ def dynamic_stiffness(sweeps: Sequence[Sweep]) -> DynamicStiffness | None:
     cos2 = np.cos(phase) ** 2
     real_error = np.sqrt(cos2 * along**2 + (1 - cos2) * across**2)
     imaginary_error = np.sqrt((1 - cos2) * along**2 + cos2 * across**2)
-    basis = np.column_stack([_splines(a, a), -(omega**2)])
-    scale = np.sqrt(np.mean(basis**2, 0))
-    weights = np.linalg.lstsq(basis / scale / real_error[:, None], stiffness.real / real_error, rcond=None)[0] / scale
-    beta = float(weights[-1])
+
+    def slope(intervals: int) -> tuple[np.ndarray, np.ndarray, float]:
+        at = np.linspace(float(np.min(a)), float(np.max(a)), 200)
+        basis, shown, total = _splines(a, a, intervals), _splines(at, a, intervals), real_error
+        scale, weights = np.mean(omega**2), np.zeros(basis.shape[1] + 1)
+        columns = np.column_stack([basis, -(omega**2) / scale])
+        for _ in range(2):  # the noise of the amplitude counts as much as the law is steep
+            weights = np.linalg.lstsq(columns / total[:, None], stiffness.real / total, rcond=None)[0]
+            total = np.hypot(real_error, da * np.interp(a, at, np.gradient(shown @ weights[:-1], at)))
+        return stiffness.real - columns @ weights, total, float(weights[-1] / scale)
+
+    beta = _best(slope, len(a))
     square = stiffness.real / beta + omega**2
     if beta == 0.0 or np.any(square <= 0):
         return None
@@ -94,10 +107,24 @@ def dynamic_stiffness(sweeps: Sequence[Sweep]) -> DynamicStiffness | None:
     return DynamicStiffness(stiff, damping, beta)
 
 
-def _splines(x: np.ndarray, over: np.ndarray) -> np.ndarray:
-    """(n, _INTERVALS + 3) cubic B-splines at x, on evenly spaced knots over the range of `over`: a bend at large
-    amplitudes, where few points are, is seen too."""
-    knots = np.linspace(float(np.min(over)), float(np.max(over)), _INTERVALS + 1)
+def _best(found: Callable[[int], tuple[np.ndarray, np.ndarray, Found]], n: int) -> Found:
+    """What is found with the number of intervals that n points ask for; `found` gives what is left of them, and its
+    deviations, beside it."""
+
+    def price(intervals: int, left: np.ndarray, deviation: np.ndarray) -> float:
+        chi2 = max(float(np.sum((left / deviation) ** 2)), 1e-300)
+        return n * np.log(chi2) + 2 * float(np.sum(np.log(deviation))) + intervals * np.log(n)
+
+    tried = [(intervals, *found(intervals)) for intervals in _INTERVALS if 5 * intervals <= n]
+    return min(tried, key=lambda one: price(*one[:3]))[3]
+
+
+def _splines(x: np.ndarray, over: np.ndarray, intervals: int) -> np.ndarray:
+    """(n, at most intervals + 3) cubic B-splines at x, on evenly spaced knots over the range of `over`: a bend at large
+    amplitudes, where few points are, is seen too. Where no points are (jumps) one piece bridges."""
+    even = np.linspace(float(np.min(over)), float(np.max(over)), intervals + 1)
+    held = np.histogram(over, even)[0][:-1] > 0
+    knots = np.concatenate([even[:1], even[1:-1][held], even[-1:]])
     padded = np.concatenate([np.repeat(knots[0], 3), knots, np.repeat(knots[-1], 3)])
     from scipy.interpolate import BSpline  # here, because its import costs more than reading a campaign
 
@@ -107,12 +134,16 @@ def _splines(x: np.ndarray, over: np.ndarray) -> np.ndarray:
 def _curve(x: np.ndarray, y: np.ndarray, error: np.ndarray, x_error: np.ndarray, level: np.ndarray) -> LawCurve:
     """The common curve; the noise of the amplitude counts as much as the curve is steep."""
     at = np.linspace(float(np.min(x)), float(np.max(x)), 200)
-    basis, shown, total = _splines(x, x), _splines(at, x), error
-    weights = np.zeros(basis.shape[1])
-    for _ in range(2):
-        weights = np.linalg.lstsq(basis / total[:, None], y / total, rcond=None)[0]
-        slope = np.interp(x, at, np.gradient(shown @ weights, at))
-        total = np.hypot(error, slope * x_error)
-    left = (y - basis @ weights) / total
-    misfit = float(np.sqrt(np.sum(left**2) / max(len(x) - basis.shape[1], 1)))
-    return LawCurve(x, y, error, level, at, shown @ weights, misfit)
+
+    def through(intervals: int) -> tuple[np.ndarray, np.ndarray, LawCurve]:
+        basis, shown, total = _splines(x, x, intervals), _splines(at, x, intervals), error
+        weights = np.zeros(basis.shape[1])
+        for _ in range(2):
+            weights = np.linalg.lstsq(basis / total[:, None], y / total, rcond=None)[0]
+            slope = np.interp(x, at, np.gradient(shown @ weights, at))
+            total = np.hypot(error, slope * x_error)
+        left = y - basis @ weights
+        misfit = np.sqrt(np.sum((left / total) ** 2) / max(len(x) - basis.shape[1], 1))
+        return left, total, LawCurve(x, y, error, level, at, shown @ weights, float(misfit))
+
+    return _best(through, len(x))

@@ -10,7 +10,7 @@ import numpy as np
 from ident.errors import UserError
 from ident.units import CURRENT, LENGTH, NUMBER, VOLTAGE, Dimension, base_unit, find_unit
 
-from .amplitude_unit import amplitude_unit
+from .amplitude_unit import AmplitudeUnit, amplitude_unit
 from .checks import PLATFORM_TRAVEL, travel_of
 from .columns import Role, match_columns, sweep_roles, trace_roles
 from .device import Device, Oscillator, Platform
@@ -28,8 +28,8 @@ _READINGS: tuple[Dimension, ...] = (
     (-1, 1, -2, 0, 0, 0, 0),
 )
 
-_PUSHES: tuple[Dimension, ...] = (CURRENT, (1, 1, -2, 0, 0, 0, 0), (1, 0, -2, 0, 0, 0, 0))
-"""What may drive a thing that is no platform: a current, a force, an acceleration of its base."""
+_PUSHES: tuple[Dimension, ...] = (CURRENT, (1, 1, -2, 0, 0, 0, 0), (2, 1, -2, 0, 0, 0, 0), (1, 0, -2, 0, 0, 0, 0))
+"""What may drive a thing that is no platform: a current, a force, a torque, an acceleration of its base."""
 
 _BENCH = 0.1  # m: what stands on a bench moves less, and metres in place of micrometres are more
 
@@ -70,8 +70,8 @@ def renamed(table: Table, chosen: Mapping[str, str | int], units: Mapping[str, s
     return replace(table, columns=tuple(columns))
 
 
-def _measured(column: Column) -> Dimension | None:
-    """The dimension of what a column holds; of a response ratio, that of its numerator."""
+def _meaning(column: Column) -> AmplitudeUnit | None:
+    """What the unit of a column says if it holds amplitudes."""
 
     def reads(name: str) -> bool:
         found = find_unit(name)
@@ -81,23 +81,33 @@ def _measured(column: Column) -> Dimension | None:
         found = find_unit(name)
         return found is not None and found.dimension in (VOLTAGE, *_PUSHES)
 
+    return None if column.unit is None else amplitude_unit(column.unit, reads, drives)
+
+
+def _measured(column: Column) -> Dimension | None:
+    """The dimension of what a column holds; of a response ratio, that of its numerator."""
     if column.unit is None:
         return None
-    meant = amplitude_unit(column.unit, reads, drives)
+    meant = _meaning(column)
     if meant is not None and not meant.unit:  # bare decibels: no platform moves a millimetre per volt
         return VOLTAGE if float(np.max(column.numbers(), initial=-np.inf)) > -60.0 else LENGTH
     found = find_unit(meant.unit if meant is not None else column.unit)
     return None if found is None else found.dimension
 
 
-def _travel(column: Column) -> float:
-    """How far a column of displacements goes, m; 0 if its header states no length, or it is empty."""
-    unit = find_unit(column.unit) if column.unit else None
+def _travel(column: Column, role: str) -> float:
+    """How far a column of displacements, or of their amplitudes, goes, m; 0 if its header states no length (a ratio is
+    none), or it is empty."""
+    meant = _meaning(column) if role == "amplitude" else None
+    unit = find_unit(column.unit if meant is None else meant.unit) if column.unit else None
     if unit is None or unit.dimension != LENGTH:
         return 0.0
     numbers = column.numbers(missing=True)
     numbers = numbers[np.isfinite(numbers)]
-    return travel_of(numbers) * unit.factor if len(numbers) else 0.0
+    if not len(numbers) or (meant is not None and meant.per):
+        return 0.0
+    far = travel_of(numbers) if meant is None else float(np.max(meant.amplitudes(numbers)))
+    return far * unit.factor
 
 
 def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
@@ -114,7 +124,7 @@ def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
             for name in names:
                 if name in found and (dimension := _measured(found[name])) is not None:
                     units.add(dimension)
-                    travel = max(travel, _travel(found[name]) if name == "response" else 0.0)
+                    travel = max(travel, _travel(found[name], name) if name in ("response", "amplitude") else 0.0)
     reading = outputs.pop() if len(outputs) == 1 else None
     pushed = inputs.pop() if len(inputs) == 1 else VOLTAGE
     alone = len(tables) == undriven

@@ -272,8 +272,23 @@ def _without_copies(sweep: Sweep, notes: list[str]) -> Sweep:
     twice = sum(len(run.rows) - len(np.unique(sweep.frequency[run.rows])) for run in sweep.runs)
     if twice:
         points = "points stand" if twice > 1 else "point stands"
-        notes.append(f"{sweep.name}: {twice} {points} at a frequency that its run has already; they count as repeats.")
+        apart = f"which differ by up to {100 * max(_repeats_apart(sweep)):.2g} % of the peak of the run"
+        notes.append(
+            f"{sweep.name}: {twice} {points} at a frequency that its run has already; they count as repeats, {apart}."
+        )
     return sweep
+
+
+def _repeats_apart(sweep: Sweep) -> list[float]:
+    """By how much amplitudes of a run at one frequency differ at most, of its peak; of each run."""
+    found = []
+    for run in sweep.runs:
+        amplitude, group = sweep.amplitude[run.rows], np.unique(sweep.frequency[run.rows], return_inverse=True)[1]
+        low, high = np.full(group.max() + 1, np.inf), np.full(group.max() + 1, -np.inf)
+        np.minimum.at(low, group, amplitude)
+        np.maximum.at(high, group, amplitude)
+        found.append(float(np.max(high - low) / max(float(np.max(amplitude)), 1e-300)))
+    return found
 
 
 def _with_noise(spec: RecordSpec, sweep: Sweep, notes: list[str]) -> Sweep:

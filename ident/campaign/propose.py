@@ -65,14 +65,14 @@ def propose(paths: Sequence[Path], folder: Path, columns: Mapping[str, str | int
     chosen = {path: (dict(columns), "") if columns else _columns_by_content(joined[path]) for path in alone}
     chosen = _compared(chosen)
     units = {path: _units(renamed(joined[path], chosen[path][0])) for path in alone}
-    device, device_notes = guess_device([renamed(joined[path], chosen[path][0], units[path]) for path in alone])
+    device, device_notes = guess_device([_with_units(renamed(joined[p], chosen[p][0]), units[p]) for p in alone])
     proposals = [
         _record(path, tables[path], pairs.get(path), device, (*chosen[path], units[path]), columns, folder, segment)
         for path in alone
         for segment in _segments(renamed(joined[path], chosen[path][0]))
     ]
-    if len(proposals) == 1:
-        proposals = _one_per_level(proposals[0])
+    if all(isinstance(p.record, Sweep) for p in proposals):
+        proposals = [one for p in proposals for one in _one_per_level(p)]
     records = [p.record for p in proposals]
     held = _held_out(records) or _held_out_level(records)
     parts = [f"title = {_text(folder.resolve().name)}"]
@@ -227,11 +227,24 @@ def _compared(
 
 def _units(table: Table) -> dict[str, str]:
     """Volts, for a response without a unit whose numbers no platform can have in metres."""
-    found = match_any(table, tuple(replace(role, needed=False) for role in trace_roles(VOLTAGE, LENGTH)))
-    response = found.get("response")
+    response = _response(table)
     if response is None or response.unit is not None or not _varies(response):
         return {}
     return {"response": "V"} if float(np.ptp(_known(response))) > PLATFORM_TRAVEL else {}
+
+
+def _response(table: Table) -> Column | None:
+    """The column of the response, or of its amplitudes, if it can be told."""
+    roles = sweep_roles(VOLTAGE, LENGTH) if guess_kind(table) == "sweep" else trace_roles(VOLTAGE, LENGTH)
+    found = match_any(table, tuple(replace(role, needed=False) for role in roles))
+    return found.get("response", found.get("amplitude"))
+
+
+def _with_units(table: Table, units: Mapping[str, str]) -> Table:
+    """The table with the unit that is assumed for its response."""
+    told = _response(table) if units else None
+    columns = (replace(c, unit=units["response"]) if c is told else c for c in table.columns)
+    return replace(table, columns=tuple(columns))
 
 
 def _name(column: Column, table: Table) -> str | int:
@@ -300,7 +313,7 @@ def _sweep_lines(path: Path, table: Table, record: Sweep) -> list[str]:
 
 
 def _one_per_level(proposal: _Proposal) -> list[_Proposal]:
-    """A record for each level of a single table of three or more, so that one of them can judge."""
+    """A record for each level of a table of three or more, so that one of them can judge."""
     record = proposal.record
     groups = same_level(record.level) if isinstance(record, Sweep) else ()
     if not isinstance(record, Sweep) or len(groups) < 3:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ident.errors import UserError
 
-from .amplitude_unit import is_amplitude_unit
+from .amplitude_unit import is_amplitude_unit, split_convention
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,14 +134,19 @@ def is_number(cell: str) -> bool:
 _SUFFIX_UNITS = frozenset(
     re.split(
         " ",
-        "s ms us ns min V mV uV kV m mm um nm pm micron Hz kHz MHz rad deg A mA uA N mN uN Pa kPa MPa K C kg mg "
-        "Vpp Vrms Vpk dB dBV dBm volt volts second seconds hertz m/s mm/s rad/s m/s^2 m/s2",
+        "s ms us ns min V mV uV kV m mm um nm pm micron Hz kHz MHz rad deg A mA uA N mN uN Nm mNm uNm Pa kPa MPa K C "
+        "kg mg dB dBV dBm volt volts second seconds hertz m/s mm/s rad/s m/s^2 m/s2",
     )
 )
 
 
 def _usual(text: str) -> str:
     return text.replace("µ", "u").replace("μ", "u")
+
+
+def _suffix_unit(text: str) -> bool:
+    """Whether what follows an underscore is a unit, of a sine's amplitude too: "mV", "mVrms", "umpp"."""
+    return _usual(text) in _SUFFIX_UNITS or _usual(split_convention(text)[0]) in _SUFFIX_UNITS
 
 
 def is_unit(text: str, rare: bool = True) -> bool:
@@ -189,9 +194,9 @@ def _split(header: str, own_unit: str) -> tuple[str, str | None, str]:
     match = re.fullmatch(r"(.+)([_ .:-])([^\s_.:-]+)", text)
     if match and (match[2] != " " or len(match[3]) > 1 or match[3] in "sV"):  # "Channel A" is not in amperes
         stem, _, unit = match.groups()
-        if _usual(unit) in _SUFFIX_UNITS or unit == own_unit:
+        if _suffix_unit(unit) or unit == own_unit:
             return stem.strip(" _"), unit, ""
-        if text.isupper() and unit.lower() in _SUFFIX_UNITS:  # TIME_MS, DRIVE_MV
+        if text.isupper() and _suffix_unit(unit.lower()):  # TIME_MS, DRIVE_MV
             lower = unit.lower()
             return stem.strip(" _"), {"v": "V", "mv": "mV", "uv": "uV", "kv": "kV", "hz": "Hz"}.get(lower, lower), ""
         if text.isupper() and unit in ("MV", "UV", "HZ", "KHZ", "KV"):

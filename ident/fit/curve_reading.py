@@ -10,13 +10,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..campaign.jump import find_jump
 from ..campaign.record import Run, Sweep
 from ..model import Model
 from ..response import Equation
 from ..response.branches import Branch, Fold, follow
 from ..response.controlled import Points, at_amplitude
 from ..response.periodic import Periodic
-from ..response.sweep import measured_jump, run_along
+from ..response.sweep import run_along
 from .curves import Curves, lay_curves
 from .judge import RecordScore
 
@@ -124,8 +125,8 @@ class CurveReading:
     def _run(self, run: Run, branch: Branch) -> RunReading:
         sweep, rows = self.sweep, run.rows
         amplitude, frequency = sweep.amplitude[rows], sweep.frequency[rows]
-        before = measured_jump(amplitude)
-        measured = None if before is None else float(np.mean(frequency[before : before + 2]))
+        seen = find_jump(frequency, amplitude, None if sweep.phase is None else sweep.phase[rows])
+        measured = None if seen is None else seen.frequency
         if len(branch.length) < 2 or not np.ptp(branch.frequency):
             nothing = np.full(len(rows), np.nan)
             return RunReading(run, branch, nothing, np.zeros(len(rows), bool), None)
@@ -136,9 +137,9 @@ class CurveReading:
             any(abs(other - a) < abs(r - a) for other in others)
             for a, r, others in zip(amplitude, passed.reading, passed.others, strict=True)
         ])  # fmt: skip
-        if before is not None and fold is not None:  # between the two jumps only one of them is still up
-            i = np.arange(len(rows))
-            apart |= (i >= min(before + 1, passed.after)) & (i < max(before + 1, passed.after))
+        if seen is not None and fold is not None:  # between the two jumps only one of them is still up
+            i, after = np.arange(len(rows)), seen.after if run.up else len(rows) - seen.after
+            apart |= (i >= min(after, passed.after)) & (i < max(after, passed.after))
         if fold is None and measured is None:
             return RunReading(run, branch, passed.reading, apart, None)
         jump = Jump(

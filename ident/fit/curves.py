@@ -53,7 +53,7 @@ class Known(NamedTuple):
         step, scale = np.einsum("d,dpk->pk", share, self.by), self.found.seat.scale
         n = step.shape[1] - 1
         farthest = np.max(np.abs(step / scale[:, : n + 1])[:, [0, 1, n]], axis=1)
-        unknowns[:, : n + 1] += np.where(farthest < _REACH, 1.0, 0.0)[:, None] * step
+        unknowns[:, : n + 1] += np.where((farthest < _REACH)[:, None], step, 0.0)
         return unknowns
 
 
@@ -120,6 +120,7 @@ class Curves:
         self.known[found.model.equation] = Known(found, directions, moved.unknowns)
         return self.rows(-moved.needed / found.needed)
 
+    @np.errstate(over="ignore", invalid="ignore")  # where the model has no steady response
     def weighed(self, equation: Equation, values: np.ndarray) -> Curves:
         """The same with the noise carried through the model at these values."""
         here = self.solve(equation, values)

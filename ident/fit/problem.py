@@ -129,7 +129,9 @@ def evaluate(static: Static, data: Data, unknowns: Unknowns) -> Evaluation:
     steady = data.curves.solve(static.equation, values)
     own = data.curves.residuals(steady)
     residuals = np.concatenate([residuals, np.where(np.abs(own) < _WORST, own, _WORST)])
-    by_x = np.concatenate([change[:p], data.curves.slopes(steady, directions[:p])], axis=1)
+    bent = data.curves.slopes(steady, directions[:p])
+    bent[~np.isfinite(bent)] = 0.0
+    by_x = np.concatenate([change[:p], bent], axis=1)
     return Evaluation(values, found, residuals, by_x, by_start, steady)
 
 

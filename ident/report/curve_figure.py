@@ -85,7 +85,8 @@ def _over_frequency(axes: Axes, curve: CurveReading, factor: float) -> None:
         if run.run.level not in seen and len(branch.length) > 1:
             seen.add(run.run.level)
             size = (branch.swing if sweep.quantity == "half-peak-to-peak" else np.abs(branch.tone)) / factor
-            _curve(axes, branch.frequency, size, branch.stable)
+            for part in branch.stretches:
+                _curve(axes, branch.frequency[part], size[part], branch.stable[part])
             peaks.append((branch.frequency[np.argmax(size)], np.max(size)))
         if run.jump is not None and run.jump.model is not None:
             axes.axvline(run.jump.model, color=MODEL, lw=0.6, ls="-" if run.run.up else ":")

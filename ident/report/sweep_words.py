@@ -117,17 +117,29 @@ def fit_free_words(sweeps: Sequence[Sweep]) -> tuple[str, ...]:
     )
 
 
-def _ends(curve: LawCurve) -> tuple[float, float, bool]:
-    """The weighted mean of the weakest third, the value at the strongest amplitude, and whether the law is bent."""
-    weak = curve.amplitude < np.quantile(curve.amplitude, 1 / 3)
-    strong = curve.amplitude > np.quantile(curve.amplitude, 2 / 3)
-    means, errors = [], []
-    for part in (weak, strong):
-        weights = curve.deviation[part] ** -2.0
-        means.append(float(weights @ curve.value[part] / np.sum(weights)))
-        errors.append(float(np.sum(weights) ** -0.5))
-    bent = abs(means[1] - means[0]) > _BENT * max(curve.misfit, 1.0) * float(np.hypot(*errors))
-    return means[0], float(curve.curve[-1]), bent
+def _mean(curve: LawCurve, part: np.ndarray) -> tuple[float, float]:
+    """The weighted mean of some points, and its error with the misfit of the common curve."""
+    weights = curve.deviation[part] ** -2.0
+    error = max(curve.misfit, 1.0) * float(np.sum(weights) ** -0.5)
+    return float(weights @ curve.value[part] / np.sum(weights)), error
+
+
+def _course(curve: LawCurve) -> list[float]:
+    """Where the law goes from weak to strong amplitudes: from the mean of the weakest third to the value at the
+    strongest, over a turning point if there is one; a single value if it does not change."""
+    weak, weak_error = _mean(curve, curve.amplitude < np.quantile(curve.amplitude, 1 / 3))
+    strong, strong_error = _mean(curve, curve.amplitude > np.quantile(curve.amplitude, 2 / 3))
+    last = float(curve.curve[-1])
+    beyond = np.maximum(np.minimum(weak, last) - curve.curve, curve.curve - np.maximum(weak, last))
+    k = int(np.argmax(beyond))
+    near = np.abs(curve.amplitude - curve.at[k]) < (curve.at[-1] - curve.at[0]) / 20
+    if beyond[k] > 0 and np.count_nonzero(near) > 1:
+        there, error = _mean(curve, near)
+        out = min(abs(there - weak), abs(there - last)) if (there - weak) * (there - last) > 0 else 0.0
+        if out > _BENT * float(np.hypot(error, max(weak_error, strong_error))):
+            return [weak, there, last]
+    bent = abs(strong - weak) > _BENT * float(np.hypot(weak_error, strong_error))
+    return [weak, last] if bent else [float(np.median(curve.curve))]
 
 
 def _apart(curve: LawCurve) -> str:
@@ -140,12 +152,13 @@ def _apart(curve: LawCurve) -> str:
 
 
 def _law_words(curve: LawCurve, what: str, coordinate: str, unit: str, digits: int) -> str:
-    weak, strong, bent = _ends(curve)
-    if bent:
-        way = "rises" if strong > weak else "falls"
-        law = f"{way} with the {coordinate}, from {weak:.{digits}g} to {strong:.{digits}g} {unit}"
+    first, *others = _course(curve)
+    if others:
+        ways = [f"{'rises' if b > a else 'falls'}" for a, b in zip([first, *others], others, strict=False)]
+        law = f"{ways[0]} with the {coordinate}, from {first:.{digits}g} to {others[0]:.{digits}g} {unit}"
+        law += f", and {ways[1]} to {others[1]:.{digits}g} {unit}" if others[1:] else ""
     else:
-        law = f"does not change with the {coordinate}, {np.median(curve.curve):.{digits}g} {unit}"
+        law = f"does not change with the {coordinate}, {first:.{digits}g} {unit}"
     return f"Before any fit, the {what} {law}; {_apart(curve)}."
 
 

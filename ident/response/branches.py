@@ -23,6 +23,7 @@ _TURN = 0.97  # cosine of the angle by which the curve may turn from point to po
 _LONGEST, _SHORTEST = 0.25, 1e-5  # steps, in scales of the unknowns
 _PAST = 0.7  # of the peak: beyond the band and below, the curve is past it
 _BEYOND = 2.0  # widths of the band by which a curve may leave it and turn back
+_MET = 0.01  # of the largest value of each unknown: so near to the end of one stretch another one has met it
 _STABLE = 1e-6  # beyond the unit circle by which a multiplier may be off
 
 
@@ -39,7 +40,8 @@ class Branch:
     """An amplitude-frequency curve of a model at one drive level, in the order of its length.
 
     **Arguments:** `unknowns`, (k, n + 2) y, U, f; `along`, their derivatives by the length; `length`, (k,); `tone`,
-    (k,) complex fundamental relative to the drive; `swing`, (k,) half the peak-to-peak value; `stable`, (k,).
+    (k,) complex fundamental relative to the drive; `swing`, (k,) half the peak-to-peak value; `stable`, (k,); `gap`,
+    the point after which a second stretch begins, where the curve was not followed from the one to the other.
     """
 
     level: float
@@ -50,6 +52,13 @@ class Branch:
     tone: np.ndarray
     swing: np.ndarray
     stable: np.ndarray
+    gap: int | None = None
+
+    @property
+    def stretches(self) -> tuple[slice, ...]:
+        """The points of each stretch."""
+        n = len(self.length)
+        return (slice(0, n),) if self.gap is None else (slice(0, self.gap + 1), slice(self.gap + 1, n))
 
     @property
     def frequency(self) -> np.ndarray:
@@ -60,11 +69,16 @@ class Branch:
     def folds(self) -> tuple[Fold, ...]:
         """Where the curve turns back, in the order of its length."""
         slope, found = self.along[:, FREQUENCY], []
-        for k in np.flatnonzero(slope[:-1] * slope[1:] < 0):
+        for k in np.flatnonzero(self._joined & (slope[:-1] * slope[1:] < 0)):
             part = _turning(self.length[k + 1] - self.length[k], *self.frequency[k : k + 2], *slope[k : k + 2])
             amplitude = np.abs(self.tone[k]) + part * (np.abs(self.tone[k + 1]) - np.abs(self.tone[k]))
             found.append(Fold(int(k), float(self.at(k, part)[FREQUENCY]), float(amplitude)))
         return tuple(found)
+
+    @property
+    def _joined(self) -> np.ndarray:
+        """(k - 1,) whether the curve goes on from each point to the next."""
+        return np.arange(len(self.length) - 1) != (-1 if self.gap is None else self.gap)
 
     def at(self, k: Any, part: Any) -> np.ndarray:
         """Unknowns (…, n + 2) between points k and k + 1, (…,), by the cubic through both and their slopes."""
@@ -78,7 +92,8 @@ class Branch:
         f = self.frequency
         before, after = f[:-1] - frequencies[:, None], f[1:] - frequencies[:, None]
         # A point that is hit ends the stretch before it and does not begin the next.
-        which, k = np.nonzero((before * after < 0) | (after == 0) | ((before == 0) & (np.arange(len(f) - 1) == 0)))
+        first = np.isin(np.arange(len(f) - 1), [stretch.start for stretch in self.stretches])
+        which, k = np.nonzero(self._joined & ((before * after < 0) | (after == 0) | ((before == 0) & first)))
         low, high, rising = np.zeros(len(k)), np.ones(len(k)), f[k + 1] > f[k]
         for _ in range(40 if len(k) else 0):
             middle = 0.5 * (low + high)
@@ -98,27 +113,44 @@ def _turning(h: float, a: float, b: float, u: float, v: float) -> float:
     return inside[0] if inside else 0.5
 
 
+@np.errstate(over="ignore", invalid="ignore")  # beyond a motion without bound nothing is followed
 def follow(model: Periodic, levels: np.ndarray, loads: np.ndarray, bands: np.ndarray,
            sizes: np.ndarray) -> list[Branch]:  # fmt: skip
     """The curves of a model at levels (k,), V, under loads (k,), kg, each through a band of frequencies (k, 2), Hz.
 
+    Where a curve that is followed from the low end does not come back to small amplitudes at the high end (its fold is
+    far beyond the band, there is none, or no next point is found), it is followed from the high end, too.
+
     **Arguments:** `sizes`: (k,) the largest amplitudes to expect, m, which scale the length.
     """
+    bands = np.broadcast_to(np.asarray(bands, float), (len(levels), 2))
+    found, whole = _followed(model, levels, loads, bands, sizes, True)
+    rest = np.flatnonzero(~whole)
+    if len(rest):
+        others, through = _followed(model, levels[rest], loads[rest], bands[rest], sizes[rest], False)
+        for i, other, complete in zip(rest, others, through, strict=True):
+            found[i] = other.turned() if complete else found[i].joined(other)
+    return [path.branch(float(v), float(m)) for path, v, m in zip(found, levels, loads, strict=True)]
+
+
+def _followed(model: Periodic, levels: np.ndarray, loads: np.ndarray, bands: np.ndarray, sizes: np.ndarray,
+              rising: bool) -> tuple[list[_Path], np.ndarray]:  # fmt: skip
+    """The curves from one end of the bands on, and (k,) whether each came out at the other, past its peak."""
     n, own = model.size, float(model.values[0])
-    low, high = np.broadcast_to(np.asarray(bands, float), (len(levels), 2)).T
+    low, high = bands.T
     # In these units a linear resonance is about as wide as it is high.
     width = np.maximum(own / max(float(model.values[1]), 1.0), (high - low) / 200)
-    first = _linear(model, levels, loads, low)
+    first = _linear(model, levels, loads, low if rising else high)
     scale = np.column_stack([sizes, 2 * np.pi * own * sizes, _hidden_sizes(model, levels, loads, sizes), levels, width])
     seat = Seat(np.asarray(loads, float), scale)
     w, begun, _ = settle(model, first, seat)
     paths = [_Path() for _ in levels]
     tangent = np.zeros((len(levels), n + 1))
-    tangent[:, n] = 1.0
+    tangent[:, n] = 1.0 if rising else -1.0
     seen = model.look(w, seat, _along(n))
     tangent = _tangents(seen, seat, tangent)
     step = np.full(len(levels), 0.05)
-    active = np.flatnonzero(begun)
+    active, whole = np.flatnonzero(begun), np.zeros(len(levels), bool)
     for i in active:
         paths[i].append(w[i], tangent[i], seen, i, seat)
     while len(active):
@@ -139,11 +171,13 @@ def follow(model: Periodic, levels: np.ndarray, loads: np.ndarray, bands: np.nda
                 step[i] *= 0.4
         f, peak = w[active, FREQUENCY], np.array([max(map(abs, paths[i].tones)) for i in active])
         bottom, top = low[active], high[active]
-        over = (f > top) & (np.array([abs(paths[i].tones[-1]) for i in active]) < _PAST * peak)
+        small = np.array([abs(paths[i].tones[-1]) for i in active]) < _PAST * peak
+        over = small & ((f > top) if rising else (f < bottom))
+        whole[active[over]] = True
         on = (step[active] > _SHORTEST) & ~over & (f < top + _BEYOND * (top - bottom))
         on &= f > np.maximum(bottom - _BEYOND * (top - bottom), 0.1 * bottom)
         active = active[on & np.array([len(paths[i].points) < _MOST for i in active])]
-    return [path.branch(float(v), float(m)) for path, v, m in zip(paths, levels, loads, strict=True)]
+    return paths, whole
 
 
 def _hidden_sizes(model: Periodic, levels: np.ndarray, loads: np.ndarray, sizes: np.ndarray) -> np.ndarray:
@@ -193,6 +227,7 @@ class _Path:
         self.swings: list[float] = []
         self.stable: list[bool] = []
         self.length = 0.0
+        self.gap: int | None = None
 
     def append(self, w: np.ndarray, tangent: np.ndarray, seen: Look, j: Any, seat: Seat) -> None:
         n = len(w) - 2
@@ -206,9 +241,35 @@ class _Path:
         self.swings.append(float(seen.swing[j]))
         self.stable.append(bool(np.max(np.abs(np.linalg.eigvals(jacobian))) < 1 + _STABLE))
 
+    def turned(self) -> _Path:
+        """The same from its end to its beginning."""
+        back = _Path()
+        back.points, back.tones, back.swings = self.points[::-1], self.tones[::-1], self.swings[::-1]
+        back.stable, back.tangents = self.stable[::-1], [-one for one in self.tangents[::-1]]
+        back.lengths, back.length = [self.length - one for one in self.lengths[::-1]], self.length
+        return back
+
+    def joined(self, other: _Path) -> _Path:
+        """This stretch from the low end and another from the high end, up to where they meet, if they do."""
+        if not self.points:
+            return other.turned()
+        size = np.maximum(np.max(np.abs(np.array(self.points + other.points)), axis=0), 1e-300)
+        ways = [np.max(np.abs(point - self.points[-1]) / size) for point in other.points]
+        met = next((k for k, way in enumerate(ways) if way < _MET), len(other.points))
+        if not met:
+            return self
+        there, both = other.turned(), _Path()
+        kept = slice(len(other.points) - met, None)
+        for name in ("points", "tangents", "tones", "swings", "stable"):
+            setattr(both, name, getattr(self, name) + getattr(there, name)[kept])
+        both.gap = len(self.points) - 1
+        both.lengths = self.lengths + [self.length + 1.0 + one for one in there.lengths[kept]]
+        both.length = both.lengths[-1]
+        return both
+
     def branch(self, level: float, load: float) -> Branch:
         return Branch(level, load, np.array(self.points), np.array(self.tangents), np.array(self.lengths),
-                      np.array(self.tones), np.array(self.swings), np.array(self.stable))  # fmt: skip
+                      np.array(self.tones), np.array(self.swings), np.array(self.stable), self.gap)  # fmt: skip
 
 
 def _UNKNOWN(n: int) -> list[int]:

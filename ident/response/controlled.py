@@ -127,6 +127,7 @@ class Moved(NamedTuple):
     needed: np.ndarray
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a motion without bound does not converge, which is told
 def at_amplitude(model: Periodic, points: Points, start: np.ndarray | None = None) -> Controlled:
     """The steady responses of a model with the amplitudes of the points; `start`, (points, n + 2), from where the
     search begins if they are known nearly. Points that are not found from there are searched from the balance."""

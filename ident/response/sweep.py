@@ -16,9 +16,6 @@ import numpy as np
 from .branches import Branch, Fold, settle
 from .periodic import Periodic, Seat
 
-_BIGGEST = 0.1  # of the largest amplitude of a run: a smaller step is no jump
-_SUDDEN = 3.0  # times its neighbours
-
 
 class Passed(NamedTuple):
     """A run over the points of a curve.
@@ -58,7 +55,7 @@ def run_along(
         elif np.all(missing[:i]):
             place = min(stable, key=lambda c: abs(reading_at(c) - first))
         else:
-            on = [c for c in stable if not _between(places[-1], c, folds)]
+            on = [c for c in stable if not _between(places[-1], c, folds, branch.gap)]
             if on:
                 place = min(on, key=lambda c: abs(c[0] + c[1] - places[-1][0] - places[-1][1]))
             else:
@@ -79,20 +76,11 @@ def run_along(
     return Passed(np.where(kept[:, None], found, guess), passed, tuple(others), fallen, after)
 
 
-def measured_jump(amplitude: np.ndarray) -> int | None:
-    """After which point of a run, (points,) m, the measured response jumped; None if it did not."""
-    step = np.abs(np.diff(amplitude))
-    if len(step) < 4:
-        return None
-    k = int(np.argmax(step))
-    beside = np.concatenate([step[max(k - 2, 0) : k], step[k + 1 : k + 3]])
-    sudden = step[k] > _BIGGEST * np.max(amplitude) and step[k] > _SUDDEN * np.max(beside)
-    return k if sudden else None
-
-
-def _between(place: tuple[int, float], other: tuple[int, float], folds: Sequence[Fold]) -> bool:
-    """Whether the curve turns back between two places."""
+def _between(place: tuple[int, float], other: tuple[int, float], folds: Sequence[Fold], gap: int | None) -> bool:
+    """Whether the curve turns back between two places, or they lie on two stretches."""
     low, high = sorted((place, other))
+    if gap is not None and low[0] <= gap < high[0]:
+        return True
     return any(low[0] <= fold.index < high[0] or (fold.index == high[0] and low[0] < high[0]) for fold in folds)
 
 

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ident.campaign import Sweep, read_campaign
+from ident.campaign import Oscillator, Sweep, read_campaign
+from ident.campaign.propose import propose
 from ident.errors import UserError
 from tests.campaign.curves import both_ways, duffing, write_table
 
@@ -211,7 +212,8 @@ def test_repeated_frequencies(tmp_path):
     twice[2][7] *= 1.01
     write_table(tmp_path / "s.csv", "f (Hz),level (V),amplitude (um)", twice)
     sweep, notes = _read(tmp_path)
-    assert len(sweep.frequency) == len(F) + 1 and "count as repeats" in notes and len(sweep.runs) == 6
+    assert len(sweep.frequency) == len(F) + 1 and len(sweep.runs) == 6
+    assert "count as repeats, which differ by up to" in notes
     assert np.isfinite(sweep.deviation).all() and (sweep.deviation > 0).all()
 
 
@@ -275,3 +277,43 @@ def test_no_level_anywhere(tmp_path):
     write_table(tmp_path / "s.csv", "f (Hz),A (um)", [F, 1e6 * SIZE])
     with pytest.raises(UserError, match='level = "3 V"'):
         _read(tmp_path)
+
+
+def _pendulum(folder: Path) -> None:
+    write_table(folder / "pendulum.csv", "f_Hz,torque_mNm,theta_deg,phase_deg",
+                [F, LEVEL, np.degrees(0.1 * np.abs(RESPONSE)), DEGREES])  # fmt: skip
+
+
+def _lock_in(folder: Path) -> None:
+    write_table(folder / "paddle.csv", "frequency_Hz,drive_mVrms,response_mVrms,phase_deg,sweep",
+                [F, 1e3 * LEVEL / np.sqrt(2), 1e8 * SIZE / np.sqrt(2), DEGREES, np.where(UP, 1, -1)])  # fmt: skip
+
+
+def _millimetres(folder: Path) -> None:
+    for name, own in (("up", UP), ("down", ~UP)):
+        write_table(folder / f"beam_{name}.csv", "f [Hz],V_exc [V],X [mm],phi [deg]",
+                    [F[own], LEVEL[own], 0.3e6 * SIZE[own], DEGREES[own]])  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("write", "device", "level", "size"),
+    [
+        (_pendulum, ("1", "Nm"), 1e-3, 0.1 * np.abs(RESPONSE)),
+        (_lock_in, ("V", "V"), 1.0, 1e5 * SIZE),
+        (_millimetres, ("m", "V"), 1.0, 0.3e3 * SIZE),
+    ],
+)
+def test_a_campaign_for_curves_of_any_device_is_proposed(write, device, level, size, tmp_path: Path) -> None:
+    write(tmp_path)
+    paths = sorted(tmp_path.glob("*.csv"))
+    (tmp_path / "campaign.toml").write_text(propose(paths, tmp_path), encoding="utf-8")
+    campaign = read_campaign(tmp_path)
+    assert isinstance(campaign.device, Oscillator)
+    assert (campaign.device.output, campaign.device.input) == device
+    held = {float(np.round(sweep.level[0] / level, 3)) for sweep in campaign.sweeps if sweep.holdout}
+    assert held == {LEVELS[1]} and len(campaign.sweeps) == len(LEVELS) * len(paths)
+    found = np.concatenate([np.stack([s.frequency, s.level, s.up, s.amplitude]) for s in campaign.sweeps], axis=1)
+    true = np.stack([F, level * LEVEL, UP, size])
+    in_order = lambda rows: rows[:, np.lexsort((rows[0], rows[2], np.round(rows[1] / level, 3)))]
+    np.testing.assert_allclose(in_order(found), in_order(true), rtol=1e-5)
+    assert all(sweep.phase is not None for sweep in campaign.sweeps)

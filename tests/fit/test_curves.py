@@ -93,6 +93,16 @@ def test_the_only_sweep_of_a_level_called_by_the_wrong_direction_is_told_by_its_
     assert words == [[], [f"0.8 {'down' if up else 'up'}"]]
 
 
+def test_a_fit_from_a_motion_without_bound_ends() -> None:
+    """LAPACK does not come back from a step that is no number."""
+    device = Oscillator()
+    model = Model(device) + built_in()["cubic-stiffness"](device)
+    campaign = Campaign("", (sweep(0.5, CUBIC, False, 2, 3e-4),), device)
+    near, far = (np.array([FREQUENCY, QUALITY, GAIN, cubic]) for cubic in (0.3 * CUBIC, -30 * CUBIC))
+    assert np.all(np.isfinite(fit(model, campaign, initial=far).values))
+    assert fit(model, campaign, initial=[far, near]).fitted.error_over_noise < 1.2
+
+
 def test_a_fit_that_starts_with_its_jump_elsewhere_finds_back() -> None:
     device = Oscillator()
     model = Model(device) + built_in()["cubic-stiffness"](device)

@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from ident.campaign.device import Oscillator
+from ident.campaign.jump import find_jump
 from ident.effects.registry import built_in
 from ident.model import Model
 from ident.response import Equation
@@ -14,7 +15,7 @@ from ident.response.branches import follow
 from ident.response.controlled import Points, at_amplitude
 from ident.response.memory import Seen, memory_along
 from ident.response.periodic import Periodic
-from ident.response.sweep import measured_jump, run_along
+from ident.response.sweep import run_along
 
 FREQUENCY, QUALITY, GAIN, CUBIC = 40.0, 50.0, 100.0, 3e6
 STEPS = 128
@@ -114,8 +115,8 @@ def test_up_and_down_jump_at_different_folds(curves: list) -> None:
     assert up.fold is not None and down.fold is not None
     assert up.fold.frequency > down.fold.frequency + 1
     assert frequency[up.after - 1] <= up.fold.frequency <= frequency[up.after]
-    assert measured_jump(up.reading) == up.after - 1
-    assert measured_jump(curves[0].swing[::3]) is None
+    seen = find_jump(frequency, up.reading)
+    assert seen is not None and seen.after == up.after
 
 
 def test_every_effect_of_the_library_has_steady_responses() -> None:
@@ -213,3 +214,18 @@ def test_a_slow_memory_of_the_drive_has_settled_at_once() -> None:
             values[i] *= 1 + side
             sides.append(at_amplitude(Periodic(model.equation, values, STEPS), at).needed)
         np.testing.assert_allclose(slopes[i], (sides[0] - sides[1]) / 2e-4, rtol=1e-3, atol=1e-9)
+
+
+def test_a_response_that_leaves_the_band_upwards_is_also_followed_from_above() -> None:
+    """The upper fold lies far beyond the band: a sweep down must still find the low response, and jump where
+    first-order theory has the lower fold: ω² − ω0² = 3 (¾ k)^⅓ (F/2)^⅔ without damping."""
+    model, frequency = duffing(), np.linspace(39.2, 44.0, 25)
+    branch = follow(model, np.array([3.0]), np.zeros(1), np.array([[38.0, 44.0]]), np.array([0.2]))[0]
+    assert branch.gap is not None and len(branch.stretches) == 2
+    scale = np.array([0.2, 60.0, 3.0, 40.0])
+    up = run_along(model, branch, frequency, 0.0, False, scale)
+    assert up.fold is None and np.all(np.diff(up.reading) > 0)
+    down = run_along(model, branch, frequency[::-1], 0.0, False, scale)
+    assert down.fold is not None and down.reading[0] < 0.05 < down.reading[down.after]
+    squared = (2 * np.pi * FREQUENCY) ** 2 + 3 * (0.75 * CUBIC) ** (1 / 3) * (GAIN * 3 / 2) ** (2 / 3)
+    assert down.fold.frequency == pytest.approx(np.sqrt(squared) / (2 * np.pi), rel=0.01)
