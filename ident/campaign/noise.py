@@ -9,7 +9,7 @@ import numpy as np
 
 from .autoregression import Autoregression, fit_autoregression, leverage_of
 from .clipping import across_gaps
-from .hum import with_hum
+from .hum import MAINS, told_apart, with_hum
 from .record import NoiseFloor
 from .signal_basis import Pole, find_transient, harmonic_columns, orthonormal, transient_columns
 
@@ -53,7 +53,7 @@ def noise_floor(
     response = response / size
     n = len(response)
     step = float(time[-1] - time[0]) / (n - 1)
-    mains = tuple(2 * np.pi * line * order * step for line in (50.0, 60.0) for order in (1, 2, 3))
+    mains = tuple(2 * np.pi * line * order * step for line in MAINS for order in (1, 2, 3))
     if np.ptp(drive) == 0:
         found = _short_period(response[:LONGEST], None, mains)
     elif period is None:
@@ -142,14 +142,8 @@ def _of_parts(
 
 def _apart(mains: tuple[float, ...], rate: float | None, pole: Pole | None, n: int) -> list[float]:
     """Rates of mains hum that the record can tell from the drive and from the transient."""
-    width = 2 * np.pi / n
-    kept = []
-    for line in mains:
-        near_drive = rate is not None and abs(line - round(line / rate) * rate) < 1.5 * width
-        near_pole = pole is not None and abs(line - pole.rate) < 3.0 * (width + pole.decay)
-        if 2.5 * width < line < 3.0 and not near_drive and not near_pole:
-            kept.append(line)
-    return kept
+    lines, width = told_apart(mains, rate, n), 2 * np.pi / n
+    return [line for line in lines if pole is None or abs(line - pole.rate) >= 3.0 * (width + pole.decay)]
 
 
 def _removed(

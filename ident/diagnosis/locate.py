@@ -44,7 +44,7 @@ class Where(NamedTuple):
     - `records`: fitted ones first, then held-out ones; `misfit`: χ² above noise of the fitted ones; `p_value`: by
       chance.
     - `time`, `phase`, `displacement`, `velocity`, `spectrum`: pooled over the fitted records; `harmonics`: of the
-      drive, 0 is the constant part. `phase` and `harmonics` are None if no record is periodic.
+      drive, 0 is the constant part, and alone where no record is periodic; `phase` is then None. Of sweeps both are.
     - `whiteness`: autocorrelation of the residual; `drive`: its cross-correlation with the drive.
     """
 
@@ -218,29 +218,32 @@ def _by_phase(samples: list[_Samples], floor_error: float) -> View | None:
 
 
 def _by_harmonic(samples: list[_Samples], resonance: float, quality: float) -> View | None:
-    """χ² that each harmonic of the drive explains of the residual, two degrees of freedom a record (constant: one).
+    """χ² that each harmonic of the drive explains of the residual, two degrees of freedom a record (constant: one, and
+    all that a record has whose drive does not repeat).
 
     Free ringing at the resonance is taken out first: in a record driven at half the resonance it would pass for the
     second harmonic.
     """
-    periodic = [s for s in samples if s.turns is not None and s.turns[-1] - s.turns[0] >= 2]
-    if not periodic:
+    traces = [s for s in samples if s.step]
+    if not traces:
         return None
-    total, freedom = np.zeros(_HARMONICS), np.zeros(_HARMONICS)
-    for s in periodic:
+    periodic = [None if s.turns is None or s.turns[-1] - s.turns[0] < 2 else s.turns for s in traces]
+    count = 1 if all(turns is None for turns in periodic) else _HARMONICS
+    total, freedom = np.zeros(count), np.zeros(count)
+    for s, turns in zip(traces, periodic, strict=True):
         t = resonance * s.step * np.arange(len(s.white))
         decay = np.exp((2j * np.pi - np.pi / quality) * t)
         ringing = [part * slow for slow in (1.0, t / (t[-1] or 1.0)) for part in (np.real(decay), np.imag(decay))]
         basis, _ = np.linalg.qr(np.stack(ringing).T)
         without = lambda x, basis=basis: x - (x @ basis) @ basis.T
         left = without(s.white)
-        for k in range(_HARMONICS):
-            angle = 2 * np.pi * k * np.asarray(s.turns)
+        for k in range(1 if turns is None else _HARMONICS):
+            angle = np.zeros(len(left)) if turns is None else 2 * np.pi * k * turns
             rows = without(np.stack([np.cos(angle), np.sin(angle)])[: 2 if k else 1])
             along = rows @ left
             total[k] += float(along @ np.linalg.lstsq(rows @ rows.T, along, rcond=None)[0])
             freedom[k] += len(rows)
-    return from_sums("harmonic of the drive", np.arange(_HARMONICS + 1) - 0.5, total, freedom, 0.0)
+    return from_sums("harmonic of the drive", np.arange(count + 1) - 0.5, total, freedom, 0.0)
 
 
 def _by_frequency(samples: list[_Samples], resonance: float, floor_error: float) -> View:

@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import solve_toeplitz
 
+from ..campaign.hum import MAINS, told_apart
 from ..campaign.record import Trace
 from ..campaign.recursive import convolved, recursive_filter
 
-MAINS = (50.0, 60.0)  # Hz; hum is a nuisance of the laboratory, never a property of the device
 _ORDER = 12
 _DIED_OUT = 1e-12  # of an initial state's influence, before the first sample that counts
 
@@ -38,14 +38,16 @@ def make_piece(record: Trace, by_start: np.ndarray | None) -> Piece:
     piece = Piece(slice(record.skip, len(record.time)), taps, record.noise.sigma * _innovation(ar), np.zeros((0, 0)))
     if record.masked is not None:
         piece = piece._replace(masked=record.masked[piece.counted])
-    t = record.time - record.time[0]
-    local = [f(2 * np.pi * hz * t) for hz in MAINS for f in (np.cos, np.sin)]
+    n, k = len(record.time), np.arange(len(record.time))
+    rate = 2 * np.pi / record.period if record.period is not None and 3 * record.period < n else None  # else no gaps
+    lines = told_apart([2 * np.pi * hz * record.step for hz in MAINS], rate, n - record.skip)
+    local = [f(line * k) for line in lines for f in (np.cos, np.sin)]
     if by_start is not None:
         seen = [(row, float(np.max(np.abs(row[piece.counted])))) for row in by_start]
         local += [row / size for row, size in seen if size > _DIED_OUT * float(np.max(np.abs(by_start)))]
-    whitened = _filter(piece, np.stack(local))
+    whitened = _filter(piece, np.reshape(local, (-1, n)))
     u, s, _ = np.linalg.svd(whitened.T, full_matrices=False)
-    return piece._replace(basis=u[:, s > 1e-6 * s[0]])
+    return piece._replace(basis=u[:, s > 1e-6 * np.max(s, initial=0.0)])
 
 
 def whiten(piece: Piece, rows: np.ndarray) -> np.ndarray:

@@ -30,7 +30,8 @@ def whiteness(white: Sequence[np.ndarray], orders: Sequence[int]) -> Correlation
     """Autocorrelation of white residuals of several records, and the portmanteau test.
 
     Q = Σ_records n (n + 2) Σ_k ρ_k²/(n − k) is χ² with one degree of freedom per lag, less the `orders` of the
-    autoregressions that were estimated to whiten the records. A mean correlation below 0.05 is not called colour.
+    autoregressions that were estimated to whiten the records. A mean correlation below 0.05 is not called colour; a
+    mean that is left is, for noise has none.
 
     Source: G. M. Ljung, G. E. P. Box, 1978, Biometrika 65, 297, doi:10.1093/biomet/65.2.297.
     """
@@ -38,7 +39,6 @@ def whiteness(white: Sequence[np.ndarray], orders: Sequence[int]) -> Correlation
     for e, order in zip(white, orders, strict=True):
         n = len(e)
         last = min(_LJUNG_BOX, n // 4)
-        e = e - e.mean()
         power = float(e @ e) or 1.0
         rho = np.array([float(e[:-k] @ e[k:]) / power for k in range(1, last + 1)])
         q += n * (n + 2) * float(np.sum(rho**2 / (n - np.arange(1, last + 1))))

@@ -141,7 +141,7 @@ def _with_modes(records: Sequence[Trace], pieces: Sequence[Piece], one: Candidat
     if told == 1 or (told is None and least > one.left / _GREATER_PART):
         return []
     found = find_modes(pieces, (one.first, one.second), one.level, told)
-    if told is None and found[-1].predicted > found[0].predicted / _GREATER_PART:
+    if told is None and found[-1].predicted > min(found[0].predicted, found[-1].alone) / _GREATER_PART:
         return []
     return [
         one._replace(left=m.left, numbers=one.numbers + 3 * (len(m.modes) - 1), first=m.modes[0].frequency,

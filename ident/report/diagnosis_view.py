@@ -51,29 +51,31 @@ def _verdict_words(found: Diagnosis) -> str:
     named = [s for s in loop.steps if s.role == "effect"]
     shaped = [s.added for s in loop.steps if s.role == "shape-refinement"]
     names = " and ".join(s.added for s in named)
+    one = len(named) == 1
+    was, them, s = ("was", "it", "s") if one else ("were", "them", "")
     refined = f" ({' and '.join(shaped)} only refines its shape)" if shaped else ""
     if loop.verdict == "ambiguous" and not loop.lacking and not any(len(s.tie_set) > 1 for s in named):
-        return f"On the fitted records {names}{refined} is what was missing, {error}."
+        return f"On the fitted records {names}{refined} {'is' if one else 'are'} what was missing, {error}."
     if loop.verdict == "identified" and adequate(loop.bench):
-        return f"Missing was {names}{refined}: with it the model is adequate, {error}."
+        return f"Missing {was} {names}{refined}: with {them} the model is adequate, {error}."
     if loop.verdict == "identified":
-        return f"Missing was {names}{refined}; the device's own law has a slightly other shape, {error}."
+        return f"Missing {was} {names}{refined}; the device's own law has a slightly other shape, {error}."
     if loop.verdict == "ambiguous" and 0 < loop.lacking < ANOTHER_LAW:
         return (
-            f"Missing was {names}{refined}, {error}, or a law much like it: {100 * loop.lacking:.1g} % of the misfit "
+            f"Missing {was} {names}{refined}, {error}, or a law much like it: {100 * loop.lacking:.1g} % of the misfit "
             "is left with a structure. The missing term is also given below as a function of its coordinates: is its "
             "curve the one that you expect?"
         )
     if loop.verdict == "ambiguous" and loop.lacking:
         return (
-            f"{names}{refined} comes near, {error}, but leaves {100 * loop.lacking:.2g} % of the first misfit with a "
-            "structure, more than laws of one kind differ by: the device may obey another law, which is given below "
+            f"{names}{refined} come{s} near, {error}, but leave{s} {100 * loop.lacking:.2g} % of the first misfit with "
+            "a structure, more than laws of one kind differ by: the device may obey another law, which is given below "
             "as a function of its coordinates."
         )
     if loop.verdict == "ambiguous":
         ties = [f"{s.added} cannot be told from {' or '.join(s.tie_set[1:])}" for s in named if len(s.tie_set) > 1]
         doubt = [f"{s.file} is suspect" for s in found.suspects if s.kind in BY_OTHERS]
-        return f"Missing was {names}{refined}, {error}; but in these records {'; '.join(ties + doubt)}."
+        return f"Missing {was} {names}{refined}, {error}; but in these records {'; '.join(ties + doubt)}."
     return _not_in_library(loop, [s for s in named if not s.added.startswith(NAME)], named)
 
 

@@ -37,7 +37,7 @@ def where_figure(where: Where) -> Figure:
         (0.805, where.velocity, "velocity", "by velocity"),
     ):
         _bins(new_axes(figure, left, top, _WIDTH, height), view, axis in said, title)
-    if where.phase is None or where.harmonics is None:
+    if where.phase is None or where.harmonics is None or len(where.harmonics.ratio) == 1:
         _bands(new_axes(figure, 0.055, low, 0.435, height), where, "frequency" in said)
     else:
         _bins(new_axes(figure, 0.055, low, _WIDTH, height), where.phase, "phase" in said, "by the drive's phase")

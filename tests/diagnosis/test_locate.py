@@ -56,6 +56,16 @@ def disturbed(bench: Bench, number: int, misfit: np.ndarray) -> Where:
     return locate(replace(bench, residual=residual))
 
 
+@pytest.mark.parametrize("period", [None, 600.0])
+def test_a_level_is_no_noise_floor_stated_too_low(period: float | None, fitted: Fit) -> None:
+    """Nor where no drive repeats, or not twice, and there is no harmonic to see it at."""
+    records = tuple(replace(record, period=period) for record in fitted.campaign.records)
+    where = disturbed(prepare(replace(fitted, campaign=replace(fitted.campaign, records=records))), 1, np.ones(800))
+    assert "in the constant part" in summary(where)
+    assert "white" not in summary(where)
+    where_figure(where)
+
+
 def test_masked_samples_leave_every_view_in_its_place() -> None:
     whole = campaign()
     clipped = np.zeros(800, bool)

@@ -14,8 +14,10 @@ from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.read import read_campaign
 from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.campaign.recursive import recursive_filter
 from ident.errors import UserError
 from ident.fit import fit
+from ident.fit.guess import oscillator_filter
 from ident.fit.start_model import linear_choice, start_model
 from ident.report.tables import record_sheet
 
@@ -69,6 +71,23 @@ def test_modes_that_no_record_can_tell_are_refused():
 
 def test_one_mode_in_noise_stays_one():
     assert start_model(Campaign("one", (record(1, FOUR[1:2]), record(2, FOUR[1:2])), Oscillator())).names == ()
+
+
+@pytest.mark.parametrize(
+    ("starts", "drift"),
+    [(("rest", "rest"), 0.0), (("rest", "unknown"), 0.0), (("rest", "unknown"), 0.3), (("unknown", "unknown"), 0.3)],
+)
+def test_a_zero_that_is_off_is_no_mode(starts: tuple[str, str], drift: float):
+    """A slow mode could begin in motion and so be a level, in each record that does not start from rest."""
+    w, records = 2 * np.pi * 7.3, []
+    for seed, start in enumerate(starts):
+        one = record(seed, FOUR[1:2])
+        t, rng = one.time, np.random.default_rng(seed)
+        answer = recursive_filter(*oscillator_filter(7.3, 25.0, STEP, 0), one.drive) * w**2
+        answer += np.std(answer) * (0.3 + drift * np.expm1(-t / 6) + 0.005 * rng.normal(size=N))
+        noise = NoiseFloor(0.005 * float(np.std(answer)))
+        records.append(replace(one, response=answer, start=start, noise=noise, measures="displacement"))
+    assert not {"second-mode"} & {*start_model(Campaign("offset", tuple(records), Oscillator())).names}
 
 
 @pytest.mark.parametrize("effect", ["cubic-stiffness", "end-stop", "coulomb-friction", "viscoelastic-support"])
