@@ -17,10 +17,11 @@ from ..response import Equation
 from ..response.branches import Branch, Fold, follow
 from ..response.controlled import Points, at_amplitude
 from ..response.periodic import Periodic
-from ..response.sweep import run_along
+from ..response.sweep import Passed, run_along
 from .curves import Curves, lay_curves
 from .judge import RecordScore
 
+_CLEAR = 3.0  # standard deviations from both branches, to be on neither
 _AROUND = 0.1  # of the band of a sweep, by which its curves are followed beyond it
 
 
@@ -35,13 +36,15 @@ class Jump(NamedTuple):
 
 class RunReading(NamedTuple):
     """A run: `reading`, (k,) m, in the order of the run; `apart`, (k,) where model and device were on different
-    branches, so that the difference says nothing; `jump`, None where neither jumps."""
+    branches, so that the difference says nothing; `jump`, None where neither jumps; `unsettled`, the place in the run
+    of a point that was still on its way between two branches, None if there is none."""
 
     run: Run
     branch: Branch
     reading: np.ndarray
     apart: np.ndarray
     jump: Jump | None
+    unsettled: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,13 +117,17 @@ class CurveReading:
 
     @property
     def score(self) -> RecordScore:
-        """The error over the points on the right branch."""
+        """The error over the points on the right branch; in noise floors over all that had settled."""
         sweep, counted = self.sweep, ~self.apart & np.isfinite(self.reading)
         difference = (sweep.amplitude - self.reading)[counted]
         rms = lambda x: float(np.sqrt(np.mean(x**2))) if len(x) else float("nan")
         signal = max(float(np.std(sweep.amplitude)), 1e-300)
         n, floor = int(np.count_nonzero(counted)), rms(sweep.deviation)
-        return RecordScore(sweep.name, sweep.holdout, n, rms(difference), floor, rms(self.rows), signal)
+        settled = np.ones(len(counted), bool)
+        settled[[run.run.rows[run.unsettled] for run in self.runs if run.unsettled is not None]] = False
+        phased = settled[np.isfinite(sweep.phase)] if sweep.phase is not None else settled[:0]
+        left = self.rows[np.concatenate([settled, phased])]
+        return RecordScore(sweep.name, sweep.holdout, n, rms(difference), floor, rms(left), signal)
 
     def _run(self, run: Run, branch: Branch) -> RunReading:
         sweep, rows = self.sweep, run.rows
@@ -142,10 +149,13 @@ class CurveReading:
             apart |= (i >= min(after, passed.after)) & (i < max(after, passed.after))
         if fold is None and measured is None:
             return RunReading(run, branch, passed.reading, apart, None)
+        unsettled = _on_its_way(amplitude, sweep.deviation[rows], passed)
+        if unsettled is not None:
+            apart[unsettled] = True
         jump = Jump(
             measured, None if fold is None else fold.frequency, None if fold is None else self._slope(fold, branch)
         )
-        return RunReading(run, branch, passed.reading, apart, jump)
+        return RunReading(run, branch, passed.reading, apart, jump, unsettled)
 
     def _slope(self, fold: Fold, branch: Branch) -> np.ndarray:
         """Derivative of a fold's frequency by the values, (m,): at its amplitude the level that is needed has no slope
@@ -157,6 +167,17 @@ class CurveReading:
         size = np.where(self.model.values == 0, 1.0, np.abs(self.model.values))
         by_values = np.real(here.slopes(np.diag(size)) / here.needed)[:, 0] / size
         return -by_values / np.real(here.by_frequency / here.needed)[0]
+
+
+def _on_its_way(amplitude: np.ndarray, deviation: np.ndarray, passed: Passed) -> int | None:
+    """The first point after a fold that the model's run fell off, if it was measured between the branch that ended and
+    the one that is left: near a fold a motion settles as slowly as one likes."""
+    i = passed.after
+    if passed.fold is None or not 0 < i < len(amplitude):
+        return None
+    low, high = sorted(passed.reading[i - 1 : i + 1])
+    inside = low + _CLEAR * deviation[i] < amplitude[i] < high - _CLEAR * deviation[i]
+    return i if inside else None
 
 
 def _scale(branch: Branch) -> np.ndarray:

@@ -188,6 +188,14 @@ def _curves(fit: Fit) -> list[Sentence]:
                 f"it swept {way}? The parameters do not depend on it; the jumps and the rms errors do."
             )
             found.append(Sentence(text, True))
+        for run in (one for one in curve.runs if one.unsettled is not None):
+            row, way = run.run.rows[run.unsettled], "up" if run.run.up else "down"
+            text = (
+                f"{curve.sweep.name}: at {curve.sweep.frequency[row]:.6g} Hz on its way {way} the motion lay between "
+                f"two branches beside a jump, {abs(curve.rows[row]):.3g} noise floors off: it had not settled. Remove "
+                "the row, or wait longer there."
+            )
+            found.append(Sentence(text, True))
     lost = sum(curve.unsolved for curve in fit.curves)
     if lost:
         many = f"{lost} points" if lost > 1 else "one point"

@@ -93,6 +93,24 @@ def test_the_only_sweep_of_a_level_called_by_the_wrong_direction_is_told_by_its_
     assert words == [[], [f"0.8 {'down' if up else 'up'}"]]
 
 
+@pytest.mark.parametrize("phase", [False, True])
+def test_a_point_still_on_its_way_after_a_jump_is_told_and_not_held_against_the_model(phase: bool) -> None:
+    device = Oscillator()
+    model = Model(device) + built_in()["cubic-stiffness"](device)
+    taught, judged = sweep(0.5, CUBIC, phase, 1, 3e-4), replace(sweep(0.5, CUBIC, phase, 2, 3e-4), holdout=True)
+    clean = fit(model, Campaign("", (taught, judged), device)).curves[1]
+    assert all(run.unsettled is None for run in clean.runs)
+    way = clean.runs[0]
+    assert way.jump is not None and way.jump.model is not None
+    after = int(np.flatnonzero(judged.frequency[way.run.rows] > way.jump.model)[0])
+    late = judged.amplitude.copy()
+    late[way.run.rows[after]] = np.mean(way.reading[after - 1 : after + 1])
+    found = fit(model, Campaign("", (taught, replace(judged, amplitude=late)), device)).curves[1]
+    assert [run.unsettled for run in found.runs] == [after, None]
+    assert found.score.error_over_noise == pytest.approx(clean.score.error_over_noise, abs=0.1)
+    assert np.sqrt(np.mean(found.rows**2)) > 1.5 * found.score.error_over_noise
+
+
 def test_a_fit_from_a_motion_without_bound_ends() -> None:
     """LAPACK does not come back from a step that is no number."""
     device = Oscillator()
