@@ -53,7 +53,8 @@ def _verdict_words(found: Diagnosis) -> str:
     names = " and ".join(s.added for s in named)
     one = len(named) == 1
     was, them, s = ("was", "it", "s") if one else ("were", "them", "")
-    refined = f" ({' and '.join(shaped)} only refines its shape)" if shaped else ""
+    refine = "refines its shape" if len(shaped) == 1 else "refine its shape"
+    refined = f" ({' and '.join(shaped)} only {refine})" if shaped else ""
     if loop.verdict == "ambiguous" and not loop.lacking and not any(len(s.tie_set) > 1 for s in named):
         return f"On the fitted records {names}{refined} {'is' if one else 'are'} what was missing, {error}."
     if loop.verdict == "identified" and adequate(loop.bench):
