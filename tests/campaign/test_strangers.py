@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
@@ -81,7 +83,9 @@ def test_a_segment_goes_through_a_fit(tmp_path):
     assert ident("new", tmp_path / "mine", tmp_path / "a.csv").code == 0
     assert ident("check", tmp_path / "mine").code == 0
     outcome = ident("fit", tmp_path / "mine", "-o", tmp_path / "run")
-    assert outcome.code == 0 and "a.csv #2" in outcome.out
+    assert outcome.code == 0
+    document = json.loads((tmp_path / "run" / "run.json").read_text(encoding="utf-8"))
+    assert [record["file"] for record in document["records"]] == [f"../a.csv #{k}" for k in (1, 2, 3)]
     assert ident("report", tmp_path / "run").code == 0
 
 

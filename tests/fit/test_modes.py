@@ -17,7 +17,7 @@ from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.campaign.recursive import recursive_filter
 from ident.errors import UserError
 from ident.fit import fit
-from ident.fit.guess import oscillator_filter
+from ident.fit.pieces import oscillator_filter
 from ident.fit.start_model import linear_choice, start_model
 from ident.report.tables import record_sheet
 
