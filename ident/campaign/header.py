@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 from .table import is_number, is_unit
 
-_COMMENT = re.compile(r'\s*"?\s*(#|%|//|!|\*\*\*)')
+_REMARKS = ("#", "%", "//", "!", "***")
+_COMMENT = re.compile(r'\s*"?\s*(?:' + "|".join(map(re.escape, _REMARKS)) + ")")
 _MARKS = (",", ";", "\t", " ")
 
 
@@ -26,7 +27,7 @@ class Header:
 
 def is_comment(line: str) -> bool:
     """Whether a line is a remark."""
-    return line.lstrip(' \t"').startswith(("#", "%", "//", "!", "***"))
+    return line.lstrip(' \t"').startswith(_REMARKS)
 
 
 def split_line(line: str, separator: str) -> list[str]:

@@ -149,7 +149,7 @@ def _most_likely(fitted: Fit, inside: Sequence[int], look: Look) -> tuple[Suspec
     own = fitted.trace_scores[best.record] if best.record is not None else fitted.fitted
     shapes = ANOTHER_LAW * own.n / sum(s.n for s in scores) * max(own.error_over_noise**2 - 1.0, 1e-9)
     if best.worst <= _FLOOR:
-        shapes = 0.0  # no law of another shape hides in one number of one record down to the noise of all
+        shapes = 0.0  # what brings all records to their noise is no law of another shape
     if not sound.excess > shapes:
         return None  # nothing is left to explain
     read_so = fit(fitted.model, best.campaign, initial=best.values)

@@ -27,21 +27,24 @@ class Picture(NamedTuple):
     others: Mapping[str, bytes] = MappingProxyType({})
 
     @property
+    def files(self) -> dict[str, bytes]:
+        """The figure in every format that it has."""
+        return {"png": self.image, **self.others}
+
+    @property
     def source(self) -> str:
         return "data:image/png;base64," + base64.b64encode(self.image).decode("ascii")
 
     def write(self, folder: Path, name: str) -> list[Path]:
         """Write it as `name.png` and so on, in the formats that were asked for and that it has; the files."""
-        files = {"png": self.image} | dict(self.others)
-        paths = {folder / f"{name}.{format}": files[format] for format in _asked.get() if format in files}
+        paths = {folder / f"{name}.{f}": content for f, content in self.files.items() if f in _asked.get()}
         for path, content in paths.items():
             path.write_bytes(content)
         return list(paths)
 
     def as_dict(self) -> dict[str, str]:
         """Caption and base64 of every format, for JSON."""
-        files = {"png": self.image} | dict(self.others)
-        return {"caption": self.caption} | {f: base64.b64encode(files[f]).decode("ascii") for f in files}
+        return {"caption": self.caption} | {f: base64.b64encode(c).decode("ascii") for f, c in self.files.items()}
 
 
 def draw(caption: str, figure: Figure) -> Picture:
