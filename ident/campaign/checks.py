@@ -108,6 +108,7 @@ def _resolution(column: Column) -> float:
     return 10.0 ** (math.floor(math.log10(largest)) + 1 - max(digits, 1)) if largest > 0 else 0.0
 
 
+PLATFORM_RATE = 1e3  # Hz: two samples to a period of the nominal resonance; with fewer none of its motion is recorded
 PLATFORM_TRAVEL = 1e-3  # m, more than any micro platform moves: beyond it a unit is wrong, or the device is another
 
 

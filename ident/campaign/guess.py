@@ -11,9 +11,10 @@ from ident.errors import UserError
 from ident.units import CURRENT, LENGTH, NUMBER, VOLTAGE, Dimension, base_unit, find_unit
 
 from .amplitude_unit import AmplitudeUnit, amplitude_unit
-from .checks import PLATFORM_TRAVEL, travel_of
+from .checks import PLATFORM_RATE, PLATFORM_TRAVEL, travel_of
 from .columns import Role, match_columns, sweep_roles, trace_roles
 from .device import Device, Oscillator, Platform
+from .drive import drive_rate
 from .sweep_form import curve_form
 from .table import Column, Table
 
@@ -110,9 +111,25 @@ def _travel(column: Column, role: str) -> float:
     return far * unit.factor
 
 
+def _slow_or_fast(time: Column, drive: Column) -> str:
+    """Why a record shows nothing that the nominal platform does, or "": sampled too slowly, or driven too fast."""
+    unit = find_unit(time.unit) if time.unit else None
+    try:
+        t, u = time.numbers(), drive.numbers()
+    except UserError:
+        return ""
+    step = (1.0 if unit is None else unit.factor) * float(np.median(np.diff(t))) if len(t) > 20 else 0.0
+    if not step > 0:
+        return ""
+    if 1 / step < PLATFORM_RATE:
+        return f"{1 / step:.3g} samples a second show no motion of a platform"
+    frequency, most = drive_rate(u) / (2 * np.pi * step), Platform().max_frequency
+    return f"No platform is driven at {frequency:.3g} Hz" if frequency > most else ""
+
+
 def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
-    """A platform, unless every response is in one unit that is no length; and a sentence that says so."""
-    outputs, inputs, undriven, travel = set(), set(), 0, 0.0
+    """A platform, unless its units, its travel or its speed are another device's; and a sentence that says so."""
+    outputs, inputs, undriven, travel, other = set(), set(), 0, 0.0, list[str]()
     for table in tables:
         kind = guess_kind(table)
         table = curve_form(table) if kind == "sweep" else table
@@ -125,14 +142,19 @@ def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
                 if name in found and (dimension := _measured(found[name])) is not None:
                     units.add(dimension)
                     travel = max(travel, _travel(found[name], name) if name in ("response", "amplitude") else 0.0)
+        if kind == "trace" and "time" in found and "drive" in found:
+            other.append(_slow_or_fast(found["time"], found["drive"]))
     reading = outputs.pop() if len(outputs) == 1 else None
     pushed = inputs.pop() if len(inputs) == 1 else VOLTAGE
     alone = len(tables) == undriven
     wide = PLATFORM_TRAVEL < travel < _BENCH
-    if reading is not None and (reading in _READINGS or (reading == LENGTH and (alone or wide or pushed in _PUSHES))):
+    apart = bool(other) and all(other)
+    thing = alone or wide or apart or pushed in _PUSHES
+    if reading is not None and (reading in _READINGS or (reading == LENGTH and thing)):
         output, source = base_unit(reading), base_unit(pushed)
         units = f'output = "{output}", input = "{source}"'
         why = f"The response is in {output}" if reading in _READINGS else f"The drive is in {source}"
+        why = other[0] if reading == LENGTH and pushed == VOLTAGE and apart else why
         why = f"No platform moves {1e3 * travel:.3g} mm" if reading == LENGTH and wide else why
         why = "No record has a drive" if reading == LENGTH and alone else why
         return Oscillator(output, source), [f"{why}, so the device is taken as an oscillator ({units})."]

@@ -20,6 +20,7 @@ from .tables import listed, ratio_text
 
 _STEP = 0.1  # error of the solver's step, in noise floors, that is still negligible
 _LOW = 0.8  # below this the floor must be too high: a fit of few parameters cannot get under the noise
+_SURPRISE = 4.0  # spreads from what is known beforehand: not one device in ten thousand
 _VAGUE = 0.3  # relative error of a noise floor from which it cannot judge a model
 GOOD = 1.1  # error over noise up to which the noise floor is reached (it is itself known to some ten per cent)
 
@@ -209,6 +210,7 @@ def _curves(fit: Fit) -> list[Sentence]:
 def _physics(fit: Fit) -> list[Sentence]:
     found = []
     device, names = fit.model.device, fit.model.names
+    found += _unexpected(fit)
     if isinstance(device, Platform):
         gain = fit.value("platform.d31") * fit.model.linear.force_per_gain
         text = show(gain, None, "N/V", device)
@@ -231,6 +233,28 @@ def _physics(fit: Fit) -> list[Sentence]:
                 warning=highest > 3 * lowest,
             )
         )
+    return found
+
+
+def _unexpected(fit: Fit) -> list[Sentence]:
+    """Parameters far from what is known of the device before it is measured: is it the device that is described?"""
+    found, device = [], fit.model.device
+    told = (
+        ' Give its geometry (device = "device.toml"), or say that it is no platform: device = { kind = "oscillator", '
+        'output = "m", input = "V" }.'
+    )
+    for parameter, estimate in zip(fit.model.parameters, fit.estimates, strict=True):
+        known, value = parameter.expected, estimate.value
+        if known is None or not estimate.fitted:
+            continue
+        off = math.log(value / known.centre) if parameter.positive else value - known.centre
+        if abs(off) > _SURPRISE * known.spread:
+            usual = show(known.centre, None, parameter.unit, device)
+            text = (
+                f"{parameter.name} = {show(value, None, parameter.unit, device)} is far from the {usual} that are "
+                f"expected ({known.source}): is this that device?"
+            )
+            found.append(Sentence(text + (told if isinstance(device, Platform) else ""), True))
     return found
 
 

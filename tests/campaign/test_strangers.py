@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from ident.campaign import read_campaign
+from ident.campaign import Oscillator, Platform, read_campaign
 from ident.campaign.clock import clock_seconds
 from ident.campaign.header import header_of
 from ident.campaign.load import read_table
@@ -133,6 +133,13 @@ def test_a_sensitivity_above_the_table_is_said(tmp_path):
     text = "# Polytec OFV-5000, DD-300\n# Sensitivity: 5 um/V\nTime (s),Drive (V),Vibrometer (V)\n"
     campaign = _campaign(tmp_path, a_csv=text + rows(TIME, DRIVE, RESPONSE))
     assert any("5 um/V" in note and "scale = { response" in note for note in campaign.notes)
+
+
+@pytest.mark.parametrize("pace, kind", [(1.0, Platform), (0.1, Platform), (0.01, Oscillator), (8.0, Oscillator)])
+def test_what_a_platform_cannot_do_in_time_is_an_oscillator(pace, kind, tmp_path):
+    """Volts and micrometres are those of the platform, unless its motion is too fast for the record, or too slow."""
+    campaign = _campaign(tmp_path, a_csv=HEADER + rows(TIME / pace, DRIVE, RESPONSE))
+    assert isinstance(campaign.device, kind)
 
 
 def test_files_without_a_table_are_left_out(tmp_path):

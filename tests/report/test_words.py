@@ -203,3 +203,12 @@ def test_a_record_that_is_clipped_is_named_beside_the_fit(make_fit):
     spoilt = make_fit(campaign=replace(found.campaign, records=(clipped, *others)))
     assert "sticks to a limit" in _warned(spoilt) and first.name in _warned(spoilt)
     assert "Suspect" not in _said(found)
+
+
+def test_a_device_that_is_not_the_one_described_is_asked_about(make_fit):
+    assert "is this that device" not in _said(make_fit())
+    estimates = make_fit().estimates
+    elsewhere = tuple(e._replace(value=121.0) if e.name == "platform.frequency" else e for e in estimates)
+    said = _warned(make_fit(estimates=elsewhere))
+    assert "platform.frequency = 121.0 Hz is far from the 505.4 Hz that are expected (nominal geometry" in said
+    assert 'device = { kind = "oscillator", output = "m", input = "V" }' in said
