@@ -9,6 +9,7 @@ import numpy as np
 
 from ..campaign.device import Platform
 from ..campaign.drive import drive_frequency
+from ..campaign.record import VAGUE
 from ..campaign.suspect import suspects_by_data
 from ..diagnosis.suspects import alone_off
 from ..fit.carry_over import expected_error
@@ -21,7 +22,6 @@ from .tables import listed, ratio_text
 _STEP = 0.1  # error of the solver's step, in noise floors, that is still negligible
 _LOW = 0.8  # below this the floor must be too high: a fit of few parameters cannot get under the noise
 _SURPRISE = 4.0  # spreads from what is known beforehand: not one device in ten thousand
-_VAGUE = 0.3  # relative error of a noise floor from which it cannot judge a model
 GOOD = 1.1  # error over noise up to which the noise floor is reached (it is itself known to some ten per cent)
 
 
@@ -138,7 +138,7 @@ def _error_bars(fit: Fit) -> list[Sentence]:
 def _noise(fit: Fit) -> list[Sentence]:
     """Where the noise floor itself is in doubt."""
     found = []
-    vague = [r for r in fit.campaign.records if r.noise.relative_error >= _VAGUE]
+    vague = [r for r in fit.campaign.records if r.noise.relative_error >= VAGUE]
     if vague:
         names = listed([f"{r.name} (±{100 * r.noise.relative_error:.0f} %)" for r in vague])
         advice = 'give it (noise = "12 nm"), or record some periods at rest'
