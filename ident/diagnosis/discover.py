@@ -16,6 +16,7 @@ import numpy as np
 
 from ..campaign.campaign import Campaign
 from ..fit import Fit, fit
+from ..fit.start_score import begun_in_motion
 from ..model import Model
 from .bench import Bench, prepare
 from .change import try_without
@@ -76,11 +77,20 @@ def continue_from(
         if found is None:
             break
         more, bench = found
+        mimic = False
         for step in more:
+            mimic = _starts_say_more(current, step.fit)
+            if mimic:
+                report(f"a start in motion says more than {step.added}: do the records begin at rest?")
+                bench = prepare(working(current))
+                break
             steps.append(step)
             report(f"added {step.added}: error over noise {step.fit.fitted.error_over_noise:.3g}")
-        current, look = steps[-1].fit, Look(bench, first, library, report)
+            current = step.fit
+        look = Look(bench, first, library, report)
         keep(Walked(start, tuple(steps), gains))
+        if mimic:
+            break
     bench, candidates = look.bench, look.candidates
     steps = _without_refuted(start, steps, bench)
     alike: tuple[Parts, ...] = ()
@@ -104,6 +114,14 @@ def continue_from(
     lacks = lacking(_after_effects(steps, bench), first, report) if steps else 0.0
     verdict = _verdict(steps, bench, first, lacks, contradicted(steps[-1].fit if steps else start))
     return Discovery(verdict, start, tuple(steps), ranking, gains, remaining, bench, lacks)
+
+
+def _starts_say_more(before: Fit, after: Fit) -> bool:
+    """Whether starts in motion, where rest is claimed, take more of what a model leaves than an effect did: that is no
+    physics."""
+    excess = {s.name: s.n * (s.error_over_noise**2 - 1) for s in before.scores}
+    starts = sum(share * excess[name] for name, share in begun_in_motion(before))
+    return starts > before.fitted.chi2 - after.fitted.chi2
 
 
 def _gone_before(walked: Walked, look: Look) -> tuple[list[Step], Look]:

@@ -15,6 +15,7 @@ from ..diagnosis.suspects import alone_off
 from ..fit.carry_over import expected_error
 from ..fit.one_tone import gain_of
 from ..fit.result import Fit
+from ..fit.start_score import begun_in_motion
 from .linear_words import worse_than_static
 from .quantity import show, significant
 from .tables import listed, ratio_text
@@ -91,8 +92,23 @@ def sentences(fit: Fit) -> tuple[Sentence, ...]:
     """What must be known before a number of this fit is used, warnings first."""
     found = (*suspects_by_data(fit.campaign), *alone_off(fit))
     suspects = [Sentence(f"Suspect record {one.sentence}", True) for one in found]
-    told = [*suspects, *_error_bars(fit), *_noise(fit), *_numerics(fit), *_physics(fit)]
+    told = [*suspects, *_starts(fit), *_error_bars(fit), *_noise(fit), *_numerics(fit), *_physics(fit)]
     return tuple(sorted(told, key=lambda s: not s.warning))
+
+
+def _starts(fit: Fit) -> list[Sentence]:
+    """Records that are said to begin at rest, and do not."""
+    if fit.fitted.error_over_noise <= GOOD:
+        return []
+    moving = [f"{name} ({100 * share:.0f} %)" for name, share in begun_in_motion(fit)]
+    if not moving:
+        return []
+    text = (
+        f"A start in motion would take the greater part of what is left of {listed(moving)}, which the campaign says "
+        'to begin at rest. Was the drive on before? Then write start = "unknown" there: its start is fitted, and no '
+        "physics is named for it."
+    )
+    return [Sentence(text, True)]
 
 
 def _error_bars(fit: Fit) -> list[Sentence]:

@@ -1,0 +1,50 @@
+"""Whether a record that is said to begin at rest begins in motion: what a free start would take of what is left."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..response import respond
+from .result import Fit
+
+_GREATER_PART = 0.5  # of what is left of a record beyond noise
+_VERY_STRONG = 10.0  # of ln of a likelihood ratio
+
+
+def begun_in_motion(fit: Fit) -> list[tuple[str, float]]:
+    """Records that are said to begin at rest, and the share of their misfit beyond noise that the motion of another
+    displacement and velocity at the first sample takes, where that is the greater part.
+
+    The score statistic of two numbers a record, beside the parameters of the model: r ≈ J dx + K ds with the readings'
+    derivatives J by the fitted parameters and K by the start. A hint and no proof: a force that sets in with the record
+    moves it too.
+    """
+    static, data, unknowns, found = fit.solved
+    records = fit.campaign.fitted
+    claimed = [k for k, record in enumerate(records) if record.start == "rest"]
+    if not claimed:
+        return []
+    begin = unknowns.starts * data.start_scale
+    kicks = np.zeros((2, *begin.shape))
+    for k in range(2):
+        kicks[k, claimed, k] = 1.0
+    moved = respond(static.equation, data.tape, found.values, begin, np.zeros((2, len(found.values))), kicks)
+    columns = moved.slopes * data.weight
+    columns = columns / np.maximum(np.linalg.norm(columns, axis=1, keepdims=True), 1e-300)
+    samples = columns.shape[1]
+    own = np.zeros((2 * len(claimed), samples))
+    for i, record in enumerate(claimed):
+        own[2 * i : 2 * i + 2, data.tape.slices[record]] = columns[:, data.tape.slices[record]]
+    left = found.residuals[:samples]
+    basis = np.concatenate([found.by_x[:, :samples], own]).T
+    if not (np.all(np.isfinite(basis)) and np.all(np.isfinite(left))):
+        return []
+    step = np.linalg.lstsq(basis, left, rcond=1e-10)[0]
+    better, told = left - basis @ step, []
+    for record in claimed:
+        part = data.tape.slices[record]
+        before, after = float(left[part] @ left[part]), float(better[part] @ better[part])
+        share = (before - after) / max(before - np.count_nonzero(data.weight[part]), 1e-9)
+        if share > _GREATER_PART and before - after > 2 * _VERY_STRONG:
+            told.append((records[record].name, min(share, 1.0)))
+    return told
