@@ -88,7 +88,7 @@ def write(seed: int, periods: int, folder: Path) -> None:
 
 def told(found: Fit) -> tuple[float, np.ndarray]:
     """Print a fit; its error over noise, and the errors of its parameters in standard errors."""
-    off = np.array([(found[name].value - true) / found[name].error for name, true in TRUE.items()])
+    off = np.array([(found[name].value - true) / (found[name].error or np.nan) for name, true in TRUE.items()])
     error = found.fitted.error_over_noise
     print(f"  error over noise {error:.3f}, quality factor {found.value('oscillator.quality'):.2f}; off by "
           + ", ".join(f"{x:+.1f}" for x in off) + " standard errors")  # fmt: skip
