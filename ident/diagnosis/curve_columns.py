@@ -194,9 +194,8 @@ def terms_along(
 
         along = lambda off, drift: jax.jvp(lambda x: acting(x, off, drift), (values,), (direction,))[1]
         still = jnp.zeros_like(z)
-        changed = along(still, still)
-        answer = _overtones(changed[0] + changed[1], system)
-        bent = jax.jvp(along, (still, still), answer)[1][0]
+        changed, further = jax.linearize(along, still, still)  # what remembers is followed once
+        bent = further(*_overtones(changed[0] + changed[1], system))[0]
         return jnp.stack([part for x in (*changed, bent) for part in _fundamental(x, circle)])
 
     return jax.vmap(point, out_axes=-1)(level, frequency, load, real, imaginary)
