@@ -32,6 +32,7 @@ _READINGS: tuple[Dimension, ...] = (
 _PUSHES: tuple[Dimension, ...] = (CURRENT, (1, 1, -2, 0, 0, 0, 0), (2, 1, -2, 0, 0, 0, 0), (1, 0, -2, 0, 0, 0, 0))
 """What may drive a thing that is no platform: a current, a force, a torque, an acceleration of its base."""
 
+_OCTAVE = 2.0  # by which a thickness or a mass that is not the nominal one does not move a resonance
 _BENCH = 0.1  # m: what stands on a bench moves less, and metres in place of micrometres are more
 
 
@@ -127,6 +128,18 @@ def _slow_or_fast(time: Column, drive: Column) -> str:
     return f"No platform is driven at {frequency:.3g} Hz" if frequency > most else ""
 
 
+def _elsewhere(frequency: Column) -> str:
+    """Why a sweep is none of the nominal platform, or "": it would have passed nowhere near its resonance."""
+    unit = find_unit(frequency.unit) if frequency.unit else None
+    try:
+        band = (1.0 if unit is None else unit.factor) * frequency.numbers(missing=True)
+    except UserError:
+        return ""
+    low, high, nominal = float(np.nanmin(band)), float(np.nanmax(band)), PLATFORM_RATE / 2
+    far = low > _OCTAVE * nominal or high < nominal / _OCTAVE
+    return f"No platform is swept from {low:.6g} to {high:.6g} Hz" if far else ""
+
+
 def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
     """A platform, unless its units, its travel or its speed are another device's; and a sentence that says so."""
     outputs, inputs, undriven, travel, other = set(), set(), 0, 0.0, list[str]()
@@ -144,6 +157,8 @@ def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
                     travel = max(travel, _travel(found[name], name) if name in ("response", "amplitude") else 0.0)
         if kind == "trace" and "time" in found and "drive" in found:
             other.append(_slow_or_fast(found["time"], found["drive"]))
+        if kind == "sweep" and "frequency" in found:
+            other.append(_elsewhere(found["frequency"]))
     reading = outputs.pop() if len(outputs) == 1 else None
     pushed = inputs.pop() if len(inputs) == 1 else VOLTAGE
     alone = len(tables) == undriven

@@ -9,22 +9,29 @@ import numpy as np
 _LEAST = 0.15
 """Of the largest amplitude: what a jump changes at least; noise of 2 % reaches that once in a million steps."""
 _STANDS_OUT = 3.0
-"""A jump, over the larger of the two steps before and after it. A resonance that is measured at three points or more
-within its half-power width has neighbouring steps of about the same size: at most 2.4 times for a Lorentzian."""
+"""A jump, over the larger of the changes before and after it, over as many points. A resonance that is measured at
+three points or more within its half-power width for each of these changes about as much beside: at most 2.4 times less
+for a Lorentzian."""
+_WIDEST = 3
+"""Intervals that a jump takes: a motion that is not given the time lingers where its branch has ended, and swings about
+the other, at one point or two. For each interval, as many points within the half-power width are asked for."""
 
 
 @dataclass(frozen=True)
 class Jump:
-    """A jump between two neighbouring points of a run.
+    """A jump between two points of a run.
 
     **Arguments:**
 
-    - `frequency`: Hz, midway; `uncertainty`: half the distance of the two points, Hz; `after`: index, in the order of
-      rising frequency, of the upper of them; `rise`: whether the amplitude is larger above it than below.
+    - `frequency`: Hz, midway; `uncertainty`: half the distance of the two points, Hz; `low`, `high`: their indices, in
+      the order of rising frequency, with at most two points between them on which the motion was on its way; `after`:
+      index of the upper point of the largest step; `rise`: whether the amplitude is larger above it than below.
     """
 
     frequency: float
     uncertainty: float
+    low: int
+    high: int
     after: int
     rise: bool
 
@@ -32,7 +39,8 @@ class Jump:
 def find_jump(frequency: np.ndarray, amplitude: np.ndarray, phase: np.ndarray | None = None) -> Jump | None:
     """The jump of one run, or None.
 
-    A step is a jump if it stands out from the steps beside it and nothing as steep lies on the other side of the peak.
+    A change over one interval, or over a few if none does alone, is a jump if it stands out from those beside it and
+    nothing as steep lies on the other side of the peak.
 
     **Arguments:** `frequency`, `amplitude`, `phase`: (k,) of one run, in any order.
     """
@@ -41,16 +49,32 @@ def find_jump(frequency: np.ndarray, amplitude: np.ndarray, phase: np.ndarray | 
     if len(f) < 6:
         return None
     response = a if phase is None else a * np.exp(1j * phase[order])
-    steps = np.abs(np.diff(response))
-    padded = np.concatenate([[0.0], steps, [0.0]])
-    beside = np.maximum(padded[:-2], padded[2:])
-    change = np.diff(a)
-    k = int(np.argmax(np.where(np.abs(change) > _LEAST * np.max(a), steps / np.maximum(beside, 1e-300), 0.0)))
-    if abs(change[k]) <= _LEAST * np.max(a) or steps[k] < _STANDS_OUT * beside[k]:
+    within = int(np.count_nonzero(a >= np.sqrt(0.5) * np.max(a)))
+    for width in range(1, _WIDEST + 1):
+        if width > 1 and within < 3 * width:
+            break
+        low = _jumps_after(a, response, width)
+        if low is not None:
+            high = low + width
+            after = low + 1 + int(np.argmax(np.abs(np.diff(response[low : high + 1]))))
+            return Jump(
+                float(f[low] + f[high]) / 2, float(f[high] - f[low]) / 2, low, high, after, bool(a[high] > a[low])
+            )
+    return None
+
+
+def _jumps_after(a: np.ndarray, response: np.ndarray, width: int) -> int | None:
+    """The point from which the response jumps within so many intervals, or None."""
+    steps, change = np.abs(response[width:] - response[:-width]), a[width:] - a[:-width]
+    padded = np.concatenate([np.zeros(width), steps, np.zeros(width)])
+    beside = np.maximum(padded[: len(steps)], padded[2 * width :])
+    large = np.abs(change) > _LEAST * np.max(a)
+    k = int(np.argmax(np.where(large, steps / np.maximum(beside, 1e-300), 0.0)))
+    if not large[k] or steps[k] < _STANDS_OUT * beside[k]:
         return None
-    if phase is None and np.max(-np.sign(change[k]) * change, initial=0.0) > 0.5 * abs(change[k]):
+    if np.isrealobj(response) and np.max(-np.sign(change[k]) * change, initial=0.0) > 0.5 * abs(change[k]):
         return None  # as steep on the other side: a resonance that is measured at too few points
-    return Jump(float(f[k] + f[k + 1]) / 2, float(f[k + 1] - f[k]) / 2, k + 1, bool(change[k] > 0))
+    return k
 
 
 def loop_runs_backwards(up: Jump | None, down: Jump | None) -> bool | None:

@@ -47,23 +47,26 @@ def balanced(bench: Bench, samples: np.ndarray, moves: Moves) -> Balanced:
     first = samples.shape[1]
     both = Moves(*(np.concatenate(pair) for pair in zip(plane.own, moves, strict=True)))
     rows = np.concatenate([bench.known[:, :first], samples])
-    largest = np.max(np.abs(both.drives), axis=1) / np.median(plane.curves.points.level)
-    largest = largest + np.max(np.abs(both.shares), axis=1)
+    typical = np.median(plane.curves.points.level)
+    largest = np.max(np.abs(both.drives), axis=1) / typical + np.max(np.abs(both.shares), axis=1)
+    largest = largest + np.sqrt(np.max(np.abs(both.bends), axis=1) / typical)
     usable = np.isfinite(largest) & ((largest > 0) | (np.abs(rows).max(axis=1, initial=0.0) > 0))
     scale = np.where(usable, 1.0 / np.where(largest > 0, largest, 1.0), 0.0)
-    both = Moves(*(np.nan_to_num(part) * scale.reshape(-1, *[1] * (part.ndim - 1)) for part in both))
+    both = both.scaled(scale)
     rows = rows * scale[:, None]
     needed = np.stack([one.needed for one in plane.steady])
 
     def at(x: np.ndarray, plane: Plane) -> tuple[np.ndarray, np.ndarray]:
-        drives, given = needed[0] + x @ both.drives, 1.0 + x @ both.shares
+        drives, given = needed[0] + x @ both.drives + x**2 @ both.bends, 1.0 + x @ both.shares
         left = np.concatenate([bench.left[:first] - x @ rows, plane.left(drives, given)])
-        return left, np.concatenate([rows, -plane.slopes(drives, given, both)], axis=1)
+        along = both._replace(drives=both.drives + 2 * x[:, None] * both.bends)
+        return left, np.concatenate([rows, -plane.slopes(drives, given, along)], axis=1)
 
     def weighed(x: np.ndarray) -> _End:
         """With the noise carried through the model as it is there."""
         with np.errstate(all="ignore"):
-            there = plane.weighed(needed[0] + x @ both.drives, needed[1:] + np.einsum("d,dsp->sp", x, both.beside))
+            beside = np.einsum("d,dsp->sp", x, both.beside) + np.einsum("d,dsp->sp", x**2, both.beside_bends)
+            there = plane.weighed(needed[0] + x @ both.drives + x**2 @ both.bends, needed[1:] + beside)
             return _End(x, there, *at(x, there))
 
     ends = []

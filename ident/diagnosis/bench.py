@@ -18,7 +18,7 @@ from ..response import Equation
 from .balance import balanced, samples_of
 from .basis import orthonormal
 from .columns import Terms, contributions, no_histories, push_columns
-from .curve_columns import Moves, Plane, curve_columns, curve_order, plane_of
+from .curve_columns import Plane, curve_columns, curve_order, plane_of
 from .trajectory import Scene, lay_out
 from .whiten import Piece, make_piece, whiten
 
@@ -213,8 +213,7 @@ def _without(bench: Bench, known: np.ndarray, directions: np.ndarray) -> Bench:
     found = replace(bench, absorbed=absorbed, residual=residual, known=known, directions=directions)
     if bench.plane is None or not len(directions):
         return found
-    nothing = Moves(*(part[:0] for part in bench.plane.own))
-    own = balanced(found, np.zeros((0, samples_of(found))), nothing)
+    own = balanced(found, np.zeros((0, samples_of(found))), bench.plane.own.rows(slice(0)))
     absorbed = orthonormal(own.slopes)
     return replace(found, absorbed=absorbed, residual=own.left - absorbed @ (absorbed.T @ own.left))
 

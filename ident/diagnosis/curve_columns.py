@@ -8,7 +8,15 @@ model knows nothing is one that the drive need not bring along, and what a senso
 with the fundamentals of forces on the stage F₁, of what the actuator adds to the drive D₁ and of what the sensor adds
 s₁. That holds however large an effect is.
 
-Source: as of `columns`; W. Krack, J. Gross, Harmonic Balance for Nonlinear Vibration Problems, 2019, §2.4.
+An even force (z², V z) has no fundamental on such a motion. It shifts the mean and makes overtones, and on the motion
+with these it has one, which grows with its square:
+
+    δF₁ = ½ ∂²/∂x² [F(x, z + x δz)]₁,   δz = Σ_{k ≠ 1} Y(kω) [∂F/∂x]_k
+
+with the linear part's answer Y. That is the leading term; the refit knows the rest.
+
+Source: as of `columns`; W. Krack, J. Gross, Harmonic Balance for Nonlinear Vibration Problems, 2019, §2.4; A. H.
+Nayfeh, D. T. Mook, Nonlinear Oscillations, 1979, §2.3.1 (the frequency that a quadratic spring shifts).
 """
 
 from __future__ import annotations
@@ -33,6 +41,8 @@ from ..response.steady_memory import driven_memory, steady_memory
 
 _STEPS = 128  # of a period
 _ROUNDING = 1e-9  # of a force: a smaller fundamental is none
+_ORDERS = (0, *range(2, 9))  # of the overtones that an even force is followed to
+_ANGLE = np.pi / _STEPS * np.arange(2 * _STEPS + 1)
 
 
 def curve_order(solved: Solved) -> np.ndarray:
@@ -43,20 +53,33 @@ def curve_order(solved: Solved) -> np.ndarray:
 
 
 class Moves(NamedTuple):
-    """What units of some parameters do, complex: to the `drives` that are needed, (d, points) V, and to the `shares` of
-    the drive that the actuator gives; `beside`, (d, 2, points): to the drives at amplitudes larger and smaller by the
-    noise."""
+    """What units of some parameters do, complex: to the `drives` that are needed, (d, points) V, with `bends`, (d,
+    points), what their squares do; to the `shares` of the drive that the actuator gives; `beside`, `beside_bends`, (d,
+    2, points): as `drives` and `bends`, at amplitudes larger and smaller by the noise."""
 
     drives: np.ndarray
+    bends: np.ndarray
     shares: np.ndarray
     beside: np.ndarray
+    beside_bends: np.ndarray
+
+    def scaled(self, units: np.ndarray) -> Moves:
+        """The same per so many units (d,) of each parameter; what is no number counts as nothing."""
+        turned = lambda part, by: np.nan_to_num(part) * by.reshape(-1, *[1] * (part.ndim - 1))
+        powers = (units, units**2, units, units, units**2)
+        return Moves(*(turned(part, by) for part, by in zip(self, powers, strict=True)))
+
+    def rows(self, which: slice) -> Moves:
+        """Those of some of the parameters."""
+        return Moves(*(part[which] for part in self))
 
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """The numbers of the sweeps while parameters move: the drives that the model needs move along straight lines.
+    """The numbers of the sweeps while parameters move: the drives that the model needs move along straight lines, or
+    along parabolas where a force is even.
 
-        numbers = rows(ln((Û + Σ x_j Û_j)/(1 + Σ x_j κ_j)/U))
+        numbers = rows(ln((Û + Σ x_j Û_j + x_j² Û_jj)/(1 + Σ x_j κ_j)/U))
 
     What the noise does to them moves too: a drive that did not depend on the amplitude would say nothing of it, however
     well it agreed with the one that was measured.
@@ -99,38 +122,41 @@ def plane_of(solved: Solved, directions: np.ndarray) -> Plane:
     assert curves is not None and steady is not None
     three = (steady, *curves.beside(steady))
     drives, *beside = (one.slopes(directions) for one in three)
-    own = Moves(drives, np.zeros_like(drives), np.stack(beside, axis=1))
+    none, around = np.zeros_like(drives), np.stack(beside, axis=1)
+    own = Moves(drives, none, none, around, np.zeros_like(around))
     return Plane(curves, curve_order(solved), three, own)
 
 
 def curve_columns(plane: Plane, equation: Equation, values: np.ndarray, directions: np.ndarray) -> Moves:
     """What the terms of a model do to the points of a fit; `values` and `directions` (d, m) of each row."""
-    (drives, shares), *beside = (_columns(one, equation, values, directions) for one in plane.steady)
-    return Moves(drives, shares, np.stack([one for one, _ in beside], axis=1))
+    (drives, bends, shares), *beside = (_columns(one, equation, values, directions) for one in plane.steady)
+    around, bent = (np.stack([one[k] for one in beside], axis=1) for k in (0, 1))
+    return Moves(drives, bends, shares, around, bent)
 
 
 def _columns(
     steady: Controlled, equation: Equation, values: np.ndarray, directions: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Drives and shares of `Moves` at one amplitude of each point."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Drives, bends and shares of `Moves` at one amplitude of each point."""
     points = steady.points
     gain = float(steady.model.values[2] * steady.model.equation.constants[1])
     stretch = steady.by_amplitude * points.amplitude / steady.needed
     around = circle(_STEPS)
     at = (points.level, points.frequency, points.load, np.real(steady.tone), np.imag(steady.tone))
-    drives, shares = [], []
+    drives, bends, shares = [], [], []
     for value, direction in zip(values, directions, strict=True):
         found = []
         for own in batches(len(points.level)):
             said = terms_along(equation, equation.constants, value, direction, *(x[own] for x in at), around)
             found.append((said,))
         (real,) = joined(found, len(points.level))
-        push, driven, shown = real[::2] + 1j * real[1::2]
+        push, driven, shown, bent = real[::2] + 1j * real[1::2]
         offset = -shown / steady.tone
         change = -push / (gain * steady.level) + stretch * offset.real + 1j * offset.imag
         drives.append(steady.needed * change)
+        bends.append(np.where(push == 0, steady.needed * -bent / (gain * steady.level), 0.0))
         shares.append(driven / (gain * points.level))
-    return np.array(drives), np.array(shares)
+    return np.array(drives), np.array(bends), np.array(shares)
 
 
 @program
@@ -139,15 +165,18 @@ def terms_along(
     frequency: Numbers, load: Numbers, real: Numbers, imaginary: Numbers, circle: Numbers,
 ) -> Any:  # fmt: skip
     """Fundamentals of the forces on the stage and of those through the actuator, N, and of what the sensor adds, m, per
-    unit of the direction: (6, points), real and imaginary part of each, relative to cos ωt."""
+    unit of the direction, and of the forces on the stage per square of it: (8, points), real and imaginary part of
+    each, relative to cos ωt."""
 
     def point(level: Any, frequency: Any, load: Any, real: Any, imaginary: Any) -> Any:
-        def acting(values: Any) -> Any:
+        cosine, sine = circle
+        system = bound(equation, constants, values, load, frequency)
+        omega, step = system.omega, 2.0 / (frequency * (circle.shape[1] - 1))
+        z = real * cosine - imaginary * sine
+        v = -omega * (real * sine + imaginary * cosine)
+
+        def acting(values: Any, off: Any, drift: Any) -> Any:
             system = bound(equation, constants, values, load, frequency)
-            omega, step = system.omega, 2.0 / (frequency * (circle.shape[1] - 1))
-            cosine, sine = circle
-            z = real * cosine - imaginary * sine
-            v = -omega * (real * sine + imaginary * cosine)
             voltage, rate, still = level * cosine, -level * omega * sine, 0.0 * cosine
             seen = Seen(z, v, voltage, rate, still, step, omega, jax.lax.stop_gradient(system.gain), 0.0)
             found = (0.0 * z + 0.0 * system.gain,) * 3
@@ -157,12 +186,17 @@ def terms_along(
                 else:
                     path = steady_memory(effect, lambda _: seen, jnp.zeros(0))
                 one = lambda z, v, h, u, r, effect=effect: _of(effect, system.drive(u, r), z, v, h)
-                said = jax.vmap(one, in_axes=(0, 0, 1 if effect.state0() else None, 0, 0))(z, v, path, voltage, rate)
+                said = jax.vmap(one, in_axes=(0, 0, 1 if effect.state0() else None, 0, 0))(
+                    z + off, v + drift, path, voltage, rate
+                )
                 found = tuple(a + b for a, b in zip(found, said, strict=True))
             return found
 
-        changed = jax.jvp(acting, (values,), (direction,))[1]
-        return jnp.stack([part for x in changed for part in _fundamental(x, circle)])
+        along = lambda off, drift: jax.jvp(lambda x: acting(x, off, drift), (values,), (direction,))[1]
+        still = jnp.zeros_like(z)
+        changed, further = jax.linearize(along, still, still)  # what remembers is followed once
+        bent = further(*_overtones(changed[0] + changed[1], system))[0]
+        return jnp.stack([part for x in (*changed, bent) for part in _fundamental(x, circle)])
 
     return jax.vmap(point, out_axes=-1)(level, frequency, load, real, imaginary)
 
@@ -174,6 +208,22 @@ def _of(effect: Any, drive: Any, z: Any, v: Any, hidden: Any) -> tuple[Any, Any,
     driven = effect.drive(tuple(hidden), drive, 0.0) if effect.overrides("drive") else 0.0
     shown = effect.sensor(state, drive, 0.0) if effect.overrides("sensor") else 0.0
     return force + 0.0 * z, driven + 0.0 * z, shown + 0.0 * z
+
+
+def _overtones(force: Any, system: Any) -> tuple[Any, Any]:
+    """Displacement and velocity with which the linear part answers the mean and the overtones of a force, on the
+    half-step grid."""
+    z, v = 0.0 * force, 0.0 * force
+    for k in _ORDERS:
+        cosine, sine = np.cos(k * _ANGLE), np.sin(k * _ANGLE)
+        share = (1.0 if k == 0 else 2.0) / (len(_ANGLE) - 1)
+        a, b = share * jnp.sum(force[:-1] * cosine[:-1]), -share * jnp.sum(force[:-1] * sine[:-1])
+        spring, damper = system.stiffness - system.mass * (k * system.omega) ** 2, k * system.omega * system.damping
+        size = spring**2 + damper**2
+        give = jnp.where(size > 0, 1.0 / jnp.where(size > 0, size, 1.0), 0.0)  # without a spring a mean has no answer
+        a, b = give * (a * spring + b * damper), give * (b * spring - a * damper)
+        z, v = z + a * cosine - b * sine, v - k * system.omega * (a * sine + b * cosine)
+    return z, v
 
 
 def _fundamental(x: Any, circle: Any) -> tuple[Any, Any]:

@@ -154,24 +154,27 @@ def _all_samples(bench: Bench) -> list[_Samples]:
 
 
 def _all_points(bench: Bench) -> list[_Samples]:
-    """The numbers of each sweep: its amplitudes, then its phases."""
-    sweeps, found = bench.fit.campaign.fitted_sweeps, []
-    for sweep, own in zip(sweeps, bench.places[len(bench.places) - len(sweeps) :], strict=True):
-        count = own.stop - own.start
-        many = count // len(sweep.frequency)
-        twice = lambda x, many=many, n=count: np.tile(x, many)[:n]
-        speed = sweep.amplitude * sweep.frequency
+    """The numbers of each sweep that count: its amplitudes, then its phases."""
+    if bench.plane is None:
+        return []
+    curves, found = bench.plane.curves, []
+    places = bench.places[len(bench.places) - len(curves.sweeps) :]
+    for sweep, own, points in zip(curves.sweeps, places, curves.slices, strict=True):
+        count, many = own.stop - own.start, (own.stop - own.start) // (points.stop - points.start)
+        twice = lambda x, many=many: np.tile(x, many)
+        frequency, amplitude = curves.points.frequency[points], curves.measured[points]
+        speed = amplitude * frequency
         found.append(
             _Samples(
                 bench.residual[own],
                 np.ones(count, dtype=bool),
                 np.linspace(0, 1, count, endpoint=False),
-                twice(sweep.amplitude / np.max(sweep.amplitude)),
+                twice(amplitude / np.max(sweep.amplitude)),
                 twice(speed / np.max(speed)),
                 None,
                 None,
                 0.0,
-                twice(sweep.frequency),
+                twice(frequency),
             )
         )
     return found

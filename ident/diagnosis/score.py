@@ -120,12 +120,9 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
             raw[rows], price = begun.fitted(bench, seen, rows)
             projected[rows] = bench.project(raw[rows])
         basis = orthonormal(projected[rows], raw[rows])
-        if basis.shape[1] and moves is not None:
-            tried.append(
-                _balanced_point(
-                    bench, names, amplitudes, point, one_sided, raw[rows], Moves(*(part[rows] for part in moves)), rows
-                )
-            )
+        own = None if moves is None else moves.rows(rows)
+        if own is not None and (basis.shape[1] or np.any(own.bends)):
+            tried.append(_balanced_point(bench, names, amplitudes, point, one_sided, raw[rows], own, rows))
         elif basis.shape[1]:
             found = _estimate(bench, names, amplitudes, point, projected[rows])
             sizes = [found[name] for name in one_sided]

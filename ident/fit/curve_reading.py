@@ -17,11 +17,10 @@ from ..response import Equation
 from ..response.branches import Branch, Fold, follow
 from ..response.controlled import Points, at_amplitude
 from ..response.periodic import Periodic
-from ..response.sweep import Passed, run_along
+from ..response.sweep import run_along
 from .curves import Curves, lay_curves
 from .judge import RecordScore
 
-_CLEAR = 3.0  # standard deviations from both branches, to be on neither
 _AROUND = 0.1  # of the band of a sweep, by which its curves are followed beyond it
 
 
@@ -36,15 +35,13 @@ class Jump(NamedTuple):
 
 class RunReading(NamedTuple):
     """A run: `reading`, (k,) m, in the order of the run; `apart`, (k,) where model and device were on different
-    branches, so that the difference says nothing; `jump`, None where neither jumps; `unsettled`, the place in the run
-    of a point that was still on its way between two branches, None if there is none."""
+    branches, so that the difference says nothing; `jump`, None where neither jumps."""
 
     run: Run
     branch: Branch
     reading: np.ndarray
     apart: np.ndarray
     jump: Jump | None
-    unsettled: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,11 +70,13 @@ class Followed:
 
 @dataclass(frozen=True, eq=False)
 class CurveReading:
-    """A model's reading of a sweep: `rows` are its residuals in noise floors as the fit counts them; `unsolved`, how
-    many of its points have no response of the measured amplitude; `followed`: its curves, among those of others."""
+    """A model's reading of a sweep: `settled`, (n,) which of its points count; `rows`, their residuals in noise floors
+    as the fit counts them, phases after amplitudes; `unsolved`, how many of them have no response of the measured
+    amplitude; `followed`: its curves, among those of others."""
 
     sweep: Sweep
     followed: Followed
+    settled: np.ndarray
     rows: np.ndarray
     unsolved: int
 
@@ -100,6 +99,13 @@ class CurveReading:
         return found
 
     @property
+    def residual(self) -> np.ndarray:
+        """(n,) of the amplitudes, in noise floors; NaN where a point does not count."""
+        found = np.full(len(self.settled), np.nan)
+        found[self.settled] = self.rows[: np.count_nonzero(self.settled)]
+        return found
+
+    @property
     def apart(self) -> np.ndarray:
         """(n,) where model and device were on different branches."""
         found = np.zeros(len(self.sweep.frequency), bool)
@@ -110,24 +116,21 @@ class CurveReading:
     @cached_property
     def backwards(self) -> tuple[Run, ...]:
         """Runs that only an exchanged direction explains: as they are called, more points are apart than the one by
-        which a device may jump early; called the other way, none is."""
+        which a device may jump early; called the other way, none is that had settled."""
         called = [one for one in self.runs if np.count_nonzero(one.apart) > 1]
         turned = [self._run(replace(one.run, up=not one.run.up, rows=one.run.rows[::-1]), one.branch) for one in called]
-        return tuple(one.run for one, other in zip(called, turned, strict=True) if not np.any(other.apart))
+        agrees = lambda one: not np.any(one.apart & self.settled[one.run.rows])
+        return tuple(one.run for one, other in zip(called, turned, strict=True) if agrees(other))
 
     @property
     def score(self) -> RecordScore:
-        """The error over the points on the right branch; in noise floors over all that had settled."""
-        sweep, counted = self.sweep, ~self.apart & np.isfinite(self.reading)
+        """The error over the settled points on the right branch; in noise floors over all that had settled."""
+        sweep, counted = self.sweep, self.settled & ~self.apart & np.isfinite(self.reading)
         difference = (sweep.amplitude - self.reading)[counted]
         rms = lambda x: float(np.sqrt(np.mean(x**2))) if len(x) else float("nan")
         signal = max(float(np.std(sweep.amplitude)), 1e-300)
         n, floor = int(np.count_nonzero(counted)), rms(sweep.deviation)
-        settled = np.ones(len(counted), bool)
-        settled[[run.run.rows[run.unsettled] for run in self.runs if run.unsettled is not None]] = False
-        phased = settled[np.isfinite(sweep.phase)] if sweep.phase is not None else settled[:0]
-        left = self.rows[np.concatenate([settled, phased])]
-        return RecordScore(sweep.name, sweep.holdout, n, rms(difference), floor, rms(left), signal)
+        return RecordScore(sweep.name, sweep.holdout, n, rms(difference), floor, rms(self.rows), signal)
 
     def _run(self, run: Run, branch: Branch) -> RunReading:
         sweep, rows = self.sweep, run.rows
@@ -149,13 +152,10 @@ class CurveReading:
             apart |= (i >= min(after, passed.after)) & (i < max(after, passed.after))
         if fold is None and measured is None:
             return RunReading(run, branch, passed.reading, apart, None)
-        unsettled = _on_its_way(amplitude, sweep.deviation[rows], passed)
-        if unsettled is not None:
-            apart[unsettled] = True
         jump = Jump(
             measured, None if fold is None else fold.frequency, None if fold is None else self._slope(fold, branch)
         )
-        return RunReading(run, branch, passed.reading, apart, jump, unsettled)
+        return RunReading(run, branch, passed.reading, apart, jump)
 
     def _slope(self, fold: Fold, branch: Branch) -> np.ndarray:
         """Derivative of a fold's frequency by the values, (m,): at its amplitude the level that is needed has no slope
@@ -167,17 +167,6 @@ class CurveReading:
         size = np.where(self.model.values == 0, 1.0, np.abs(self.model.values))
         by_values = np.real(here.slopes(np.diag(size)) / here.needed)[:, 0] / size
         return -by_values / np.real(here.by_frequency / here.needed)[0]
-
-
-def _on_its_way(amplitude: np.ndarray, deviation: np.ndarray, passed: Passed) -> int | None:
-    """The first point after a fold that the model's run fell off, if it was measured between the branch that ended and
-    the one that is left: near a fold a motion settles as slowly as one likes."""
-    i = passed.after
-    if passed.fold is None or not 0 < i < len(amplitude):
-        return None
-    low, high = sorted(passed.reading[i - 1 : i + 1])
-    inside = low + _CLEAR * deviation[i] < amplitude[i] < high - _CLEAR * deviation[i]
-    return i if inside else None
 
 
 def _scale(branch: Branch) -> np.ndarray:
@@ -199,6 +188,6 @@ def told(curves: Curves, model: Periodic, rows: np.ndarray, solved: np.ndarray) 
     """Readings of sweeps whose residuals, (count,), are known."""
     followed = Followed(curves.sweeps, model)
     return tuple(
-        CurveReading(sweep, followed, rows[curves.places(own)], int(np.count_nonzero(~solved[own])))
-        for sweep, own in zip(curves.sweeps, curves.slices, strict=True)
+        CurveReading(sweep, followed, kept, rows[curves.places(own)], int(np.count_nonzero(~solved[own])))
+        for sweep, kept, own in zip(curves.sweeps, curves.settled, curves.slices, strict=True)
     )

@@ -3,8 +3,8 @@
 At the frequency and the amplitude (and phase) of a measured point the model needs a certain drive; the point was
 measured under another. The logarithm of their ratio, in units of what the noise of the amplitude does to it, is the
 residual of the point. Away from folds that is (model − measured)/σ to first order. At a fold, where the amplitude has
-no finite slope, it is finite and smooth: no point has to be assigned a branch, none is left out, and a fit that begins
-where the model jumps elsewhere finds its way.
+no finite slope, it is finite and smooth: no point has to be assigned a branch, and a fit that begins where the model
+jumps elsewhere finds its way. Points beside a jump, which may not have settled (`campaign.settled`), do not count.
 
     r = −L⁻¹ ln(Û(f, A) e^{iφ}/U),   L Lᵀ = ½ Σ_± d dᵀ + diag(0, σ_φ²),   d = ln(Û(f, A ± σ)/Û(f, A))
 
@@ -25,6 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..campaign.record import Sweep
+from ..campaign.settled import settled
 from ..response import Equation
 from ..response.controlled import Controlled, Points, at_amplitude
 from ..response.periodic import Periodic, steps_per_period
@@ -59,14 +60,16 @@ class Known(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """The points of some sweeps, one after another.
+    """The points of some sweeps that had settled, one sweep after another.
 
-    **Arguments:** `points`: as the solver takes them; `measured`: (points,) amplitude, m; `phase`: (points,) rad, NaN
-    where none was measured; `deviation`, `phase_deviation`: (points,); `steps` of the solver per period; `white`:
-    (points, 2, 2) L⁻¹; `slices`: the points of each sweep; `known`: what was found last, by equation.
+    **Arguments:** `settled`: per sweep, (n,) which of its points these are; `points`: as the solver takes them;
+    `measured`: (points,) amplitude, m; `phase`: (points,) rad, NaN where none was measured; `deviation`,
+    `phase_deviation`: (points,); `steps` of the solver per period; `white`: (points, 2, 2) L⁻¹; `slices`: the points of
+    each sweep; `known`: what was found last, by equation.
     """
 
     sweeps: tuple[Sweep, ...]
+    settled: tuple[np.ndarray, ...]
     points: Points
     measured: np.ndarray
     phase: np.ndarray
@@ -158,7 +161,9 @@ class Curves:
 def lay_curves(sweeps: Sequence[Sweep], finest: int) -> Curves:
     """The points of sweeps, their noise carried through a linear model; `finest`: solver steps per period that the
     model needs."""
-    join = lambda parts: np.concatenate([np.asarray(part, float) for part in parts])
+    kept = tuple(map(settled, sweeps))
+    own = lambda parts: (np.asarray(part, float)[rows] for part, rows in zip(parts, kept, strict=True))
+    join = lambda parts: np.concatenate(list(own(parts)))
     unknown = lambda s: np.full(len(s.frequency), np.nan)
     measured, deviation = join([s.amplitude for s in sweeps]), join([s.deviation for s in sweeps])
     points = Points(
@@ -166,14 +171,14 @@ def lay_curves(sweeps: Sequence[Sweep], finest: int) -> Curves:
         join([s.level for s in sweeps]),
         np.maximum(measured, deviation),  # below its noise an amplitude says no more than that it is small
         join([np.full(len(s.frequency), s.load) for s in sweeps]),
-        np.concatenate([np.full(len(s.frequency), s.quantity == "half-peak-to-peak") for s in sweeps]),
+        join([np.full(len(s.frequency), s.quantity == "half-peak-to-peak") for s in sweeps]) > 0,
     )
     phase = join([unknown(s) if s.phase is None else s.phase for s in sweeps])
     noise = float(np.min(deviation)) / float(np.max(measured))
     allowed = np.clip(_SHARE * noise / np.sqrt(len(measured)), _FINEST, _COARSEST)
-    ends = np.cumsum([0, *(len(s.frequency) for s in sweeps)])
+    ends = np.cumsum([0, *(int(np.count_nonzero(rows)) for rows in kept)])
     places = tuple(slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True))
-    laid = Curves(tuple(sweeps), points, measured, phase, deviation, join([s.phase_deviation for s in sweeps]),
+    laid = Curves(tuple(sweeps), kept, points, measured, phase, deviation, join([s.phase_deviation for s in sweeps]),
                   steps_per_period(finest, float(allowed)), np.zeros((0, 2, 2)), places)  # fmt: skip
     linear = (deviation / points.amplitude).astype(complex)
     return replace(laid, white=laid._whitening(np.array([linear, -linear])))

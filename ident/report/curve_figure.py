@@ -106,7 +106,7 @@ def _curve(axes: Axes, frequency: np.ndarray, size: np.ndarray, stable: np.ndarr
 
 def _left(axes: Axes, curve: CurveReading) -> None:
     sweep = curve.sweep
-    residual = -curve.rows[: len(sweep.frequency)]
+    residual = -curve.residual
     axes.axhspan(-2, 2, color=BAND, lw=0)
     for up in (True, False):
         own = sweep.up == up
@@ -114,6 +114,6 @@ def _left(axes: Axes, curve: CurveReading) -> None:
             sweep.frequency[own], residual[own], "o", ms=2.6, mfc=RESIDUAL if up else "none", mec=RESIDUAL, mew=0.7
         )
     axes.axhline(0, color=INK, lw=0.6)
-    largest = max(float(np.max(np.abs(residual))), 3.0)
+    largest = max(float(np.nanmax(np.abs(residual), initial=0.0)), 3.0)
     axes.set_ylim(-1.08 * largest, 1.08 * largest)
     label(axes, "frequency (Hz)", "÷ noise floor", "residual, measured − model, in noise floors (shaded: ±2)")

@@ -195,6 +195,13 @@ def _curves(fit: Fit) -> list[Sentence]:
             f"{many} where device and model were on different branches, between their jumps: rms errors leave them out."
         )
         found.append(Sentence(text))
+    beside = sum(int(np.count_nonzero(~curve.settled)) for curve in fit.curves)
+    if beside:
+        text = (
+            f"{beside} points of the sweeps lie beside a jump and do not count: near the end of a branch a motion "
+            "settles as slowly as one likes."
+        )
+        found.append(Sentence(text))
     for curve in fit.curves:
         volts = curve.sweep.drive_channel
         for run in curve.backwards:
@@ -203,14 +210,6 @@ def _curves(fit: Fit) -> list[Sentence]:
             text = (
                 f"{curve.sweep.name}: the sweep {called} at {level} jumps where this model does on its way {way}. Was "
                 f"it swept {way}? The parameters do not depend on it; the jumps and the rms errors do."
-            )
-            found.append(Sentence(text, True))
-        for run in (one for one in curve.runs if one.unsettled is not None):
-            row, way = run.run.rows[run.unsettled], "up" if run.run.up else "down"
-            text = (
-                f"{curve.sweep.name}: at {curve.sweep.frequency[row]:.6g} Hz on its way {way} the motion lay between "
-                f"two branches beside a jump, {abs(curve.rows[row]):.3g} noise floors off: it had not settled. Remove "
-                "the row, or wait longer there."
             )
             found.append(Sentence(text, True))
     lost = sum(curve.unsolved for curve in fit.curves)

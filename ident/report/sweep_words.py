@@ -24,7 +24,7 @@ _BENT = 5.0  # noise floors by which a curve bends, to be called bent
 
 def sweep_words(record: Sweep) -> str:
     """How a sweep was taken, in a phrase."""
-    low, high = (significant(float(f(record.frequency)), 3) for f in (np.min, np.max))
+    low, high = (f"{float(f(record.frequency)):.6g}" for f in (np.min, np.max))  # a band may be narrow
     runs = record.runs
     levels = {run.level for run in runs}
     volts = record.drive_channel
@@ -99,9 +99,9 @@ def what_the_sweeps_tell(campaign: Campaign) -> tuple[str, ...]:
             "Not every level was swept both ways: between the two jumps only one of two possible motions was seen."
         )
     found.append(
-        "Curves hold the fundamental of settled motion: constant forces and offsets, drifts, and even laws "
-        "(electrostriction, quadratic stiffness) hardly show in them"
-        + ("." if campaign.traces else "; a trace would show them.")
+        "Curves hold the fundamental of settled motion: constant forces and offsets, drifts and electrostriction do "
+        "not show in them, and a quadratic stiffness only softens, as a negative cubic one would"
+        + ("." if campaign.traces else "; a trace would tell.")
     )
     return (*found, *fit_free_words(sweeps))
 
@@ -131,7 +131,8 @@ def _course(curve: LawCurve) -> list[float]:
     strong, strong_error = _mean(curve, curve.amplitude > np.quantile(curve.amplitude, 2 / 3))
     last = float(curve.curve[-1])
     beyond = np.maximum(np.minimum(weak, last) - curve.curve, curve.curve - np.maximum(weak, last))
-    k = int(np.argmax(beyond))
+    # Among the weakest, whose mean it would be compared with, the law has not turned.
+    k = int(np.argmax(np.where(curve.at < np.quantile(curve.amplitude, 1 / 3), 0.0, beyond)))
     near = np.abs(curve.amplitude - curve.at[k]) < (curve.at[-1] - curve.at[0]) / 20
     if beyond[k] > 0 and np.count_nonzero(near) > 1:
         there, error = _mean(curve, near)

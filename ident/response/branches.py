@@ -24,6 +24,7 @@ _LONGEST, _SHORTEST = 0.25, 1e-5  # steps, in scales of the unknowns
 _PAST = 0.7  # of the peak: beyond the band and below, the curve is past it
 _BEYOND = 2.0  # widths of the band by which a curve may leave it and turn back
 _MET = 0.01  # of the largest value of each unknown: so near to the end of one stretch another one has met it
+_BOUND = 1e100  # scales that a period may carry the state, or its slope: beyond, the motion has no bound
 _STABLE = 1e-6  # beyond the unit circle by which a multiplier may be off
 
 
@@ -200,7 +201,7 @@ def settle(model: Periodic, unknowns: np.ndarray, seat: Seat) -> tuple[np.ndarra
         equations = seen.miss / there.scale[:, :n]
         matrix = np.moveaxis(seen.miss_slope / there.scale[None, :, :n], 0, 2)
         with np.errstate(invalid="ignore", over="ignore"):
-            moved = -_least(np.nan_to_num(matrix), np.nan_to_num(equations)[..., None])[..., 0]
+            moved = -_least(matrix, equations[..., None])[..., 0]
         moved *= np.minimum(1.0, 0.5 / np.maximum(np.max(np.abs(moved[:, :2]), axis=1), 1e-300))[:, None]
         w[left, :n] += moved * there.scale[:, :n]
         look.put(left, seen.moved(moved))
@@ -289,7 +290,7 @@ def _tangents(seen: Look, seat: Seat, before: np.ndarray) -> np.ndarray:
     right = np.zeros((len(before), n + 1, 1))
     right[:, n] = 1.0
     with np.errstate(invalid="ignore"):
-        found = np.nan_to_num(_least(np.nan_to_num(bordered), right)[..., 0])
+        found = _least(bordered, right)[..., 0]
     return found / np.maximum(np.linalg.norm(found, axis=1, keepdims=True), 1e-300)
 
 
@@ -309,7 +310,7 @@ def _corrected(
         matrix = np.concatenate([matrix, tangent[left, None]], axis=1)
         right = np.concatenate([equations, np.zeros((len(left), 1))], axis=1)
         with np.errstate(invalid="ignore", over="ignore"):
-            moved = -_least(np.nan_to_num(matrix), np.nan_to_num(right)[..., None])[..., 0]
+            moved = -_least(matrix, right[..., None])[..., 0]
         moved = np.clip(moved, -0.5, 0.5)
         w[left[:, None], _UNKNOWN(n)] += moved * there.scale[:, _UNKNOWN(n)]
         look.put(left, seen.moved(moved))
@@ -332,5 +333,10 @@ def _linear(model: Periodic, levels: np.ndarray, loads: np.ndarray, frequency: n
 
 
 def _least(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    turned = np.swapaxes(matrix, 1, 2)
-    return np.linalg.solve(turned @ matrix + 1e-14 * np.eye(matrix.shape[1]), turned @ right)
+    """Steps (points, k, 1) that solve equations (points, k, k) = (points, k, 1) in the least squares; none where a
+    motion has no bound, of which the equations say nothing."""
+    known = (np.abs(matrix) < _BOUND).all(axis=(1, 2), keepdims=True) & (np.abs(right) < _BOUND).all(1, keepdims=True)
+    matrix, right = np.where(known, matrix, 0.0), np.where(known, right, 0.0)
+    size = np.maximum(np.max(np.abs(matrix), axis=(1, 2), keepdims=True), 1.0)
+    turned = np.swapaxes(matrix, 1, 2) / size
+    return np.linalg.solve(turned @ (matrix / size) + 1e-14 * np.eye(matrix.shape[1]), turned @ (right / size))

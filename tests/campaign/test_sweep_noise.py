@@ -103,3 +103,18 @@ def test_a_resonance_without_a_jump_has_none(spacing, noise):
         response = response + noise * rng.standard_normal(len(f))
         assert find_jump(f, np.abs(response)) is None
         assert find_jump(f, np.abs(response), np.angle(response)) is None
+
+
+@pytest.mark.parametrize("phase", [True, False])
+def test_a_jump_on_which_the_motion_was_on_its_way_is_one(phase: bool) -> None:
+    """A point half-way down makes two steps of which neither stands out."""
+    f = np.arange(420.0, 580.0, 1.0)
+    response = duffing(1.0, f, 0.15)
+    turned = np.angle(response) if phase else None
+    clean = find_jump(f, np.abs(response), turned)
+    assert clean is not None and clean.high == clean.low + 1 == clean.after
+    late = np.abs(response)
+    late[clean.high] = np.mean(late[[clean.low, clean.high + 1]])
+    seen = find_jump(f, late, turned)
+    assert seen is not None and seen.low <= clean.low and seen.high > clean.high
+    assert abs(seen.frequency - clean.frequency) <= seen.uncertainty

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ident.campaign import Oscillator, Sweep, read_campaign
+from ident.campaign import Oscillator, Platform, Sweep, read_campaign
 from ident.campaign.propose import propose
 from ident.errors import UserError
 from tests.campaign.curves import both_ways, duffing, write_table
@@ -317,3 +317,10 @@ def test_a_campaign_for_curves_of_any_device_is_proposed(write, device, level, s
     in_order = lambda rows: rows[:, np.lexsort((rows[0], rows[2], np.round(rows[1] / level, 3)))]
     np.testing.assert_allclose(in_order(found), in_order(true), rtol=1e-5)
     assert all(sweep.phase is not None for sweep in campaign.sweeps)
+
+
+def test_a_sweep_far_from_every_resonance_of_a_platform_is_another_device(tmp_path: Path) -> None:
+    for factor, device in ((1.0, Platform), (0.2, Oscillator), (20.0, Oscillator)):
+        write_table(tmp_path / "s.csv", "f (Hz),drive (V),amplitude (um)", [factor * F, LEVEL, 1e6 * SIZE])
+        (tmp_path / "campaign.toml").write_text(propose([tmp_path / "s.csv"], tmp_path), encoding="utf-8")
+        assert isinstance(read_campaign(tmp_path).device, device)

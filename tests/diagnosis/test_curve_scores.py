@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from ident.campaign.campaign import Campaign
@@ -12,7 +13,7 @@ from ident.diagnosis.score import score
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.model import Model
-from tests.fit.test_curves import CUBIC, sweep
+from tests.fit.test_curves import CUBIC, FREQUENCY, sweep
 
 NAMES = ("cubic-stiffness", "quadratic-damping", "sensor-crosstalk", "prandtl-ishlinskii", "static-force")
 
@@ -50,3 +51,20 @@ def test_noise_of_amplitudes_is_no_law_of_the_actuator() -> None:
     assert bench.chi2 < 1.3 * bench.n
     (found,) = score(bench, {"prandtl-ishlinskii": built_in()["prandtl-ishlinskii"]})
     assert found.drop < 20  # three numbers: 1 in 5000 by chance
+
+
+@pytest.mark.parametrize("phase", [True, False])
+def test_an_even_spring_is_scored_by_what_its_mean_and_its_overtone_do(phase: bool) -> None:
+    """It softens as a cubic one of −(10/9) k2²/ω0² (Nayfeh & Mook, Nonlinear Oscillations, 1979, §2.3.1)."""
+    device = Oscillator(output="m")
+    campaign = Campaign("", (sweep(0.1, -CUBIC, phase, 3, 3e-5), sweep(0.3, -CUBIC, phase, 1, 3e-5)), device)
+    linear = fit(Model(device), campaign)
+    assert linear.fitted.error_over_noise > 10
+    found = {
+        one.name: one
+        for one in score(prepare(linear), {n: built_in()[n] for n in ("quadratic-stiffness", "cubic-stiffness")})
+    }
+    even, odd = found["quadratic-stiffness"], found["cubic-stiffness"]
+    assert even.predicted_gain > 0.95 and odd.predicted_gain > 0.95
+    equal = np.sqrt(0.9 * (2 * np.pi * FREQUENCY) ** 2 * abs(odd.values["k3"]))
+    assert abs(even.values["k2"]) == pytest.approx(equal, rel=0.03)
