@@ -56,7 +56,10 @@ def noisy(campaign: Campaign, factor: float) -> Campaign:
 def measure(campaign: Campaign) -> dict[str, tuple[float, float]]:
     """Per sampler: effective draws of the slowest parameter per thousand evaluations, and per second."""
     laplace = find_peak(make_density(fit(build_model(campaign), campaign)))
+    laplace.density.log_posterior(np.zeros((1, laplace.density.size)))  # compiles
+    begun = time.perf_counter()
     target, found = propose_from(laplace, learned(laplace, LIKE)), {}
+    print(f"what to propose from took {time.perf_counter() - begun:.1f} s, once", flush=True)
     start = target.draw(np.random.default_rng(1), WALKERS)
     for name, chosen in (("own", moves(target)), ("stretch", None)):
         sampler = emcee.EnsembleSampler(
@@ -90,7 +93,7 @@ def main() -> None:
     """Print the ratios and assert them."""
     adaptive = adaptive_seconds()
     campaign = read_campaign(DATA / "platform_317hz")
-    for name, factor, least in (("sharp", 1.0, 8.0), ("weak", 20.0, 1.0)):
+    for name, factor, least in (("sharp", 1.0, 8.0), ("weak", 20.0, 3.0)):
         found = measure(noisy(campaign, factor))
         ratio = found["own"][0] / found["stretch"][0]
         print(f"{name}: per 1000 evaluations {found['own'][0]:.0f} against {found['stretch'][0]:.1f} effective draws, "
