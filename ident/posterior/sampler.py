@@ -101,8 +101,9 @@ def sample(
         while True:
             steps = chain.positions.shape[1]
             if steps >= _LEAST_STEPS:
-                found = judge(chain.positions, chain.taus)
                 fresh = len(chain.taus) < _looks(steps)
+                # A resumed chain may hold the τ of this look already, and is judged by those before, as it was then.
+                found = judge(chain.positions, chain.taus if fresh else chain.taus[:-1])
                 if fresh:
                     chain = chain._replace(taus=(*chain.taus, float(found.tau.max())))
                 report(_progress(found, steps, steps - first, time.monotonic() - begun))
