@@ -4,8 +4,7 @@
 
 Both draw the same batched density from the same walkers; a sharp posterior (the paper's campaign as it is) and a weak
 one (its noise twenty times larger). The ratio of effective draws per evaluation decides, which no load of the machine
-can change; seconds are printed beside it. Reached: 29 times on the sharp one; 1.3 on the weak one,
-where the aim is 3: its slowest parameter took 50 to 210 steps, by the seed, and one run does not tell.
+can change; seconds are printed beside it. Reached: 38 times on the sharp one, 15 on the weak one.
 
 The third ratio is against what is written without `ident`: emcee's stretch move on SciPy's `solve_ivp`. Its likelihood
 is timed in the same run, its effective draws per evaluation are those of the stretch move on the same posterior.

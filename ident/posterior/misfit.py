@@ -54,7 +54,7 @@ def misfit(density: Density) -> Misfit:
         worst = min(found, key=lambda name: found[name])
         if tests * found[worst] < _ALARM:
             ratio = float(np.sqrt(np.mean(w**2)))
-            reasons.append(f"what the model leaves of {record.name} {worst} (error over noise {ratio:.2f})")
+            reasons.append(f"what the model leaves of {record.name} {worst} (error over noise {ratio:.3g})")
     return Misfit(tuple(reasons), smallest)
 
 
