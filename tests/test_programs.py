@@ -153,7 +153,7 @@ def test_any_number_of_directions_gives_the_same_slopes(directions):
     from ident.response import Equation, lay_out, respond
 
     model = Model(Oscillator())
-    tape = lay_out([noisy(200, 8.0, 1)], 10.0, 20.0)
+    tape = lay_out([noisy(200, 8.0, 1)], 10.0, 20.0, model)
     values, still = np.array([10.0, 20.0, 1000.0]), np.zeros((directions, 1, 2))
     along = np.random.default_rng(0).normal(size=(directions, 3)) * values
     found = respond(Equation(model), tape, values, np.zeros((1, 2)), along, still)

@@ -29,7 +29,7 @@ from experiments.convergence.convergence import STAGE, eight, record, true_value
 from ident.fit import fit, solve
 from ident.fit.assemble import assemble, begin
 from ident.fit.problem import Data, Static, evaluate
-from ident.response import Equation, lay_out, respond, respond_many
+from ident.response import Equation, divided, respond, respond_many
 
 ROOT = Path(__file__).resolve().parents[2]
 SIGMA = 50e-9
@@ -69,7 +69,7 @@ class Setting:
     def __init__(self) -> None:
         self.model, self.campaign = eight(), record()
         self.truth = true_values(self.model, STAGE)
-        self.tape = lay_out(self.campaign.fitted, STAGE.frequency, STAGE.quality, substeps=[1])
+        self.tape = divided(self.campaign.fitted, [1])
         self.static, self.data = self.assembled(self.truth)
         self.equation = Equation(self.model)
         [lane] = self.tape.lanes

@@ -25,6 +25,10 @@ class Channel:
     factor: float
 
 
+VAGUE = 0.3
+"""Relative error of a noise floor from which it cannot judge a model: what is said of it then is that it is a bound."""
+
+
 @dataclass(frozen=True)
 class NoiseFloor:
     """Standard deviation and colour of the measurement noise of one record.

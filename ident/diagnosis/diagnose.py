@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 from ..campaign.suspect import Suspect
 from ..effects.effect import AbstractEffect
 from ..effects.registry import registry
-from ..fit import Fit, fit_data
+from ..fit import Fit, fit, fit_data
 from ..fit.fit_data import Effects
+from ..fit.floors import sharpened
 from ..pulse import Report
 from .bench import Bench, prepare
 from .beyond import free_name, go_beyond
@@ -126,6 +127,11 @@ def diagnose(
         nothing = Discovery("ambiguous", fitted, (), (), {}, (), bench)
         return Diagnosis(nothing, where, suspects=suspects)
     found = continue_from(walked, library, report, keep=keep, look=look)
+    sharper = sharpened(found.final)
+    if sharper is not None:
+        report("what the last model leaves lies below the noise floors: once more, with lower ones")
+        again = Walked(fit(fitted.model, sharper, initial=fitted.values))
+        return diagnose(again, library, report, effect_file, keeps_walk, keep)
     suspects = judged_again(suspects, found.final, report)
     if found.verdict == "identified" and any(one.kind in BY_OTHERS for one in suspects):
         found = replace(found, verdict="ambiguous")

@@ -27,7 +27,7 @@ from ..effects.effect import AbstractEffect
 from ..fit import Fit
 from ..fit.assemble import assemble, begin
 from ..fit.problem import evaluate
-from ..response import Tape, lay_out
+from ..response import Tape, divided
 from .bench import Bench
 from .confirm import accept, confirm
 from .equivalences import equivalence
@@ -153,8 +153,7 @@ def _lay_out(rivals: Sequence[Fit], waves: Sequence[Waveform], time: np.ndarray)
     resonance = 1.0 / first.scales.period
     finest = max(_STEPS, *(fitted.model.steps_per_period for fitted in rivals))
     substeps = max(math.ceil(finest * resonance * (time[1] - time[0])), 1)
-    tape = lay_out(records, resonance, float(first.values[1]), substeps=[substeps] * len(records))
-    return Campaign("proposals", records, first.campaign.device), tape
+    return Campaign("proposals", records, first.campaign.device), divided(records, [substeps] * len(records))
 
 
 def _predict(fitted: Fit, campaign: Campaign, tape: Tape) -> _Prediction:

@@ -74,6 +74,7 @@ class AbstractEffect:
     - `settled(level, drive)`: hidden states of a memory of the drive alone where that has been a sine of amplitude
       `level` for ever, if that is known in closed form;
     - `begun(drive)`: the hidden states of a record that begins under voltage, if they are not `state0()`;
+    - `caution(lowest, highest)`: what a reader of its numbers must know;
     - `prepare()`: whatever is constant along a trajectory, computed once and found in `self.prepared`.
 
     An effect that builds on another names it in `needs`, and finds it in `self.partner`. One with a kink says in
@@ -220,6 +221,11 @@ class AbstractEffect:
 
     def prepare(self) -> Any:
         return None
+
+    def caution(self, lowest: float, highest: float) -> tuple[str, bool]:
+        """What a reader of its fitted numbers must know, and whether that is a warning; ("", False) if nothing. The
+        drives that they were fitted to go from `lowest` to `highest` Hz."""
+        return "", False
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         return 0.0

@@ -109,7 +109,7 @@ def minimise(
         guess = first_guess(model, campaign)
     scales = scales_of(campaign, guess.frequency)
     base = told[0] if told else base_values(model, guess, scales)
-    tape = lay_out(records, max(guess.frequency, float(base[0])), guess.quality, model.steps_per_period)
+    tape = lay_out(records, max(guess.frequency, float(base[0])), guess.quality, model)
     curves = lay_curves(sweeps, model.steps_per_period) if sweeps else None
     static, data = assemble(model, campaign, records, tape, base, scales, curves=curves)
     report(f"compiling the model ({len(static.free)} parameters, {len(records) + len(sweeps)} records)")

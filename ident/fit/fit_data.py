@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from ..campaign.read import read_campaign
 from ..effects.effect import AbstractEffect
 from ..model import Model, make_effect
 from .fit import fit
+from .floors import sharpened
 from .result import Fit, SigmaChoice
 from .start_model import start_model
 
@@ -49,17 +51,12 @@ def fit_data(
     until = time.monotonic() + seconds
     campaign = read_campaign(data, **told)
     model = model_for(campaign, effects, report)
-    return fit(
-        model,
-        campaign,
-        sigma=sigma,
-        robust=robust,
-        starts=starts,
-        seed=seed,
-        initial=initial,
-        report=report,
-        until=until,
+    fitted = partial(
+        fit, model, sigma=sigma, robust=robust, starts=starts, seed=seed, initial=initial, report=report, until=until
     )
+    found = fitted(campaign)
+    sharper = None if sigma == "fitted" else sharpened(found)
+    return found if sharper is None else fitted(sharper)
 
 
 def model_for(campaign: Campaign, effects: Effects, report: Callable[[str], None] = lambda _: None) -> Model:

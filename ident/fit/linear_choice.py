@@ -22,6 +22,7 @@ from scipy import optimize
 
 from ..campaign.record import Trace
 from ..errors import UserError
+from ..model import ABOVE_THE_DRIVE
 from .guess import guess_linear
 from .independent import independent_samples
 from .linear_forms import FORMS, Form
@@ -34,10 +35,6 @@ LEVELS = {"oscillator": "sensor-offset", "overdamped": "sensor-offset", "no-spri
           "quasi-static": "sensor-offset"}  # fmt: skip
 """The effect that a constant is, beside each form: without a spring it is a force, for a level is where it starts."""
 _FEWEST = 20.0  # independent samples in what is left: a single line has four, which buy nothing
-_STATIC = (
-    15.0  # times the drive's band: there inertia changes the answer by 1/15², and at this quality shifts it by less
-)
-_STATIC_QUALITY = 15.0
 _GREATER_PART = math.sqrt(2.0)  # half of the power
 _BEYOND = 8.0  # times the range of the grid: so far the search may go
 
@@ -153,9 +150,9 @@ def _with_modes(records: Sequence[Trace], pieces: Sequence[Piece], one: Candidat
 def _static(records: Sequence[Trace], pieces: Sequence[Piece]) -> Candidate:
     """Gain and offset, as an oscillator far above the band of the drives."""
     found = _of(pieces, "quasi-static", True, None, None)
-    frequency = _STATIC * max(highest_content(record.drive, record.step) for record in records if record.driven)
+    frequency = ABOVE_THE_DRIVE * max(highest_content(record.drive, record.step) for record in records if record.driven)
     gain = found.gain * (2 * math.pi * frequency) ** 2
-    return found._replace(first=frequency, second=_STATIC_QUALITY, gain=gain)
+    return found._replace(first=frequency, second=ABOVE_THE_DRIVE, gain=gain)
 
 
 def _searched(pieces: Sequence[Piece], form: Form, level: bool, start: tuple[float, float] | None) -> Candidate:

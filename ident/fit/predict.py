@@ -98,7 +98,7 @@ def record_of(campaign: Campaign, data: Any) -> Trace:
 
 def _with_slopes(model: Model, values: np.ndarray, record: Trace) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Reading (n,), its derivatives by the fitted parameters (n, p) and by the initial state (n, s)."""
-    tape = lay_out([record], float(values[0]), float(values[1]), model.steps_per_period)
+    tape = lay_out([record], float(values[0]), float(values[1]), model)
     static, data = assemble(model, Campaign("", (record,), model.device), [record], tape, values)
     unknowns = begin(data, static)
     if static.starts_free:

@@ -16,7 +16,7 @@ from .problem import Data, Evaluation, Static, Unknowns, evaluate, readings
 
 def read(model: Model, values: np.ndarray, records: Sequence[Trace]) -> list[np.ndarray]:
     """Readings of a model with given parameters; initial states of records that do not start at rest are fitted."""
-    tape = lay_out(records, float(values[0]), float(values[1]), model.steps_per_period)
+    tape = lay_out(records, float(values[0]), float(values[1]), model)
     campaign = Campaign("", tuple(records), model.device)
     static, data = assemble(model, campaign, records, tape, values, held=True)
     unknowns = begin(data, static)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..campaign.campaign import Campaign
 from ..model import Model
-from ..response import lay_out
+from ..response import divided, lay_out
 from . import solve
 from .assemble import assemble, begin
 from .curves import lay_curves
@@ -39,7 +39,10 @@ def fit_at(
     guess = first_guess(model, campaign)
     scales = scales_of(campaign, guess.frequency)
     first = float(base_values(model, guess, scales)[0])  # the search chose its solver step from the same numbers
-    tape = lay_out(records, max(guess.frequency, first), guess.quality, model.steps_per_period, substeps)
+    if substeps is None:
+        tape = lay_out(records, max(guess.frequency, first), guess.quality, model)
+    else:
+        tape = divided(records, substeps)
     curves = lay_curves(campaign.fitted_sweeps, model.steps_per_period) if campaign.fitted_sweeps else None
     static, data = assemble(model, campaign, records, tape, np.asarray(values, float), scales, curves=curves)
     if curves is not None:

@@ -12,7 +12,7 @@ import numpy as np
 from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
 from ..model import Model
-from ..response import lay_out
+from ..response import divided
 from . import access
 from .curve_reading import CurveReading
 from .curves import in_smaller_steps
@@ -102,8 +102,7 @@ class Fit:
         """Largest discretisation error of any fitted record, in units of its noise floor, by halving the step."""
         static, data, unknowns, found = self.solved
         steps, records = [2 * span.substeps for span in data.tape.spans], self.campaign.fitted
-        tape = lay_out(records, 1.0 / self.scales.period, float(self.values[1]), substeps=steps)
-        finer = readings(static, data._replace(tape=tape), unknowns)
+        finer = readings(static, data._replace(tape=divided(records, steps)), unknowns)
         change = np.abs(found.readings - finer)
         largest = [np.max(change[own]) / r.noise.sigma for own, r in zip(data.tape.slices, records, strict=True)]
         if data.curves is not None:

@@ -8,5 +8,6 @@ from .build import build_model as build_model  # noqa: E402  (JAX is configured 
 from .build import make_effect as make_effect  # noqa: E402
 from .linear import LinearPart as LinearPart  # noqa: E402
 from .linear import linear_part as linear_part  # noqa: E402
+from .model import ABOVE_THE_DRIVE as ABOVE_THE_DRIVE  # noqa: E402
 from .model import Model as Model  # noqa: E402
 from .parameters import ModelParameter as ModelParameter  # noqa: E402

@@ -12,6 +12,9 @@ from ..errors import UserError
 from .linear import LinearPart, linear_part
 from .parameters import ModelParameter
 
+ABOVE_THE_DRIVE = 15.0
+"""Times the drive's band lies the resonance that stands for none in a quasi-static model: there inertia changes the
+answer by 1/15², and at a quality of as much damping shifts it by less."""
 _LEAST_QUALITY = {"oscillator": 0.5, "overdamped": 1e-4}
 
 

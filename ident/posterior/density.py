@@ -302,7 +302,7 @@ def make_density(fit: Fit, records: Sequence[Trace] | None = None) -> Density:
 
 
 def _tape(fit: Fit, records: tuple[Trace, ...]) -> Tape:
-    return lay_out(records, 1.0 / fit.scales.period, float(fit.values[1]), fit.model.steps_per_period)
+    return lay_out(records, 1.0 / fit.scales.period, float(fit.values[1]), fit.model)
 
 
 def _width(prior: Prior, value: float) -> float:

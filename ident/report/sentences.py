@@ -9,6 +9,7 @@ import numpy as np
 
 from ..campaign.device import Platform
 from ..campaign.drive import drive_frequency
+from ..campaign.record import VAGUE
 from ..campaign.suspect import suspects_by_data
 from ..diagnosis.suspects import alone_off
 from ..fit.carry_over import expected_error
@@ -21,7 +22,6 @@ from .tables import listed, ratio_text
 _STEP = 0.1  # error of the solver's step, in noise floors, that is still negligible
 _LOW = 0.8  # below this the floor must be too high: a fit of few parameters cannot get under the noise
 _SURPRISE = 4.0  # spreads from what is known beforehand: not one device in ten thousand
-_VAGUE = 0.3  # relative error of a noise floor from which it cannot judge a model
 GOOD = 1.1  # error over noise up to which the noise floor is reached (it is itself known to some ten per cent)
 
 
@@ -138,7 +138,7 @@ def _error_bars(fit: Fit) -> list[Sentence]:
 def _noise(fit: Fit) -> list[Sentence]:
     """Where the noise floor itself is in doubt."""
     found = []
-    vague = [r for r in fit.campaign.records if r.noise.relative_error >= _VAGUE]
+    vague = [r for r in fit.campaign.records if r.noise.relative_error >= VAGUE]
     if vague:
         names = listed([f"{r.name} (±{100 * r.noise.relative_error:.0f} %)" for r in vague])
         advice = 'give it (noise = "12 nm"), or record some periods at rest'
@@ -208,32 +208,16 @@ def _curves(fit: Fit) -> list[Sentence]:
 
 
 def _physics(fit: Fit) -> list[Sentence]:
-    found = []
-    device, names = fit.model.device, fit.model.names
-    found += _unexpected(fit)
+    found, device = _unexpected(fit), fit.model.device
     if isinstance(device, Platform):
         gain = fit.value("platform.d31") * fit.model.linear.force_per_gain
-        text = show(gain, None, "N/V", device)
-        scaled = " (eta and zeta of pzt-hysteresis likewise)" if "pzt-hysteresis" in names else ""
-        found.append(
-            Sentence(
-                f"K_f and d31 enter as a product{scaled}: the records give the drive force, {text}, and d31 is what "
-                "follows with K_f from the device's geometry."
-            )
+        text = (
+            f"K_f and d31 enter as a product: the records give the drive force, {show(gain, None, 'N/V', device)}, and "
+            "d31 is what follows with K_f from the device's geometry."
         )
-    found += [_closure(fit, device)] if "residual-stress" in names and isinstance(device, Platform) else []
-    if "pzt-hysteresis" in names:
-        lowest, highest = _band(fit)
-        span = f"fitted here from {lowest} to {highest} Hz" if lowest != highest else f"fitted here at {lowest} Hz only"
-        found.append(
-            Sentence(
-                "The polynomial of pzt-hysteresis has no memory and carries over badly to other frequencies than those "
-                f"it was fitted at ({span}): on measured PZT stages, trained at 20 Hz, it left 9.6 % at others where "
-                "play operators (prandtl-ishlinskii) left 4.0 %.",
-                warning=highest > 3 * lowest,
-            )
-        )
-    return found
+        found.append(Sentence(text))
+    cautions = [effect.caution(*_band(fit)) for effect in fit.model.effects]
+    return found + [Sentence(text, warning) for text, warning in cautions if text]
 
 
 def _unexpected(fit: Fit) -> list[Sentence]:
@@ -258,35 +242,8 @@ def _unexpected(fit: Fit) -> list[Sentence]:
     return found
 
 
-def _band(fit: Fit) -> tuple[int, int]:
+def _band(fit: Fit) -> tuple[float, float]:
+    """The lowest and the highest frequency of the drives that were fitted, Hz."""
     frequencies = [drive_frequency(r) / (2 * math.pi) for r in fit.campaign.fitted if np.ptp(r.drive) > 0]
     frequencies += [float(f) for sweep in fit.campaign.fitted_sweeps for f in sweep.frequency]
-    return (round(min(frequencies, default=0.0)), round(max(frequencies, default=0.0)))
-
-
-def _closure(fit: Fit, device: Platform) -> Sentence:
-    effect = next(e for e in fit.model.effects if e.name == "residual-stress")
-    closure = effect.settings.get("closure", "axial-force")
-    if closure == "frame":
-        legs = max(device.length_1, device.length_2) / min(device.length_1, device.length_2)
-        unequal = " Legs as unequal as these cost up to 10 % at double stress." if legs > 1.5 else ""
-        return Sentence(
-            'The stress gradient rests on the closure "frame", which finite elements confirm within 1–2 % over ±60 µm. '
-            f"It is beam theory: no plate effects, no finite corner.{unequal}"
-        )
-    if closure == "sign-change":
-        return Sentence(
-            'The stress gradient rests on the closure "sign-change", a phenomenological law for the force near zero: '
-            "its parameters describe the records and are not stresses. Only the closure "
-            '"frame" agrees with finite elements.',
-            True,
-        )
-    yaw = " The stage of this device may turn in its plane, so this applies here." if device.in_plane == "yaw" else ""
-    return Sentence(
-        'The closure decides the stress gradient. "axial-force" (the paper\'s) is 11–16 % off finite elements with '
-        "restraint = 1, needs a restraint from 0.002 to 2.9 depending on how the stage is held in plane, and where the "
-        f"stage may turn about z it can give the gradient the wrong sign.{yaw} Its buckling under high stress belongs "
-        'to the closure too. Before reading the gradient as a stress, fit again with closure = "frame" (within '
-        "1–2 % of finite elements).",
-        True,
-    )
+    return min(frequencies, default=0.0), max(frequencies, default=0.0)

@@ -1,6 +1,7 @@
 """Solving the equation of motion for the measured drive."""
 
 from .ensemble import respond_many as respond_many
+from .substeps import divided as divided
 from .substeps import lay_out as lay_out
 from .system import Equation as Equation
 from .tape import Tape as Tape

@@ -9,20 +9,21 @@ from functools import lru_cache
 import numpy as np
 
 from ..campaign.record import Trace
+from ..model import ABOVE_THE_DRIVE, Model
 from .lane import lane_of
 from .tape import Tape, lay
 
 
-def lay_out(
-    records: Sequence[Trace], frequency: float, quality: float, finest: int = 0, substeps: Sequence[int] | None = None
-) -> Tape:
-    """Records on a tape, with a solver step small enough for their noise floors.
+def lay_out(records: Sequence[Trace], frequency: float, quality: float, model: Model) -> Tape:
+    """Records on a tape, with a solver step small enough for their noise floors and for the sharpest effect.
 
-    **Arguments:** `frequency` (Hz) and `quality` of the resonance, roughly; `finest`, steps per period of the
-    resonance that the sharpest effect of the model needs; `substeps`, solver steps per sample of each record, if they
-    are to be other than that.
+    **Arguments:** `frequency` (Hz) and `quality` of the resonance, roughly.
     """
-    substeps = substeps or [_substeps(record, frequency, quality, finest) for record in records]
+    return divided(records, [_substeps(record, frequency, quality, model) for record in records])
+
+
+def divided(records: Sequence[Trace], substeps: Sequence[int]) -> Tape:
+    """Records on a tape, with so many solver steps per sample of each."""
     return _laid(tuple(records), tuple(substeps))
 
 
@@ -31,7 +32,7 @@ def _laid(records: tuple[Trace, ...], substeps: tuple[int, ...]) -> Tape:
     return lay([lane_of(record, each) for record, each in zip(records, substeps, strict=True)], substeps)
 
 
-def _substeps(record: Trace, frequency: float, quality: float, finest: int) -> int:
+def _substeps(record: Trace, frequency: float, quality: float, model: Model) -> int:
     """Steps per sample for which the method's error moves the natural frequency by less than a tenth of its error bar.
 
     The phase error of Runge–Kutta steps is (ωh)⁴/120 per radian. It always has the same sign, so that samples do not
@@ -39,13 +40,17 @@ def _substeps(record: Trace, frequency: float, quality: float, finest: int) -> i
     (With σ/10 instead of σ/(10 √n) 400 simulated campaigns returned frequencies 0.18 error bars too high.)
     In an excerpt no frequency is reported: σ/10 is fine, and so is half of the steps that sharp effects need.
     An overdamped motion has a decay of rate ω/Q, of which a step may hold two times: it has no bound beyond 2.8.
+    Of a resonance that stands for none, far above what is driven, nothing is asked: its steps need a bound only.
     """
     signal = float(np.std(record.response)) or 1.0
     share = 0.1 / (1.0 if record.excerpt else math.sqrt(len(record.time)))
     allowed = share * min(max(record.noise.sigma / signal, 1e-4), 0.1)
     largest = (120 * allowed / max(2 * quality, 2.0)) ** 0.25
-    if finest:
-        largest = min(largest, 2 * math.pi / finest * (2 if record.excerpt else 1))
+    slower = 1.0  # than the resonance, what moves
+    if model.form == "quasi-static":
+        largest, slower = 0.5, ABOVE_THE_DRIVE
+    if finest := model.steps_per_period:
+        largest = min(largest, 2 * math.pi / finest * slower * (2 if record.excerpt else 1))
     omega = 2 * math.pi * frequency
     if quality < 0.5:
         largest = min(largest, 2.0 * quality)

@@ -24,10 +24,18 @@ class Equation:
     model: Model
 
     def __hash__(self) -> int:
-        return hash(self.model.key)
+        return self._hash
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Equation) and self.model.key == other.model.key
+        return self is other or (isinstance(other, Equation) and self._key == other._key)
+
+    @cached_property
+    def _key(self) -> tuple[Any, ...]:
+        return self.model.key
+
+    @cached_property
+    def _hash(self) -> int:  # asked for with every march
+        return hash(self._key)
 
     @property
     def fingerprint(self) -> str | None:

@@ -11,7 +11,7 @@ Source: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equa
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from typing import Any
 
 import jax
@@ -122,6 +122,7 @@ def _pass(
     return tuple(found)
 
 
+@lru_cache(maxsize=512)  # which effects remember what is found by trying, and asked for with every march
 def rest(equation: Equation, width: int | None, past: bool) -> tuple:
     """What goes from chunk to chunk, before the first: state, its derivatives along so many directions (None: there are
     none), and what is remembered of the drive; `past`, whether a history comes before the records."""

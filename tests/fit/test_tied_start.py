@@ -34,7 +34,8 @@ def record(skip: int, cubic: float = 0.0) -> Trace:
 
 def weights(trace: Trace) -> np.ndarray:
     """What each sample weighs in a fit, in units of 1/σ."""
-    tape, model = lay_out([trace], 40.0, 20.0), Model(Oscillator())
+    model = Model(Oscillator())
+    tape = lay_out([trace], 40.0, 20.0, model)
     values = np.array([40.0, 20.0, 1.0])
     return assemble(model, Campaign("a", (trace,), Oscillator()), [trace], tape, values)[1].weight * SIGMA
 

@@ -169,7 +169,7 @@ def test_the_limits_of_the_hysteresis_and_of_d31_are_said(make_fit):
     said = _said(make_fit())
     assert "carries over badly to other frequencies" in said
     assert "from 317 to 500 Hz" in said
-    assert "K_f and d31 enter as a product (eta and zeta of pzt-hysteresis likewise)" in said
+    assert "K_f and d31 enter as a product" in said and "eta and zeta, like d31" in said
     assert "hysteresis" not in _said(make_fit(effects=()))
 
 

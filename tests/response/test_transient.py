@@ -64,8 +64,8 @@ def test_hysteresis_alone_gives_no_offset_and_residual_stress_does():
 def test_an_effect_with_a_kink_gets_a_finer_step(effect):
     records = [sine(500.0, 1.0, 4, per_period=40, noise=NoiseFloor(0.1))]
     smooth, sharp = Model(Oscillator()), Model(Oscillator(), (built_in()[effect](),))
-    plain = lay_out(records, 500.0, 20.0, smooth.steps_per_period).spans[0].substeps
-    finer = lay_out(records, 500.0, 20.0, sharp.steps_per_period).spans[0].substeps
+    plain = lay_out(records, 500.0, 20.0, smooth).spans[0].substeps
+    finer = lay_out(records, 500.0, 20.0, sharp).spans[0].substeps
     assert finer * 40 >= sharp.steps_per_period
     assert finer > plain
 
