@@ -178,6 +178,30 @@ def valve(lab: Lab, rng: np.random.Generator) -> None:
         lab.write(f"valve{i}", "time (s),coil (A),lift (mm)", t, u(t), 1e3 * z, offset=0.02, held=i == 3)
 
 
+@device("end-stop")
+def probe(lab: Lab, rng: np.random.Generator) -> None:
+    """A cantilever shaken by its base, V and nm, that hits a wall ten times as stiff; one record does not."""
+    f = 14e3 * rng.uniform(0.9, 1.1)
+    w2, t = (2 * np.pi * f) ** 2, np.arange(4000) / (40 * f)
+    for i, size in enumerate([0.3, 1.0, 2.0, 1.5]):
+        u = sine(size, f * (0.985 + 0.01 * i))
+        stop = lambda z, v, u, t: -9 * w2 * max(z - 70.0, 0.0)
+        z = solve(oscillator(f, 60, 1.6 * w2, u, stop), t, [0, 0], most=0.02 / f)[0]
+        lab.write(f"tip{i}", "t (us),piezo (V),deflection (nm)", 1e6 * t, u(t), z, noise=0.008, digits=4, held=i == 3)
+
+
+@device("coulomb-friction")
+def struck(lab: Lab, rng: np.random.Generator) -> None:
+    """A joint that rubs, struck twice by a hammer, N and m/s²: no frequency is free of motion."""
+    f, t = 34 * rng.uniform(0.9, 1.1), np.arange(4096) / 2048
+    blow = lambda t, at: np.sin(np.pi * np.clip((t - at) / 4e-3, 0, 1)) ** 2
+    for i, size in enumerate([60, 140, 250, 180]):
+        u = lambda t, size=size: size * (blow(np.asarray(t), 0.05) - blow(np.asarray(t), 0.9))
+        rates = oscillator(f, 45, 1 / 3.2, u, lambda z, v, u, t: -0.5 * np.tanh(v / 1e-3))
+        a = [rates(at, y)[1] for at, y in zip(t, solve(rates, t, [0, 0], most=5e-4).T, strict=True)]
+        lab.write(f"hit{i}", "time_s,hammer_N,acc_m_s2", t, u(t), np.array(a), noise=0.006, digits=6, held=i == 3)
+
+
 @device("cubic-damping")
 def decays(lab: Lab, rng: np.random.Generator) -> None:
     f, t = 63 * rng.uniform(0.9, 1.1), np.arange(5000) / 2000

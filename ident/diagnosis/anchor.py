@@ -12,8 +12,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..campaign.record import Trace
 from ..fit import Fit, fit
 from ..fit.rebuild import fit_at
+from ..fit.starts import base_values, first_guess, scales_of
 from .bench import Bench, prepare
 from .shorten import working
 from .side_by_side import at_once
@@ -46,12 +48,25 @@ def _of_one_record(bench: Bench) -> Bench:
     """The values that describe one record best; if that is to the noise they are the device's own."""
     joint = bench.fit
     records = joint.campaign.fitted
-    alone = at_once(lambda record: fit(joint.model, replace(joint.campaign, records=(record,))), records)
+    alone = at_once(lambda record: _alone(joint, record), records)
     known = [one for one in alone if one.converged and not any(e.flags for e in one.estimates)]
     best = min(known, key=lambda one: one.fitted.error_over_noise, default=None)
     if best is None or not best.fitted.error_over_noise < _CLEARLY * joint.fitted.error_over_noise:
         return bench
     return _at(bench, best.values, best.trusted) or bench
+
+
+def _alone(joint: Fit, record: Trace) -> Fit:
+    """The model fitted to one record, from the values of all and from what the record itself says of the linear part,
+    which the others may have bent beyond return."""
+    campaign, model = replace(joint.campaign, records=(record,)), joint.model
+    if model.form != "oscillator":
+        return fit(model, campaign)
+    linear = [parameter.name for parameter in model.parameters[:3]]
+    fresh = replace(model, start=tuple(told for told in model.start if told[0] not in linear))
+    guess = first_guess(fresh, campaign)
+    own = base_values(fresh, guess, scales_of(campaign, guess.frequency))
+    return fit(model, campaign, initial=[joint.values, own])
 
 
 def _at(bench: Bench, values: np.ndarray | None, believed: bool) -> Bench | None:

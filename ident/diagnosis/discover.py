@@ -186,7 +186,7 @@ def _beside_parts(step: Step, alike: tuple[Parts, ...]) -> Step:
 
 def _role(bench: Bench, found: Confirmed, first: Bench) -> Literal["effect", "shape-refinement"]:
     """An effect removes a share of the first excess that is worth a name; the first one always is."""
-    return "effect" if bench is first or worth_a_name(bench.fit_chi2 - found.chi2, first) else "shape-refinement"
+    return "effect" if bench is first or worth_a_name(bench.best_chi2 - found.chi2, first) else "shape-refinement"
 
 
 def _best_step(current: Fit, look: Look, gains: dict[str, float]) -> tuple[list[Step], Bench] | None:

@@ -99,4 +99,4 @@ def possible(candidates: list[Candidate], tried: list[Confirmed]) -> list[Candid
 
 def best_drop(tried: list[Confirmed], bench: Bench) -> float:
     """The most that a refit of a possible effect kept; what the best one promised, if there is none yet."""
-    return max((bench.fit_chi2 - found.chi2 for found in tried if found.possible), default=np.inf)
+    return max((bench.best_chi2 - found.chi2 for found in tried if found.possible), default=np.inf)

@@ -42,5 +42,5 @@ def _glimpsed(bench: Bench, candidate: Candidate, effect: type[AbstractEffect]) 
     if not np.isfinite(found.chi2):
         return candidate._replace(drop=0.0, predicted_gain=0.0)
     return candidate._replace(
-        drop=max(bench.fit_chi2 - found.chi2, 0.0), predicted_gain=float(np.clip(found.gain, 0, 1))
+        drop=max(bench.best_chi2 - found.chi2, 0.0), predicted_gain=float(np.clip(found.gain, 0, 1))
     )

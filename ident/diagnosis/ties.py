@@ -112,7 +112,7 @@ def tie_set(
 def left_after(bench: Bench, candidate: Candidate, refits: Mapping[str, Confirmed]) -> float:
     """χ² left with the candidate: of its refit if there is one, else as predicted; where scores cannot be believed, by
     a short refit, which is compared with the fit as it was."""
-    before = bench.chi2 if bench.credible else bench.fit_chi2
+    before = bench.chi2 if bench.credible else bench.best_chi2
     chi2 = refits[candidate.name].chi2 if candidate.name in refits else before - candidate.drop
     return max(chi2, 1e-6 * bench.n)
 

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.diagnosis.anchor import prepare_at_best
+from ident.diagnosis.anchor import _alone, prepare_at_best
 from ident.diagnosis.bench import prepare
 from ident.diagnosis.confirm import confirm
 from ident.diagnosis.diagnose import diagnose
@@ -55,9 +55,19 @@ def test_a_hard_stop_is_seen_from_the_record_that_does_not_touch_it():
     assert bench.credible and bench.instead_of is not None
     assert bench.fit.scores[0].error_over_noise < 1.1  # its own record; the others are far off
     assert bench.fit.fitted.error_over_noise > start.fitted.error_over_noise
+    assert bench.best_chi2 == bench.instead_of.fit_chi2 < bench.fit_chi2  # what an effect must leave less than
     best = score(bench, LIBRARY)[0]
     assert best.name == "end-stop"
     assert confirm(bench, LIBRARY["end-stop"], best).gain > 0.999
+
+
+def test_a_record_alone_is_fitted_from_what_it_says_itself():
+    records = campaign()
+    bent = {"oscillator.frequency": 3.1 * FREQUENCY, "oscillator.quality": 0.5, "oscillator.gain": 0.2 * GAIN}
+    joint = fit(Model(records.device, start=tuple(bent.items())), records)
+    found = _alone(joint, records.fitted[0])
+    assert found.fitted.error_over_noise < 1.1
+    assert abs(found.value("oscillator.quality") - QUALITY) < 0.2
 
 
 def test_the_stop_is_named_and_its_gap_found():
