@@ -4,8 +4,7 @@
 
 Both draw the same batched density from the same walkers; a sharp posterior (the paper's campaign as it is) and a weak
 one (its noise twenty times larger). The ratio of effective draws per evaluation decides, which no load of the machine
-can change; seconds are printed beside it. Reached: 29 times on the sharp one; 1.3 on the weak one,
-where the aim is 3: its slowest parameter took 50 to 210 steps, by the seed, and one run does not tell.
+can change; seconds are printed beside it. Reached: 38 times on the sharp one, 15 on the weak one.
 
 The third ratio is against what is written without `ident`: emcee's stretch move on SciPy's `solve_ivp`. Its likelihood
 is timed in the same run, its effective draws per evaluation are those of the stretch move on the same posterior.
@@ -56,7 +55,10 @@ def noisy(campaign: Campaign, factor: float) -> Campaign:
 def measure(campaign: Campaign) -> dict[str, tuple[float, float]]:
     """Per sampler: effective draws of the slowest parameter per thousand evaluations, and per second."""
     laplace = find_peak(make_density(fit(build_model(campaign), campaign)))
+    laplace.density.log_posterior(np.zeros((1, laplace.density.size)))  # compiles
+    begun = time.perf_counter()
     target, found = propose_from(laplace, learned(laplace, LIKE)), {}
+    print(f"what to propose from took {time.perf_counter() - begun:.1f} s, once", flush=True)
     start = target.draw(np.random.default_rng(1), WALKERS)
     for name, chosen in (("own", moves(target)), ("stretch", None)):
         sampler = emcee.EnsembleSampler(
@@ -90,7 +92,7 @@ def main() -> None:
     """Print the ratios and assert them."""
     adaptive = adaptive_seconds()
     campaign = read_campaign(DATA / "platform_317hz")
-    for name, factor, least in (("sharp", 1.0, 8.0), ("weak", 20.0, 1.0)):
+    for name, factor, least in (("sharp", 1.0, 8.0), ("weak", 20.0, 3.0)):
         found = measure(noisy(campaign, factor))
         ratio = found["own"][0] / found["stretch"][0]
         print(f"{name}: per 1000 evaluations {found['own'][0]:.0f} against {found['stretch'][0]:.1f} effective draws, "

@@ -38,9 +38,14 @@ def is_long(campaign: Campaign) -> bool:
 def working(fitted: Fit) -> Fit:
     """The model fitted to shortened records, from the fit's values, without the held-out ones; the fit itself if its
     records are short."""
-    campaign = fitted.campaign
+    campaign = shortened(fitted.campaign)
+    return fitted if campaign is fitted.campaign else fit(fitted.model, campaign, initial=fitted.values)
+
+
+def shortened(campaign: Campaign) -> Campaign:
+    """Excerpts of the fitted records in the place of all records; the campaign itself if these are short."""
     if not is_long(campaign):
-        return fitted
+        return campaign
     spans = [_moving(record) for record in campaign.fitted]
     lengths = _shares([stop - first for first, stop in spans])
     records = [
@@ -48,7 +53,7 @@ def working(fitted: Fit) -> Fit:
         for record, span, length in zip(campaign.fitted, spans, lengths, strict=True)
         for part in _excerpts(record, span, length)
     ]
-    return fit(fitted.model, replace(campaign, records=tuple(records)), initial=fitted.values)
+    return replace(campaign, records=tuple(records))
 
 
 def _moving(record: Trace) -> tuple[int, int]:

@@ -161,7 +161,8 @@ def attribute(fit: Fit, draws: np.ndarray | None = None, *, doubts: Sequence[str
             )
     wrong = misfit(density)
     if wrong.reasons:
-        reasons.append(f"the model does not describe the records ({wrong.reasons[0]}): ask `ident diagnose`")
+        asked = "" if doubts else ": ask `ident diagnose`"
+        reasons.append(f"the model does not describe the records ({wrong.reasons[0]}){asked}")
     reasons += doubts
     every = make_density(fit, periodic)
     records, parts = _share(fit, every, periodic, draws, {name: _amplitudes(fit, name) for name in names})

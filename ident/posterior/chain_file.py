@@ -14,7 +14,7 @@ import numpy as np
 
 from ..errors import UserError
 
-FORMAT = 1
+FORMAT = 2
 _AGAIN = "sample again without --resume, with --force"
 
 

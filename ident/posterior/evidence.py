@@ -3,7 +3,7 @@
 Laplace first; then importance sampling from the Student t on the peak, whose weights say themselves whether they can be
 trusted; where they waste more than half of the draws, from a mixture fitted to draws of the posterior.
 
-Sources: as in `laplace`, `pareto`, `mixture`; X.-L. Meng, W. H. Wong, Statistica Sinica 6 (1996) 831 (bridge).
+Sources: as in `laplace`, `pareto`, `mixture`, `bent`; X.-L. Meng, W. H. Wong, Statistica Sinica 6 (1996) 831 (bridge).
 """
 
 from __future__ import annotations
@@ -13,17 +13,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..fit.result import Fit
+from .bent import fit_bent
 from .density import Density, make_density
 from .laplace import Laplace, find_peak, proposal
 from .log_sum import log_sum
-from .mixture import fit_mixture
 from .pareto import TRUSTED, Smoothed, smooth
 
 _DRAWS = 2048
 _SERVES = 0.5
 """Efficiency of the weights from which Student's t on the peak serves; of a Gaussian of fourteen dimensions it is 0.54.
 At 0.39, the weak posterior of experiments/posterior/speed.py, it missed a tail of 15 % of the mass without a sign in
-the weights, and as a proposal of a chain left the slowest parameter at 60 to 250 steps, mixtures at 50 to 210."""
+the weights, and as a proposal of a chain left the slowest parameter at 60 to 250 steps, bent mixtures at 5 to 26."""
 
 _BY_PEAK = "importance sampling"
 _ROUNDS = 4  # at most, of fitting the mixture to its own weighted draws, where there is no chain
@@ -75,7 +75,7 @@ def log_evidence(
         if best.efficiency >= _SERVES and best.trusted:
             break
         chosen = last.resampled(count, seed) if draws is None else draws
-        last = _importance(laplace, fit_mixture(chosen, seed), count, random, f"{_BY_PEAK}, mixture")
+        last = _importance(laplace, fit_bent(chosen, seed), count, random, f"{_BY_PEAK}, bent mixture")
         best = max(best, last, key=lambda evidence: (evidence.trusted, evidence.efficiency))
     return best
 
@@ -107,7 +107,7 @@ def bridge(laplace: Laplace, draws: np.ndarray, *, seed: int = 0, tau: float = 1
     """
     random = np.random.default_rng([seed, 2])
     chosen, used = draws[::2], draws[1::2]
-    target = fit_mixture(chosen, seed)
+    target = fit_bent(chosen, seed)
     fresh = target.draw(random, len(used))
     ratio = lambda x: laplace.density.log_posterior(x) - target.log_density(x)
     of_posterior, of_proposal = ratio(used), ratio(fresh)

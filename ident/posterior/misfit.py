@@ -17,6 +17,7 @@ from scipy import stats
 
 from .density import Density
 from .laplace import inverse
+from .noise_model import Noise
 
 _ALARM = 1e-3  # probability of one false alarm over all records and tests together
 _LAGS = 24
@@ -33,20 +34,27 @@ class Misfit(NamedTuple):
 
 def misfit(density: Density) -> Misfit:
     """Judge what the model leaves at the density's centre."""
-    white = [w[0] for w in density.innovations(np.zeros((1, density.size)))]
+    origin = np.zeros((1, density.size))
+    white, raw = (
+        [w[0] for w in one.innovations(origin)] for one in (density, density.with_noise(_colourless(density)))
+    )
     tests = 3 * len(white)
     reasons, smallest = [], 1.0
-    for record, noise, w in zip(density.records, density.noises, white, strict=True):
+    for record, noise, w, bare in zip(density.records, density.noises, white, raw, strict=True):
+        repeats = _correlation(w, len(noise.ar))
+        if len(noise.ar) and np.isfinite(noise.freedom):
+            # A colour estimated without the model is no law: what is white without it is noise as well.
+            repeats = max(repeats, _correlation(bare, 0))
         found = {
             "is larger than its noise floor": _size(w, noise.freedom),
-            "repeats itself": _correlation(w, len(record.noise.ar)),
+            "repeats itself": repeats,
             "has lines in its spectrum": _largest_line(w),
         }
         smallest = min(smallest, *(min(1.0, tests * p) for p in found.values()))
         worst = min(found, key=lambda name: found[name])
         if tests * found[worst] < _ALARM:
             ratio = float(np.sqrt(np.mean(w**2)))
-            reasons.append(f"what the model leaves of {record.name} {worst} (error over noise {ratio:.2f})")
+            reasons.append(f"what the model leaves of {record.name} {worst} (error over noise {ratio:.3g})")
     return Misfit(tuple(reasons), smallest)
 
 
@@ -73,13 +81,17 @@ def _largest_line(w: np.ndarray) -> float:
     return float(min(1.0, len(power) * (1.0 - share) ** (len(power) - 1)))
 
 
+def _colourless(density: Density) -> list[Noise]:
+    """The records' noises, were they white."""
+    return [noise._replace(ar=noise.ar[:0], gain=1.0) for noise in density.noises]
+
+
 def too_narrow(density: Density) -> float:
     """By how much intervals would be too narrow if the colour of the noise were ignored: the largest ratio of a
     parameter's standard error with and without it; one for white noise."""
     if not any(record.noise.ar for record in density.records):
         return 1.0
     coloured = density.linearise().matrix + density.prior_slope()[1]
-    white = [n._replace(ar=n.ar[:0], gain=1.0) for n in density.noises]
-    ignoring = density.with_noise(white).linearise().matrix + density.prior_slope()[1]
+    ignoring = density.with_noise(_colourless(density)).linearise().matrix + density.prior_slope()[1]
     deviations = [np.sqrt(np.diag(inverse(m))) for m in (coloured, ignoring)]
     return float(np.max(deviations[0] / np.maximum(deviations[1], 1e-300)))

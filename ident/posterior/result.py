@@ -30,6 +30,7 @@ DECIDES = 1.25
 """The prior decides a parameter whose standard deviation grows by more than this where all priors are twice as broad:
 records that determine it leave the ratio at 1, records that say nothing give 2."""
 _EVIDENCE_DRAWS = 4000
+_WORTH_A_WORD = 1.05  # times too narrow; intervals are printed with two digits
 _STEP_ERROR = 0.1  # noise floors; the solver's own limit
 
 
@@ -135,14 +136,15 @@ def judge_posterior(fit: Fit, sampled: Sampled, doubts: Sequence[str] = ()) -> P
         reasons.insert(0, sampled.stopped)
     if wrong.reasons:
         first = wrong.reasons[0] + (f", and {len(wrong.reasons) - 1} more" if len(wrong.reasons) > 1 else "")
-        reasons.append(f"the model does not describe the records: {first}; ask `ident diagnose` what is missing")
+        asked = "" if doubts else "; ask `ident diagnose` what is missing"
+        reasons.append(f"the model does not describe the records: {first}{asked}")
     reasons += doubts
     if not fit.converged:
         reasons.append("the fit had not converged")
     if not fit.step_error < _STEP_ERROR:
         reasons.append(f"the solver's step moves the readings by {fit.step_error:.2f} noise floors")
     narrow, notes = too_narrow(density), []
-    if narrow > 1.0:
+    if narrow > _WORTH_A_WORD:
         notes.append(
             f"The noise is coloured, which the likelihood takes into account: taken as white, intervals would be up to "
             f"{narrow:.1f} times too narrow."

@@ -14,12 +14,12 @@ from typing import NamedTuple
 import emcee
 import numpy as np
 
+from .bent import Bent, fit_bent
 from .chain_file import Chain, read_chain, write_chain
 from .convergence import Convergence, judge
 from .density import BATCH, Density
 from .evidence import learned
 from .laplace import Laplace, StudentT, find_peak, proposal
-from .mixture import Mixture, fit_mixture
 from .moves import moves
 
 ENSEMBLES = 4
@@ -101,8 +101,9 @@ def sample(
         while True:
             steps = chain.positions.shape[1]
             if steps >= _LEAST_STEPS:
-                found = judge(chain.positions, chain.taus)
                 fresh = len(chain.taus) < _looks(steps)
+                # A resumed chain may hold the τ of this look already, and is judged by those before, as it was then.
+                found = judge(chain.positions, chain.taus if fresh else chain.taus[:-1])
                 if fresh:
                     chain = chain._replace(taus=(*chain.taus, float(found.tau.max())))
                 report(_progress(found, steps, steps - first, time.monotonic() - begun))
@@ -154,12 +155,12 @@ def _begin(laplace: Laplace, key: str, seed: int) -> Chain:
     return Chain(np.array(positions)[:, None], np.array(values)[:, None], accepted, tuple(states), (), frame, key)
 
 
-def propose_from(laplace: Laplace, like: np.ndarray) -> StudentT | Mixture:
+def propose_from(laplace: Laplace, like: np.ndarray) -> StudentT | Bent:
     """What to propose from: Student's t on the peak, or a mixture fitted to draws."""
-    return fit_mixture(like) if len(like) else proposal(laplace)
+    return fit_bent(like) if len(like) else proposal(laplace)
 
 
-def _sampler(density: Density, target: StudentT | Mixture, walkers: int) -> emcee.EnsembleSampler:
+def _sampler(density: Density, target: StudentT | Bent, walkers: int) -> emcee.EnsembleSampler:
     return emcee.EnsembleSampler(walkers, density.size, density.log_posterior, vectorize=True, moves=moves(target))
 
 

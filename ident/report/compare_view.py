@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..posterior.compare import Comparison, Weighed
@@ -53,12 +55,15 @@ def compare_sheet(document: Mapping[str, Any]) -> Sheet:
     """Every model with its evidence and scores, the best first."""
     models = sorted(document["models"], key=lambda m: -m["log_evidence"])
     best = models[0]
+    folders = [Path(m["run"]).absolute() for m in models]
+    shared = os.path.commonpath([folder.parent for folder in folders])
     rows, marks = [], []
-    for m in models:
+    for m, folder in zip(models, folders, strict=True):
         holdout = m["holdout_error_over_noise"]
         doubt = [] if m["trusted"] else ["evidence not to be trusted"]
         doubt += [] if m["describes_the_records"] else ["does not describe the records"]
-        rows.append((m["run"], " + ".join(m["effects"]) or "linear", f"{m['log_evidence'] - best['log_evidence']:.1f}",
+        rows.append((str(folder.relative_to(shared)), " + ".join(m["effects"]) or "linear",
+                     f"{m['log_evidence'] - best['log_evidence']:.1f}",
                      f"± {m['log_evidence_error']:.2f}", f"{100 * m['probability']:.3g} %",
                      f"{m['elpd'] - best['elpd']:.1f}", "–" if holdout is None else f"{holdout:.3g}",
                      "; ".join(doubt)))  # fmt: skip

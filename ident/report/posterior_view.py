@@ -12,7 +12,7 @@ from ..campaign.device import Device
 from ..posterior.result import Marginal, Posterior
 from .html import Section
 from .picture import draw
-from .quantity import scale, show, show_in
+from .quantity import Shown, display_unit, scale, show, show_in
 from .sheet import Column, Sheet
 from .style import FAINT, INK, MODEL, RESIDUAL, new_axes, new_figure
 
@@ -68,25 +68,24 @@ def prior_sheet(document: Mapping[str, Any], device: Device) -> Sheet:
     """What was assumed of each parameter beforehand, why, and how much narrower the records made it."""
     rows, marks = [], []
     for told in document["parameters"]:
-        narrower = 1 / math.sqrt(max(1.0 - told["contraction"], 1e-12))
         words = prior_words(told["prior"], told["unit"], device)
-        rows.append((told["name"], words, told["prior"]["source"], f"{narrower:.2g}×"))
+        rows.append((told["name"], words, told["prior"]["source"], f"{_narrower(told['contraction'])}×"))
         marks.append("warning" if told["prior_decides"] else "")
     columns = (Column("parameter"), Column("prior", wraps=True), Column("why", wraps=True), Column("narrowed", True))
     return Sheet("Priors", columns, tuple(rows), tuple(marks))
 
 
 def prior_words(prior: Mapping[str, Any], unit: str, device: Device) -> str:
-    """ "0 ± 100 MPa", "1 times or over 3", "0.5 … 1e+06"."""
+    """ "0 ± 100 MPa", "(0 ± 1.6) 1e6 N/m²", "505 Hz × or ÷ 1.2", "any size from 0.5 to 1e+06"."""
     if prior["kind"] == "log-uniform":
-        low, high = (show(v, None, unit, device) for v in prior["limits"])
-        return f"{low.value} {low.unit} … {high.value} {high.unit}, any size"
+        if not display_unit(unit, device):
+            return "any size from {:.3g} to {:.3g}".format(*prior["limits"])
+        return "any size from {} to {}".format(*(show(limit, None, unit, device) for limit in prior["limits"]))
     if prior["kind"] == "normal":
         chosen = scale(max(abs(prior["centre"]), prior["spread"]), unit, device)
         centre, spread = (show_in(v, None, chosen, 3).value for v in (prior["centre"], prior["spread"]))
-        return f"{centre} ± {spread} {chosen.unit}".strip()
-    centre = show(prior["centre"], None, unit, device)
-    return f"{centre.value} {centre.unit}".strip() + f" times or over {math.exp(prior['spread']):.2g}"
+        return str(Shown(centre, spread, chosen.unit))
+    return f"{show(prior['centre'], None, unit, device)} × or ÷ {math.exp(prior['spread']):.2g}"
 
 
 def posterior_figure(posterior: Posterior) -> Figure:
@@ -134,9 +133,7 @@ def _panel(figure: Figure, axes: Axes, marginal: Marginal, values: np.ndarray, d
     left = axes.get_position().x0
     name = marginal.prior.name + (f"  ({unit.unit})" if unit.unit else "")
     figure.text(left, top + 0.012, name, fontsize=9.5, color=INK, weight="bold", va="bottom")
-    narrower = 1 / math.sqrt(max(1.0 - marginal.contraction, 1e-12))
-    times = f"{narrower:.2g}" if narrower < 10 else f"{float(f'{narrower:.2g}'):.0f}"  # no engineer reads 1.8e+05
-    words = "the prior decides" if decides else f"{times} times narrower than before"
+    words = "the prior decides" if decides else f"{_narrower(marginal.contraction)} times narrower than before"
     figure.text(left, top - 0.002, words, fontsize=8.5, color=colour if decides else FAINT, va="top")
 
 
@@ -147,3 +144,9 @@ def posterior_section(posterior: Posterior, document: Mapping[str, Any]) -> Sect
     paragraphs = (verdict_words(document), evidence_words(document["log_evidence"]), *document["notes"])
     sheets = (posterior_sheet(document, device), prior_sheet(document, device))
     return Section("Posterior", paragraphs, sheets, (draw(caption, posterior_figure(posterior)),))
+
+
+def _narrower(contraction: float) -> str:
+    """How many times narrower an interval became, "1.3" or "180000": no engineer reads 1.8e+05."""
+    times = f"{1 / math.sqrt(max(1.0 - contraction, 1e-12)):.2g}"
+    return f"{float(times):.0f}" if float(times) >= 10 else times

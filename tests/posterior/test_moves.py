@@ -6,9 +6,12 @@ import emcee
 import numpy as np
 import pytest
 from emcee.moves import DEMove
+from scipy import stats
 
+from ident.posterior.bent import fit_bent
 from ident.posterior.convergence import autocorrelation_time
 from ident.posterior.laplace import StudentT
+from ident.posterior.mixture import fit_mixture
 from ident.posterior.moves import IndependenceMove, moves
 
 BEND = 0.5
@@ -75,3 +78,26 @@ def test_a_banana_keeps_its_moments(kind):
     assert x.var(axis=0) == pytest.approx([1.0, 1 + 2 * BEND**2], rel=0.03)
     # The third moment that a straight Gaussian does not have: E[x₁² x₂] = 2 b.
     assert np.mean(x[:, 0] ** 2 * x[:, 1]) == pytest.approx(2 * BEND, rel=0.06)
+
+
+def test_a_proposal_follows_a_banana_into_its_tails():
+    """Weights of draws against x₂ = b x₁² + noise, four times as bent as it is wide, in a turned frame."""
+    random = np.random.default_rng(6)
+    turn, _ = np.linalg.qr(random.standard_normal((3, 3)))
+    widths = np.array([5.0, 0.5, 1.0])
+
+    def log_density(x: np.ndarray) -> np.ndarray:
+        u = x @ turn
+        u[:, 1] -= 0.08 * (u[:, 0] ** 2 - widths[0] ** 2)
+        return stats.norm.logpdf(u, scale=widths).sum(axis=1)
+
+    draws = random.standard_normal((2000, 3)) * widths
+    draws[:, 1] += 0.08 * (draws[:, 0] ** 2 - widths[0] ** 2)
+    efficiency = {}
+    for fitted in (fit_bent, fit_mixture):
+        target = fitted(draws @ turn.T)
+        x = target.draw(random, 20_000)
+        weights = np.exp(log_density(x) - target.log_density(x))
+        efficiency[fitted] = np.mean(weights) ** 2 / np.mean(weights**2)
+        assert np.mean(weights) == pytest.approx(1.0, abs=5 * np.std(weights) / np.sqrt(len(x)))
+    assert efficiency[fit_bent] > 0.75 > efficiency[fit_mixture]

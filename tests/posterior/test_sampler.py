@@ -63,18 +63,22 @@ def test_the_posterior_is_final_and_where_the_truth_is(undisturbed):
     assert [m.deviation for m in posterior.marginals] == pytest.approx(errors, rel=0.06)
 
 
-def test_an_interrupted_chain_goes_on_bit_by_bit(found, undisturbed, tmp_path, monkeypatch):
+def test_a_chain_interrupted_at_every_look_goes_on_bit_by_bit(found, undisturbed, tmp_path):
     path, whole = undisturbed
-    monkeypatch.setattr(sampler, "_EVERY", 0.0)
     density, key = make_density(found), run_key(make_density(found), 0)
-    partial = tmp_path / "chain.h5"
+    partial, looks = tmp_path / "chain.h5", []
 
     def stop(now: sampler.Progress) -> None:
-        raise KeyboardInterrupt
+        """At a look that was not there before: a resumed chain begins with the one that it was stopped at."""
+        if now.steps not in looks:
+            looks.append(now.steps)
+            raise KeyboardInterrupt
 
-    cut = sampler.sample(density, partial, key, report=stop)
-    assert cut.stopped == "it was interrupted" and cut.convergence.reasons
-    resumed = sampler.sample(density, partial, key, resume=True)
+    resumed = sampler.sample(density, partial, key, report=stop)
+    assert resumed.stopped == "it was interrupted" and resumed.convergence.reasons
+    while resumed.stopped:
+        resumed = sampler.sample(density, partial, key, resume=True, report=stop)
+    assert len(looks) >= 3
     assert np.array_equal(resumed.chain.positions, whole.sampled.chain.positions)
     assert np.array_equal(resumed.chain.log_probability, whole.sampled.chain.log_probability)
     assert resumed.chain.taus == whole.sampled.chain.taus
