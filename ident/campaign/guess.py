@@ -123,7 +123,7 @@ def _slow_or_fast(time: Column, drive: Column) -> str:
     if not step > 0:
         return ""
     if 1 / step < PLATFORM_RATE:
-        return f"{1 / step:.3g} samples a second show no motion of a platform"
+        return f"{1 / step:.3g} samples a second show no motion of a platform (or is the unit of time another?)"
     frequency, most = drive_rate(u) / (2 * np.pi * step), Platform().max_frequency
     return f"No platform is driven at {frequency:.3g} Hz" if frequency > most else ""
 

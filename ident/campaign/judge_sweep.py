@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .jump import Jump, find_jump
+from .jump import Jump, jump_of
 from .record import SAME_LEVEL, Run, Sweep
 
 FEWEST = 4.0
@@ -70,7 +70,7 @@ def _run(record: Sweep, run: Run) -> RunJudgement:
     while end < len(a) - 1 and high[end + 1]:
         end += 1
     whole = low > 0 and end < len(a) - 1
-    jump = find_jump(f, a, None if record.phase is None else record.phase[rows])
+    jump = jump_of(record, rows)
     width = _crossing(f, a, end, end + 1, a[top]) - _crossing(f, a, low, low - 1, a[top]) if whole else None
     return RunJudgement(run.level, run.up, len(rows), float(f[top]), float(a[top]), end - low + 1, width, jump)
 

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .record import Sweep
+
 _LEAST = 0.15
 """Of the largest amplitude: what a jump changes at least; noise of 2 % reaches that once in a million steps."""
 _STANDS_OUT = 3.0
@@ -15,6 +17,10 @@ for a Lorentzian."""
 _WIDEST = 3
 """Intervals that a jump takes: a motion that is not given the time lingers where its branch has ended, and swings about
 the other, at one point or two. For each interval, as many points within the half-power width are asked for."""
+
+_REPEATED = (
+    0.1  # of the change: runs both ways are this near where nothing lingers, and apart by all of it where it does
+)
 
 
 @dataclass(frozen=True)
@@ -61,6 +67,23 @@ def find_jump(frequency: np.ndarray, amplitude: np.ndarray, phase: np.ndarray | 
                 float(f[low] + f[high]) / 2, float(f[high] - f[low]) / 2, low, high, after, bool(a[high] > a[low])
             )
     return None
+
+
+def jump_of(sweep: Sweep, rows: np.ndarray) -> Jump | None:
+    """The jump of one run of a sweep, its `rows` in any order; or None.
+
+    A change over several points that the run the other way repeats is a steep curve: what lingers does so on one side.
+    """
+    f, a = sweep.frequency, sweep.amplitude
+    jump = find_jump(f[rows], a[rows], None if sweep.phase is None else sweep.phase[rows])
+    if jump is None or jump.high == jump.low + 1:
+        return jump
+    back = np.flatnonzero(np.isclose(sweep.level, sweep.level[rows[0]]) & (sweep.up != sweep.up[rows[0]]))
+    back, own = back[np.argsort(f[back])], rows[np.argsort(f[rows])][jump.low : jump.high + 1]
+    if not len(back) or f[back[0]] > f[own[0]] or f[back[-1]] < f[own[-1]]:
+        return jump
+    apart = np.abs(np.interp(f[own], f[back], a[back]) - a[own])
+    return None if np.max(apart) < _REPEATED * abs(a[own[-1]] - a[own[0]]) else jump
 
 
 def _jumps_after(a: np.ndarray, response: np.ndarray, width: int) -> int | None:

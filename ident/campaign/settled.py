@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .jump import find_jump
+from .jump import jump_of
 from .record import Sweep
 
 
@@ -20,8 +20,7 @@ def settled(sweep: Sweep) -> np.ndarray:
     found = np.ones(len(sweep.frequency), bool)
     for run in sweep.runs:
         rows = run.rows if run.up else run.rows[::-1]
-        phase = None if sweep.phase is None else sweep.phase[rows]
-        jump = find_jump(sweep.frequency[rows], sweep.amplitude[rows], phase)
+        jump = jump_of(sweep, rows)
         if jump is not None:
             found[rows[jump.low : jump.high + 1]] = False
     return found

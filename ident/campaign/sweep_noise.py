@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .jump import find_jump
+from .jump import jump_of
 from .record import NoiseFloor, Sweep
 
 _NEAR = (-2, -1, 1, 2)
@@ -104,9 +104,7 @@ def _pieces(sweep: Sweep) -> list[np.ndarray]:
     for run in sweep.runs:
         rows = run.rows if run.up else run.rows[::-1]
         rows = rows[sweep.amplitude[rows] > 0]
-        jump = find_jump(
-            sweep.frequency[rows], sweep.amplitude[rows], None if sweep.phase is None else sweep.phase[rows]
-        )
+        jump = jump_of(sweep, rows)
         found += np.split(rows, [jump.after]) if jump is not None else [rows]
     return [rows for rows in found if len(rows) > len(_AROUND)]
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .jump import find_jump, loop_runs_backwards
+from .jump import jump_of, loop_runs_backwards
 from .record import Record, Run, Sweep
 from .repeatability import with_repeatability
 from .sweep_noise import sweep_noise
@@ -65,9 +65,7 @@ def _turn(records: list[Record], group: list[int], notes: list[str]) -> None:
 
 def _jump(record: Record, run: Run):
     assert isinstance(record, Sweep)
-    return find_jump(
-        record.frequency[run.rows], record.amplitude[run.rows], None if record.phase is None else record.phase[run.rows]
-    )
+    return jump_of(record, run.rows)
 
 
 def _share_noise(records: list[Record], group: list[int]) -> None:

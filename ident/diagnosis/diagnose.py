@@ -15,7 +15,6 @@ from ..effects.registry import registry
 from ..fit import Fit, fit, fit_data
 from ..fit.fit_data import Effects
 from ..fit.floors import sharpened
-from ..fit.start_score import begun_in_motion
 from ..pulse import Report
 from .bench import Bench, prepare
 from .beyond import free_name, go_beyond
@@ -136,7 +135,7 @@ def diagnose(
     suspects = judged_again(suspects, found.final, report)
     if found.verdict == "identified" and any(one.kind in BY_OTHERS for one in suspects):
         found = replace(found, verdict="ambiguous")
-    if found.verdict == "not-in-library" and begun_in_motion(found.final):
+    if found.verdict == "not-in-library" and found.final.begun_in_motion:
         found = replace(found, verdict="ambiguous", lacking=0.0)  # what is left may be no physics at all
     answer = partial(Diagnosis, found, where, unseen=unseen(bench, found.ranking, library), suspects=suspects)
     if not fitted.campaign.fitted:

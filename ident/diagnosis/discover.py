@@ -16,7 +16,6 @@ import numpy as np
 
 from ..campaign.campaign import Campaign
 from ..fit import Fit, fit
-from ..fit.start_score import begun_in_motion
 from ..model import Model
 from .bench import Bench, prepare
 from .change import try_without
@@ -120,7 +119,7 @@ def _starts_say_more(before: Fit, after: Fit) -> bool:
     """Whether starts in motion, where rest is claimed, take more of what a model leaves than an effect did: that is no
     physics."""
     excess = {s.name: s.n * (s.error_over_noise**2 - 1) for s in before.scores}
-    starts = sum(share * excess[name] for name, share in begun_in_motion(before))
+    starts = sum(share * excess[name] for name, share in before.begun_in_motion)
     return starts > before.fitted.chi2 - after.fitted.chi2
 
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..campaign.jump import find_jump
+from ..campaign.jump import jump_of
 from ..campaign.record import Run, Sweep
 from ..model import Model
 from ..response import Equation
@@ -135,7 +135,7 @@ class CurveReading:
     def _run(self, run: Run, branch: Branch) -> RunReading:
         sweep, rows = self.sweep, run.rows
         amplitude, frequency = sweep.amplitude[rows], sweep.frequency[rows]
-        seen = find_jump(frequency, amplitude, None if sweep.phase is None else sweep.phase[rows])
+        seen = jump_of(sweep, rows)
         measured = None if seen is None else seen.frequency
         if len(branch.length) < 2 or not np.ptp(branch.frequency):
             nothing = np.full(len(rows), np.nan)

@@ -98,6 +98,13 @@ class Fit:
     curves: tuple[CurveReading, ...] = ()
 
     @cached_property
+    def begun_in_motion(self) -> list[tuple[str, float]]:
+        """Records that are said to begin at rest and do not, as of `start_score.begun_in_motion`."""
+        from .start_score import begun_in_motion
+
+        return begun_in_motion(self)
+
+    @cached_property
     def step_error(self) -> float:
         """Largest discretisation error of any fitted record, in units of its noise floor, by halving the step."""
         static, data, unknowns, found = self.solved

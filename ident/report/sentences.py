@@ -15,7 +15,6 @@ from ..diagnosis.suspects import alone_off
 from ..fit.carry_over import expected_error
 from ..fit.one_tone import gain_of
 from ..fit.result import Fit
-from ..fit.start_score import begun_in_motion
 from .linear_words import worse_than_static
 from .quantity import show, significant
 from .tables import listed, ratio_text
@@ -100,7 +99,7 @@ def _starts(fit: Fit) -> list[Sentence]:
     """Records that are said to begin at rest, and do not."""
     if fit.fitted.error_over_noise <= GOOD:
         return []
-    moving = [f"{name} ({100 * share:.0f} %)" for name, share in begun_in_motion(fit)]
+    moving = [f"{name} ({100 * share:.0f} %)" for name, share in fit.begun_in_motion]
     if not moving:
         return []
     text = (

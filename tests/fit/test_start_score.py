@@ -7,7 +7,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import ident
-from ident.fit.start_score import begun_in_motion
 from ident.report.sentences import sentences
 
 W = 2 * np.pi * 180.0
@@ -28,5 +27,5 @@ def test_a_start_in_motion_is_told(before, push, told):
     records = {f"{volts:g}": _record(volts, before, push, k) for k, volts in enumerate((1.0, 3.0))}
     effects = ["static-force"] if push else []
     found = ident.fit(records, effects, device={"kind": "oscillator"}, start="rest", noise="0.05 V")
-    assert bool(begun_in_motion(found)) is told
+    assert bool(found.begun_in_motion) is told
     assert any('write start = "unknown"' in sentence.text for sentence in sentences(found)) is told
