@@ -145,8 +145,8 @@ def _rectified(signal: np.ndarray) -> bool:
 
     z̈ + ω²z + a z² = 0 has the mean −a A²/2ω², and its well ends at z = −ω²/a: half of the way there the mean is a
     quarter of the amplitude, which bounds b. Source: A. H. Nayfeh, D. T. Mook, "Nonlinear Oscillations" (1979), §2.3.
-    Set by `experiments.faulty_records` (seeds 700–729): drifts said of sound records with two hidden effects 16 → 3 of
-    900, the 3 with creep; ramps still told 90 of 90.
+    `experiments.faulty_records.drifts` (seeds 740–769): 2 of 900 sound records are said to drift, one of them by creep,
+    and all 90 ramps are.
     """
     length = max(len(signal) // 4, 1)
     window = np.hanning(length + 2)[1:-1] / np.sum(np.hanning(length + 2))

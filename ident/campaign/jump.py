@@ -17,10 +17,8 @@ for a Lorentzian."""
 _WIDEST = 3
 """Intervals that a jump takes: a motion that is not given the time lingers where its branch has ended, and swings about
 the other, at one point or two. For each interval, as many points within the half-power width are asked for."""
-
-_REPEATED = (
-    0.1  # of the change: runs both ways are this near where nothing lingers, and apart by all of it where it does
-)
+_REPEATED = 0.1
+"""Of the change: as near runs both ways are where nothing lingers; where it does, they are apart by all of it."""
 
 
 @dataclass(frozen=True)

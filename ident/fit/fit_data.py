@@ -55,7 +55,7 @@ def fit_data(
         fit, model, sigma=sigma, robust=robust, starts=starts, seed=seed, initial=initial, report=report, until=until
     )
     found = fitted(campaign)
-    sharper = None if sigma == "fitted" else sharpened(found)
+    sharper = None if sigma == "fitted" or time.monotonic() >= until else sharpened(found)
     return found if sharper is None else fitted(sharper)
 
 
