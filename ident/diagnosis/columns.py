@@ -28,7 +28,7 @@ from ..response.memory import Seen, memory_along
 from ..response.system import Block, System, assemble
 from ..response.tape import BLOCK, BLOCKS, Chunk
 
-_COLUMNS = (4, 12, 32)  # solved together: three programs serve any number of them
+_COLUMNS = (4, 12, 36)  # solved together: three programs serve any number of them; 36 are those of a pair of splines
 _SETS = 4  # rows of terms are computed in multiples of this
 
 
@@ -92,7 +92,7 @@ def contributions(
     taken; `moved`, the motion of the stage, and what the sensor has `seen`, per chunk; `histories`, (d, records, h):
     what came before each record added to the hidden states (`Equation.histories`).
 
-    **Returns:** forces (d, BLOCKS, 2 BLOCK + 1), N, and readings (d, BLOCKS, BLOCK), m, per unit of the direction;
+    **Returns:** forces (BLOCKS, 2 BLOCK + 1, d), N, and readings (BLOCKS, BLOCK, d), m, per unit of the direction;
     empty where the model has none.
     """
     d = len(values)
@@ -106,7 +106,7 @@ def contributions(
     )
     for chunk, path, own, past in zip(tape.chunks, moved, seen, pasts, strict=True):
         carry, force, shown = terms(asked, equation.constants, values, directions, path, own, past, carry, chunk)
-        yield np.asarray(force)[:d], np.asarray(shown)[:d]
+        yield np.asarray(force)[..., :d], np.asarray(shown)[..., :d]
 
 
 def no_histories(equation: Equation, rows: int, tape: Tape) -> np.ndarray:
@@ -147,7 +147,7 @@ def terms(
         (_, _, ends), (force, shown, dends) = jax.jvp(at, (values, hidden), (direction, change))
         return tuple(tuple(zip(a, b, strict=True)) for a, b in zip(ends, dends, strict=True)), force, shown
 
-    return jax.vmap(along)(values, directions, pasts, carry)
+    return jax.vmap(along, out_axes=(0, -1, -1))(values, directions, pasts, carry)
 
 
 def _memories(
@@ -280,19 +280,18 @@ def slopes(
 def push_columns(tape: Tape, dynamics: Sequence[Dynamics], pushes: Sequence[np.ndarray]) -> np.ndarray:
     """Change of the readings by given extra forces on the stage, through the model's dynamics linearised on the motion.
 
-    **Arguments:** `pushes`, per chunk (d, BLOCKS, 2 BLOCK + 1) N on the half-step grid.
+    **Arguments:** `pushes`, per chunk (BLOCKS, 2 BLOCK + 1, d) N on the half-step grid.
 
     **Returns:** (d, samples), m.
     """
-    columns, count = [], len(pushes[0])
+    columns, count = [], pushes[0].shape[-1]
     width = next((w for w in _COLUMNS if w >= count), _COLUMNS[-1])
     for first in range(0, count, width):
         carry, found = (np.zeros(width),) * 2, []
         for chunk, along, push in zip(tape.chunks, dynamics, pushes, strict=True):
-            part = push[first : first + width]
-            filled = np.zeros((BLOCKS, 2 * BLOCK + 1, width))
-            filled[..., : len(part)] = np.moveaxis(part, 0, -1)
-            carry, rows = answer(None, filled, along, carry, chunk.step, chunk.first, chunk.count)
+            part = push[..., first : first + width]
+            part = np.pad(part, [(0, 0), (0, 0), (0, width - part.shape[-1])])
+            carry, rows = answer(None, part, along, carry, chunk.step, chunk.first, chunk.count)
             found.append(rows)
         columns.append(tape.at_samples(found))
     return np.concatenate(columns)[:count]
