@@ -24,7 +24,7 @@ from ..effects.effect import State
 from ..programs import program
 from ..response import Equation, Tape
 from ..response.lane import Numbers
-from ..response.memory import Seen, memory_along
+from ..response.memory import Seen, memory_along, shaping
 from ..response.system import Block, System, assemble
 from ..response.tape import BLOCK, BLOCKS, Chunk
 
@@ -56,15 +56,25 @@ class Dynamics(NamedTuple):
 
 
 class Terms(NamedTuple):
-    """Which terms of an equation are asked for: those of its effects alone, or the linear ones too."""
+    """Which terms of an equation are asked for: those of its effects alone, or the `linear` ones too; `bent`: whether
+    what the effects remember changes too, which takes twice as long to follow."""
 
     equation: Equation
     linear: bool
+    bent: bool = True
 
     @property
     def fingerprint(self) -> str | None:
         told = self.equation.fingerprint
-        return None if told is None else f"{told} {self.linear}"
+        return None if told is None else f"{told} {self.linear} {self.bent}"
+
+    def along(self, directions: np.ndarray) -> Terms:
+        """The same, `bent` if moving the parameters along directions (d, m) may change a memory."""
+        model, moves = self.equation.model, np.any(directions != 0, axis=0)
+        moved = {p.name for p, own in zip(model.parameters, moves, strict=True) if own}
+        remembering = [effect for effect in model.effects if effect.state0()]
+        free = {f"{e.name}.{name}" for e in model.effects for name in e.values.keys() - set(shaping(e))}
+        return self._replace(bent=any(effect.needs or not moved <= free for effect in remembering))
 
     @property
     def push(self) -> bool:
@@ -100,7 +110,7 @@ def contributions(
     values = np.concatenate([values, np.repeat(values[-1:], more, axis=0)])
     directions = np.concatenate([directions, np.zeros((more, directions.shape[1]))])
     histories = np.concatenate([histories, np.repeat(histories[-1:], more, axis=0)])
-    equation, pasts = asked.equation, _by_block(tape, histories)
+    asked, equation, pasts = asked.along(directions), asked.equation, _by_block(tape, histories)
     carry = tuple(
         tuple((np.zeros((len(values), len(e.state0()))),) * 2 for e in equation.model.effects) for _ in range(2)
     )
@@ -130,21 +140,29 @@ def terms(
     on the path of the stage and on what the sensor has seen, per effect."""
     parts = asked.equation.histories
 
-    def acting(values: Any, past: Any, hidden: tuple) -> tuple:
+    def remembered(values: Any, past: Any, hidden: tuple) -> tuple:
         system = assemble(asked.equation, constants, values)
-        ends, force, shown = list(hidden), jnp.zeros((0, 0)), jnp.zeros((0, 0))
+        sides = zip((asked.push, asked.show), (moved, seen), hidden, strict=True)
+        found = [_memories(system, parts, motion, past, h, chunk) if own else (h, ()) for own, motion, h in sides]
+        return tuple(zip(*found, strict=True))
+
+    def acting(values: Any, paths: tuple) -> tuple:
+        system, force, shown = assemble(asked.equation, constants, values), jnp.zeros((0, 0)), jnp.zeros((0, 0))
         if asked.push:
-            ends[0], paths = _memories(system, parts, moved, past, hidden[0], chunk)
-            force = _at_points(_force, system, moved, paths, chunk, 1)
+            force = _at_points(_force, system, moved, paths[0], chunk, 1)
         if asked.show:
-            ends[1], paths = _memories(system, parts, seen, past, hidden[1], chunk)
-            shown = _at_points(_shown, system, seen, paths, chunk, 2)
-        return force, shown, tuple(ends)
+            shown = _at_points(_shown, system, seen, paths[1], chunk, 2)
+        return force, shown
 
     def along(values: Any, direction: Any, past: Any, carry: tuple) -> tuple:
         hidden, change = (tuple(tuple(pair[k] for pair in side) for side in carry) for k in range(2))
-        at = lambda values, hidden: acting(values, past, hidden)
-        (_, _, ends), (force, shown, dends) = jax.jvp(at, (values, hidden), (direction, change))
+        memory = lambda values, hidden: remembered(values, past, hidden)
+        if asked.bent:
+            (ends, paths), (dends, bends) = jax.jvp(memory, (values, hidden), (direction, change))
+            force, shown = jax.jvp(acting, (values, paths), (direction, bends))[1]
+        else:
+            (ends, paths), dends = memory(values, hidden), change
+            force, shown = jax.jvp(lambda values: acting(values, paths), (values,), (direction,))[1]
         return tuple(tuple(zip(a, b, strict=True)) for a, b in zip(ends, dends, strict=True)), force, shown
 
     return jax.vmap(along, out_axes=(0, -1, -1))(values, directions, pasts, carry)
