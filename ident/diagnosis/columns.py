@@ -73,7 +73,8 @@ class Terms(NamedTuple):
         model, moves = self.equation.model, np.any(directions != 0, axis=0)
         moved = {p.name for p, own in zip(model.parameters, moves, strict=True) if own}
         remembering = [effect for effect in model.effects if effect.state0()]
-        free = {f"{e.name}.{name}" for e in model.effects for name in e.values.keys() - set(shaping(e))}
+        forming = {f"{effect.name}.{name}" for effect in remembering for name in shaping(effect)}
+        free = {f"{effect.name}.{name}" for effect in model.effects for name in effect.values} - forming
         return self._replace(bent=any(effect.needs or not moved <= free for effect in remembering))
 
     @property

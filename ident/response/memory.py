@@ -99,10 +99,9 @@ def follows_drive_alone(effect: AbstractEffect) -> bool:
 def _can_remember(effect: AbstractEffect, state: State) -> bool:
     """Whether the memory of an effect needs nothing of what is None."""
     drive = Drive(1.0, 1.0, 1.0, 1.0)
+    asked = lambda: (effect.begun(drive), effect.follow(state.hidden, drive, drive, 1.0), effect.rate(state, drive, 0.0))
     try:
-        effect.begun(drive)
-        effect.follow(state.hidden, drive, drive, 1.0)
-        effect.rate(state, drive, 0.0)
+        jax.eval_shape(asked)
     except (TypeError, ValueError, AttributeError):
         return False
     return True
