@@ -13,6 +13,7 @@ evaluation on the measured motion follows S. F. Masri, T. K. Caughey, 1979, J. A
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import jax
@@ -70,12 +71,8 @@ class Terms(NamedTuple):
 
     def along(self, directions: np.ndarray) -> Terms:
         """The same, `bent` if moving the parameters along directions (d, m) may change a memory."""
-        model, moves = self.equation.model, np.any(directions != 0, axis=0)
-        moved = {p.name for p, own in zip(model.parameters, moves, strict=True) if own}
-        remembering = [effect for effect in model.effects if effect.state0()]
-        forming = {f"{effect.name}.{name}" for effect in remembering for name in shaping(effect)}
-        free = {f"{effect.name}.{name}" for effect in model.effects for name in effect.values} - forming
-        return self._replace(bent=any(effect.needs or not moved <= free for effect in remembering))
+        moves = zip(self.equation.model.parameters, np.any(directions != 0, axis=0), strict=True)
+        return self._replace(bent=_bend(self.equation, frozenset(p.name for p, own in moves if own)))
 
     @property
     def push(self) -> bool:
@@ -86,6 +83,16 @@ class Terms(NamedTuple):
     def show(self) -> bool:
         """Whether any of them adds to the reading."""
         return any(effect.overrides("sensor") for effect in self.equation.model.effects)
+
+
+@lru_cache(maxsize=512)  # what a memory depends on is found by trying
+def _bend(equation: Equation, moved: frozenset[str]) -> bool:
+    """Whether a memory may depend on any of the parameters that are moved."""
+    effects = equation.model.effects
+    remembering = [effect for effect in effects if effect.state0()]
+    forming = {f"{effect.name}.{name}" for effect in remembering for name in shaping(effect)}
+    free = {f"{effect.name}.{name}" for effect in effects for name in effect.values} - forming
+    return any(effect.needs or not moved <= free for effect in remembering)
 
 
 def contributions(
@@ -263,18 +270,18 @@ def _linear(equation: Equation, values: np.ndarray, chunk: Chunk) -> tuple[np.nd
         whole,
         stiffness * share,
         damping * share,
-        *_of_motion(chunk, stiffness * share, damping * share, nothing, nothing),
+        *_of_motion(np.asarray(chunk.order), stiffness * share, damping * share, nothing, nothing),
     )
 
 
-def _of_motion(chunk: Chunk, stiffness: Any, damping: Any, by_z: Any, by_v: Any) -> tuple[Any, Any, Any]:
-    """`Dynamics.by_z`, `by_v` and `by_a` of the displacement, velocity or acceleration that each block reads; `by_z`
-    and `by_v` are those of what its sensor adds."""
-    order = chunk.order[:, None]
+def _of_motion(order: Numbers, stiffness: Any, damping: Any, by_z: Any, by_v: Any) -> tuple[Any, Any, Any]:
+    """`Dynamics.by_z`, `by_v` and `by_a` of the displacement, velocity or acceleration, by `order`, that each block
+    reads; `by_z` and `by_v` are those of what its sensor adds."""
+    each = order[:, None]
     thin = lambda grid: grid[:, : 2 * BLOCK : 2]
-    by_z = by_z + (order == 0) - (order == 2) * thin(stiffness)
-    by_v = by_v + (order == 1) - (order == 2) * thin(damping)
-    return by_z, by_v, 1.0 * (chunk.order == 2)
+    by_z = by_z + (each == 0) - (each == 2) * thin(stiffness)
+    by_v = by_v + (each == 1) - (each == 2) * thin(damping)
+    return by_z, by_v, 1.0 * (order == 2)
 
 
 @program
@@ -293,7 +300,7 @@ def slopes(
     shown = _at_points(by_state(_shown), system, motion, paths, chunk, 2)
     mass = constants[0] + chunk.load
     stiffness, damping = (-slope / mass[:, None] for slope in force)
-    return (carry, mass, stiffness, damping, *_of_motion(chunk, stiffness, damping, *shown))
+    return (carry, mass, stiffness, damping, *_of_motion(chunk.order, stiffness, damping, *shown))
 
 
 def push_columns(tape: Tape, dynamics: Sequence[Dynamics], pushes: Sequence[np.ndarray]) -> np.ndarray:
@@ -308,9 +315,11 @@ def push_columns(tape: Tape, dynamics: Sequence[Dynamics], pushes: Sequence[np.n
     for first in range(0, count, width):
         carry, found = (np.zeros(width),) * 2, []
         for chunk, along, push in zip(tape.chunks, dynamics, pushes, strict=True):
-            part = push[..., first : first + width]
-            part = np.pad(part, [(0, 0), (0, 0), (0, width - part.shape[-1])])
-            carry, rows = answer(None, part, along, carry, chunk.step, chunk.first, chunk.count)
+            filled = part = push[..., first : first + width]
+            if part.shape[-1] < width:
+                filled = np.zeros((*part.shape[:-1], width))
+                filled[..., : part.shape[-1]] = part
+            carry, rows = answer(None, filled, along, carry, chunk.step, chunk.first, chunk.count)
             found.append(rows)
         columns.append(tape.at_samples(found))
     return np.concatenate(columns)[:count]
