@@ -4,8 +4,8 @@ Nothing here is `ident`: SciPy fits air drag and a softening spring,
 
     z̈ + ω² z − s z|z| + c ż + d ż|ż| = 0,
 
-to the fitted run, and to the judged run itself. The sensor of the latter slips at the peaks of its first twelve seconds, by
-up to the size of the motion, a tenth of a second each time: they are most of what is left, whatever the law.
+to the fitted run, and to the judged run itself. The sensor of the latter slips at peaks of its first twelve seconds, by
+up to the size of the motion, a tenth of a second each time: that is most of what is left, whatever the law.
 """
 
 from __future__ import annotations
@@ -87,7 +87,8 @@ def main() -> None:
     errors = {}
     for name, left in (("of the fitted run", fitted(t, z, law)[1]), ("of the judged run itself", fitted(t, z)[1])):
         errors[name] = percent(left, everywhere)
-        print(f"the law {name} leaves {errors[name]:.2f} % of the judged part, {percent(left, later):.2f} % after the slips")
+        after = percent(left, later)
+        print(f"the law {name} leaves {errors[name]:.2f} % of the judged part, {after:.2f} % after the slips")
     assert min(errors.values()) > 5.3, errors
 
 
