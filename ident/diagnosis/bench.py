@@ -141,7 +141,8 @@ class Bench:
             if p.kind == "shape":
                 found[i] = values[i] + np.clip(whole[i], -_FARTHEST * abs(values[i]), _FARTHEST * abs(values[i]))
         mass = model.linear.mass
-        ahead = model.spring_and_damper(*(values[:2] + 1j * _TINY * whole[:2]), mass)  # their slopes by a complex step
+        first, second = values[:2] + 1j * _TINY * whole[:2]
+        ahead = model.spring_and_damper(first, second, mass)  # and their slopes
         spring, damper = (max(x.real + x.imag / _TINY, _LEAST * x.real) for x in ahead)
         found[:2] = model.times_of(spring, damper, mass, float(values[0]))
         for i, p in enumerate(model.parameters):
