@@ -12,7 +12,7 @@ import numpy as np
 
 from ..effects.effect import AbstractEffect
 from ..fit import Fit
-from ..model import Model
+from ..model import FREQUENCY, QUALITY, Model
 from ..response import Equation
 from .balance import balanced, samples_of
 from .basis import orthonormal
@@ -144,7 +144,7 @@ class Bench:
         first, second = values[:2] + 1j * _TINY * whole[:2]
         ahead = model.spring_and_damper(first, second, mass)  # and their slopes
         spring, damper = (max(x.real + x.imag / _TINY, _LEAST * x.real) for x in ahead)
-        found[:2] = model.times_of(spring, damper, mass, float(values[0]))
+        found[:2] = model.times_of(spring, damper, mass, float(values[FREQUENCY]))
         for i, p in enumerate(model.parameters):
             if p.limits is not None:
                 low, high = (limit * getattr(self.fit.scales, p.limits_scale) for limit in p.limits)
@@ -187,7 +187,7 @@ def prepare(fit: Fit, believed: bool = False) -> Bench:
     # A shape at its bound cannot move as its column says: to project that out would hide a misfit that remains.
     fitted = [i for i in solved.static.free if "at-bound" not in fit.estimates[i].flags]
     # A quality factor that had to be held (steady sines of one frequency) may be wrong: its error is no missing effect.
-    bent = "held" in fit.estimates[1].flags and fit.model.form != "quasi-static"
+    bent = "held" in fit.estimates[QUALITY].flags and fit.model.form != "quasi-static"
     free = sorted({*fitted, 1}) if bent else fitted
     directions = np.eye(len(fit.values))[free] * np.where(fit.values[free] == 0, 1.0, fit.values[free])[:, None]
     if curves is not None:

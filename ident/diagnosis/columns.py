@@ -22,6 +22,7 @@ import numpy as np
 from jax import lax
 
 from ..effects.effect import State
+from ..model import FREQUENCY, QUALITY
 from ..programs import program
 from ..response import Equation, Tape
 from ..response.lane import Numbers
@@ -263,7 +264,7 @@ def linearised(
 
 def _linear(equation: Equation, values: np.ndarray, chunk: Chunk) -> tuple[np.ndarray, ...]:
     mass = equation.constants[0]
-    stiffness, damping = equation.model.spring_and_damper(float(values[0]), float(values[1]), mass)
+    stiffness, damping = equation.model.spring_and_damper(float(values[FREQUENCY]), float(values[QUALITY]), mass)
     whole = mass + np.asarray(chunk.load)
     share, nothing = np.ones((BLOCKS, 2 * BLOCK + 1)) / whole[:, None], np.zeros((BLOCKS, BLOCK))
     return (

@@ -16,7 +16,7 @@ from ..fit.fit import minimise
 from ..fit.guess import DataScales
 from ..fit.one_tone import gain_of
 from ..fit.rebuild import fit_at
-from ..model import Model, make_effect
+from ..model import QUALITY, Model, make_effect
 from .bench import Bench
 from .score import Candidate
 from .shorten import is_long
@@ -121,8 +121,8 @@ def base_of(bench: Bench) -> np.ndarray:
     At a bound a parameter has no slope that could lead it back.
     """
     values = bench.fit.values.copy()
-    if "at-bound" in bench.fit.estimates[1].flags:
-        values[1] *= _OFF_BOUND
+    if "at-bound" in bench.fit.estimates[QUALITY].flags:
+        values[QUALITY] *= _OFF_BOUND
     return values
 
 

@@ -21,7 +21,7 @@ from ..fit.finish import Minimum
 from ..fit.fit import minimise
 from ..fit.guess import GRID_STEP, coarse_frequency
 from ..fit.reading import read
-from ..model import Model
+from ..model import FREQUENCY, Model
 from .nuisance import Nuisance, best_scale, moved, nuisances, rms, stretched
 from .side_by_side import at_once
 
@@ -79,7 +79,7 @@ def told_by_others(fitted: Fit, i: int) -> Rest | None:
     initial: np.ndarray | None = fitted.values
     if fitted.model.form in ("oscillator", "overdamped"):
         frequency = coarse_frequency(others.fitted, fitted.campaign.fitted)
-        far = abs(math.log(frequency / fitted.values[0])) >= 1.5 * GRID_STEP
+        far = abs(math.log(frequency / fitted.values[FREQUENCY])) >= 1.5 * GRID_STEP
         initial = None if far else initial
     found = _minimum(fitted.model, others, initial)
     return found and Rest(others, found.values, len(found.static.free), *residual_of(found, others))
@@ -106,7 +106,7 @@ def faults_of(fitted: Fit, i: int, rest: Rest) -> list[Fault]:
     """Ways in which one record may be faulty, each fitted together with the other records."""
     model, campaign, record = fitted.model, fitted.campaign, fitted.campaign.traces[i]
     own = _minimum(model, _only(campaign, record), None)  # a device of its own: another load, or another device
-    ratio = 1.0 if own is None else float(own.values[0]) / float(rest.values[0])
+    ratio = 1.0 if own is None else float(own.values[FREQUENCY]) / float(rest.values[FREQUENCY])
     tried = explanations(model, rest.values, campaign.traces, i, (*_SCALES, ratio))[:_TRIED]
     found = [fault for told in tried if (fault := _together(fitted, i, told, rest.values)) is not None]
     if own is not None:

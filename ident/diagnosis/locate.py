@@ -13,6 +13,7 @@ import numpy as np
 
 from ..campaign.drive import drive_frequency
 from ..campaign.record import Sweep
+from ..model import QUALITY
 from .bench import Bench
 from .views import View, chance_of, from_sums, view
 from .whiteness import Correlation, drive_correlation, whiteness
@@ -117,7 +118,7 @@ def locate(bench: Bench) -> Where:
         _by_phase(samples, floor_error),
         pooled("displacement ÷ its largest", "z", -1, 1),
         pooled("velocity ÷ its largest", "v", -1, 1),
-        _by_harmonic(samples, resonance, float(bench.fit.values[1])),
+        _by_harmonic(samples, resonance, float(bench.fit.values[QUALITY])),
         _by_frequency(samples, resonance, floor_error),
         whiteness(white, [len(r.noise.ar) for r in records]),
         drive_correlation(

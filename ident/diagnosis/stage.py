@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..effects.dependence import Side
+from ..model import FREQUENCY
 from .bench import Bench, by_record
 from .columns import push_columns
 from .splines import Places, Size, places, sizes
@@ -36,7 +37,7 @@ def set_stage(bench: Bench) -> Stage:
     largest, lanes = (scales.displacement, scales.voltage), scene.tape.lanes
     moved = places(lanes, scene.paths, [1] * len(lanes), scales.period, largest)
     own = places(lanes, scene.own, [2 * span.substeps for span in scene.tape.spans], scales.period, largest)
-    linear, omega = bench.fit.model.linear, 2 * np.pi * float(bench.fit.values[0])
+    linear, omega = bench.fit.model.linear, 2 * np.pi * float(bench.fit.values[FREQUENCY])
     force_unit = linear.mass * omega**2 * scales.displacement
     return Stage(moved, own, sizes(moved), force_unit, scales.displacement)
 

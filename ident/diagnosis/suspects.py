@@ -18,7 +18,7 @@ from ..campaign.record import Trace
 from ..campaign.suspect import ALL, Suspect, suspects_by_data
 from ..fit import Fit, fit
 from ..fit.reading import read
-from ..model import Model
+from ..model import QUALITY, Model
 from .bench import Bench, prepare
 from .enough import ANOTHER_LAW, MOST_OF_IT
 from .evidence import VERY_STRONG, Left, behind, criteria
@@ -230,7 +230,7 @@ def _beyond_an_effect(told: Nuisance, values: np.ndarray) -> bool:
     Nonlinear Oscillations, 1962, ch. 14): friction that shows in the weakest record alone makes another device of it.
     A resonance that lies beside that of the others by more than half its width is beyond that.
     """
-    half_width = 0.5 / max(float(values[1]), 1.0)
+    half_width = 0.5 / max(float(values[QUALITY]), 1.0)
     if told.kind == "time-scale":
         return abs(told.size - 1) > half_width
     return told.unit != OF_FREQUENCY or abs(told.size) > 100 * half_width

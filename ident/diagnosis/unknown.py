@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..effects.dependence import Side
+from ..model import FREQUENCY, QUALITY
 from .bench import Bench
 from .colour_test import chance_of
 from .formula import Formula, dictionary, long_formula, write_formula
@@ -143,6 +144,6 @@ def _possible(bench: Bench, stage: Stage, formula: Formula) -> bool:
     scene = bench.scene
     left = np.concatenate([whiten(p, r[None])[0] for p, r in zip(bench.pieces, scene.residuals, strict=True)])
     change = np.linalg.lstsq(known.T, left - by_terms, rcond=1e-10)[0][1] * stage.force_unit / velocity
-    model = bench.fit.model
-    _, damping = model.spring_and_damper(float(bench.fit.values[0]), float(bench.fit.values[1]), model.linear.mass)
+    model, values = bench.fit.model, bench.fit.values
+    _, damping = model.spring_and_damper(float(values[FREQUENCY]), float(values[QUALITY]), model.linear.mass)
     return damping - change > 0.0

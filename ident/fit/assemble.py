@@ -9,7 +9,7 @@ import numpy as np
 
 from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
-from ..model import Model, ModelParameter
+from ..model import FREQUENCY, Model, ModelParameter
 from ..response import Equation, Tape
 from ..units import exponents
 from .coordinates import to_coordinates
@@ -39,12 +39,13 @@ def assemble(
     bounds = np.array([bounds_of(parameters[i], float(values[i]), scales) for i in free]).reshape(-1, 2)
     priors = [campaign.priors.get(parameters[i].name) for i in free]
     values, equation = np.asarray(values, float), Equation(model)
+    frequency = float(values[FREQUENCY])
     histories = equation.history_units if any(record.start != "rest" for record in records) else ()
     data = Data(
         tape,
         np.concatenate([np.zeros(0), *(record.response for record in records)]),
-        np.concatenate([np.zeros(0), *(_weight(record, float(values[0])) for record in records)]),
-        np.array([start_scale(r, float(values[0]), histories) for r in records]).reshape(-1, 2 + len(histories)),
+        np.concatenate([np.zeros(0), *(_weight(record, frequency) for record in records)]),
+        np.array([start_scale(record, frequency, histories) for record in records]).reshape(-1, 2 + len(histories)),
         values,
         bounds[:, 0],
         bounds[:, 1],

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..campaign.drive import drive_frequency
 from ..campaign.record import Trace
-from ..model import Model
+from ..model import FREQUENCY, QUALITY, Model
 
 _SAME = 2e-3  # relative difference of frequencies that count as one
 _STEADY = 0.01  # change of the fundamental from the first half of a record to the second
@@ -48,7 +48,7 @@ def hold_dragged(model: Model, values: np.ndarray, records: Sequence[Trace]) -> 
 
     For models that do not describe the records: one that does may have found a sharp resonance.
     """
-    frequency, quality = float(values[0]), float(values[1])
+    frequency, quality = float(values[FREQUENCY]), float(values[QUALITY])
     lasts = quality / (np.pi * frequency)
     begun = all(record.start != "rest" for record in records)
     outlasts = begun and _one_frequency(records) and all(lasts > record.time[-1] - record.time[0] for record in records)

@@ -15,7 +15,7 @@ from ..campaign.drive_alone import drive_alone
 from ..campaign.in_memory import table_of
 from ..campaign.load import read_table
 from ..campaign.record import Trace
-from ..model import Model
+from ..model import FREQUENCY, QUALITY, Model
 from ..response import lay_out
 from .assemble import assemble, begin
 from .change_values import changed_values
@@ -98,7 +98,7 @@ def record_of(campaign: Campaign, data: Any) -> Trace:
 
 def _with_slopes(model: Model, values: np.ndarray, record: Trace) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Reading (n,), its derivatives by the fitted parameters (n, p) and by the initial state (n, s)."""
-    tape = lay_out([record], float(values[0]), float(values[1]), model)
+    tape = lay_out([record], float(values[FREQUENCY]), float(values[QUALITY]), model)
     static, data = assemble(model, Campaign("", (record,), model.device), [record], tape, values)
     unknowns = begin(data, static)
     if static.starts_free:

@@ -17,7 +17,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from ..errors import UserError
-from ..model import Model, ModelParameter
+from ..model import QUALITY, Model, ModelParameter
 from ..response import lay_out
 from ..units import format_quantity
 from . import solve
@@ -176,7 +176,7 @@ def _steps(fit: Fit, index: int) -> tuple[bool, float, float]:
 def _problem(fit: Fit, name: str) -> tuple[Static, Data]:
     model = replace(fit.model, held=fit.model.held | {name}, freed=fit.model.freed - {name})
     records = fit.campaign.fitted
-    tape = lay_out(records, 1.0 / fit.scales.period, float(fit.values[1]), fit.model)
+    tape = lay_out(records, 1.0 / fit.scales.period, float(fit.values[QUALITY]), fit.model)
     static, data = assemble(model, fit.campaign, records, tape, fit.values, curves=fit.solved.data.curves)
     return static._replace(width=len(fit.free) + 2 * static.starts_free), data  # the program of the fit
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
-from ..model import Model
+from ..model import FREQUENCY, QUALITY, Model
 from ..response import lay_out
 from .assemble import assemble, begin
 from .problem import Data, Evaluation, Static, Unknowns, evaluate, readings
@@ -16,7 +16,7 @@ from .problem import Data, Evaluation, Static, Unknowns, evaluate, readings
 
 def read(model: Model, values: np.ndarray, records: Sequence[Trace]) -> list[np.ndarray]:
     """Readings of a model with given parameters; initial states of records that do not start at rest are fitted."""
-    tape = lay_out(records, float(values[0]), float(values[1]), model)
+    tape = lay_out(records, float(values[FREQUENCY]), float(values[QUALITY]), model)
     campaign = Campaign("", tuple(records), model.device)
     static, data = assemble(model, campaign, records, tape, values, held=True)
     unknowns = begin(data, static)

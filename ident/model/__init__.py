@@ -6,6 +6,9 @@ runtime.configure()
 
 from .build import build_model as build_model  # noqa: E402  (JAX is configured first)
 from .build import make_effect as make_effect  # noqa: E402
+from .linear import FREQUENCY as FREQUENCY  # noqa: E402
+from .linear import GAIN as GAIN  # noqa: E402
+from .linear import QUALITY as QUALITY  # noqa: E402
 from .linear import LinearPart as LinearPart  # noqa: E402
 from .linear import linear_part as linear_part  # noqa: E402
 from .model import ABOVE_THE_DRIVE as ABOVE_THE_DRIVE  # noqa: E402

@@ -17,6 +17,9 @@ from ..effects.parameter import Expected
 from ..effects.section import device_section
 from ..mechanics import drive_force_coefficient, l_beam, stage_stiffness
 
+FREQUENCY, QUALITY, GAIN = 0, 1, 2
+"""Places of the linear part's numbers among the parameters of every model; without a spring the first is a time scale
+that is held, and the second the decay time."""
 _TOLERANCE = 0.2  # of ln f0: a layer 10 % thicker raises f0 by 15 %, a stage 10 % heavier lowers it by 5 %
 # m/V; films of PZT have e31,f up to 14 ± 4 C/m² (Marshall et al., Integrated Ferroelectrics 80, 2006; DOI
 # 10.1080/10584580600656437), which with the nominal modulus, e31,f = E d31/(1 − ν), is 150 ± 45 pm/V.

@@ -26,6 +26,7 @@ from ..fit.coordinates import to_coordinates, to_values
 from ..fit.problem import Data, Static, Unknowns, evaluate
 from ..fit.reading import fit_starts
 from ..fit.result import Fit
+from ..model import QUALITY
 from ..response import lay_out, respond_many
 from ..response.tape import Tape
 from .noise_model import Noise, log_likelihood, precision, record_noise, whiten
@@ -302,7 +303,7 @@ def make_density(fit: Fit, records: Sequence[Trace] | None = None) -> Density:
 
 
 def _tape(fit: Fit, records: tuple[Trace, ...]) -> Tape:
-    return lay_out(records, 1.0 / fit.scales.period, float(fit.values[1]), fit.model)
+    return lay_out(records, 1.0 / fit.scales.period, float(fit.values[QUALITY]), fit.model)
 
 
 def _width(prior: Prior, value: float) -> float:

@@ -15,6 +15,7 @@ from ..diagnosis.suspects import alone_off
 from ..fit.carry_over import expected_error
 from ..fit.one_tone import gain_of
 from ..fit.result import Fit
+from ..model import QUALITY
 from .linear_words import worse_than_static
 from .quantity import show, significant
 from .tables import listed, ratio_text
@@ -121,7 +122,7 @@ def _error_bars(fit: Fit) -> list[Sentence]:
         "construction and cannot judge the model; judge it by the held-out records and the residuals.",
     }[fit.sigma]
     found = [Sentence(meaning, warning=fit.sigma == "fitted")]
-    quality = fit.estimates[1]
+    quality = fit.estimates[QUALITY]
     if quality.name in fit.model.undetermined:
         text = (
             f"The quality factor is held at {quality.value:.3g}, without an error bar: a steady sine of one frequency "
