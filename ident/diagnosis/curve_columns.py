@@ -152,9 +152,9 @@ def _columns(
         (real,) = joined(found, len(points.level))
         push, driven, shown, bent = real[::2] + 1j * real[1::2]
         offset = -shown / steady.tone
-        change = -push / (gain * steady.level) + stretch * offset.real + 1j * offset.imag
+        change = -push / (gain * steady.share * points.level) + stretch * offset.real + 1j * offset.imag
         drives.append(steady.needed * change)
-        bends.append(np.where(push == 0, steady.needed * -bent / (gain * steady.level), 0.0))
+        bends.append(np.where(push == 0, steady.needed * -bent / (gain * steady.share * points.level), 0.0))
         shares.append(driven / (gain * points.level))
     return np.array(drives), np.array(bends), np.array(shares)
 

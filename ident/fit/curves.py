@@ -1,16 +1,17 @@
 """Amplitude-frequency curves in a fit: what every measured point says about the parameters, in noise floors.
 
-At the frequency and the amplitude (and phase) of a measured point the model needs a certain drive; the point was
-measured under another. The logarithm of their ratio, in units of what the noise of the amplitude does to it, is the
-residual of the point. Away from folds that is (model − measured)/σ to first order. At a fold, where the amplitude has
-no finite slope, it is finite and smooth: no point has to be assigned a branch, and a fit that begins where the model
-jumps elsewhere finds its way. Points beside a jump, which may not have settled (`campaign.settled`), do not count.
+At the frequency and the amplitude (and phase) of a measured point the model needs a certain force of its actuator; at
+the measured level that gives another. The logarithm of their ratio, in units of what the noise of the amplitude does to
+it, is the residual of the point. Away from folds that is (model − measured)/σ to first order. At a fold, where the
+amplitude has no finite slope, it is finite and smooth: no point has to be assigned a branch, and a fit that begins
+where the model jumps elsewhere finds its way. Points beside a jump, which may not have settled (`campaign.settled`), do
+not count.
 
     r = −L⁻¹ ln(Û(f, A) e^{iφ}/U),   L Lᵀ = ½ Σ_± d dᵀ + diag(0, σ_φ²),   d = ln(Û(f, A ± σ)/Û(f, A))
 
-Û is the model's complex drive relative to the response, real and imaginary part of a logarithm are two numbers; without
-a phase φ the real part alone counts. L is renewed between searches and held within each, so that a search minimises
-something.
+Û is the measured drive U times that ratio, complex relative to the response; real and imaginary part of the logarithm
+are two numbers, and without a phase φ the real part alone counts. L is renewed between searches and held within each,
+so that a search minimises something.
 
 Source: as of `response.controlled`; S. J. Julier, J. K. Uhlmann, Unscented filtering and nonlinear estimation, Proc.
 IEEE 92 (2004) 401 (the noise carried through the model).

@@ -157,7 +157,7 @@ def test_plays_in_the_drive_are_no_unknowns_and_act_as_exact_ones() -> None:
     assert model.size == 2
     assert found.converged.all()
     angle = np.linspace(0, 6 * np.pi, 30001)
-    for needed, force, level in zip(found.needed, needed_force(at), found.level, strict=True):
+    for needed, force, level in zip(found.needed, needed_force(at), at.level, strict=True):
         volts, left = level * np.cos(angle), np.zeros(10001, complex)
         for j in range(6):
             play, half = np.zeros(len(angle)), reach * (j + 0.5) / 6
@@ -166,6 +166,17 @@ def test_plays_in_the_drive_are_no_unknowns_and_act_as_exact_ones() -> None:
             left += weight / 6 * (volts - play)[-10001:]
         own = 2 * np.mean((volts[-10001:] - left)[:-1] * np.exp(-1j * angle[-10001:-1]))
         assert needed / level * own == pytest.approx(force, rel=0.01)  # edges are rounded
+
+
+def test_an_actuator_that_saturates_is_asked_for_a_share_where_no_level_reaches_as_far() -> None:
+    """E − η E³ gives at most 2/3 of √(4/9η) of a linear one: at every level less than is needed here."""
+    eta = 0.3
+    model = with_memory("pzt-hysteresis", eta=eta * GAIN)
+    at = points(np.linspace(38, 42, 9), np.full(9, 0.02))
+    assert np.all(np.abs(needed_force(at))[[0, -1]] > 2 / 3 * np.sqrt(4 / 9 / eta))
+    found = at_amplitude(model, at)
+    assert found.converged.all()
+    np.testing.assert_allclose(found.needed * (1 - 0.75 * eta), needed_force(at), rtol=1e-4)
 
 
 def test_levels_that_plays_need_have_the_slopes_of_differences() -> None:
