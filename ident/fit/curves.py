@@ -46,8 +46,8 @@ class Known(NamedTuple):
 
     def moved_to(self, model: Periodic) -> np.ndarray:
         """Where the unknowns, (points, n + 2), are to first order at the values of another model; as they are, if that
-        is further than a slope reaches."""
-        unknowns = self.found.unknowns.copy()
+        is further than a slope reaches; NaN where there was no response."""
+        unknowns = np.where(self.found.converged[:, None], self.found.unknowns, np.nan)
         if self.directions is None or self.by is None:
             return unknowns
         change = model.values - self.found.model.values
@@ -175,7 +175,7 @@ def lay_curves(sweeps: Sequence[Sweep], finest: int) -> Curves:
         join([np.full(len(s.frequency), s.quantity == "half-peak-to-peak") for s in sweeps]) > 0,
     )
     phase = join([unknown(s) if s.phase is None else s.phase for s in sweeps])
-    noise = float(np.min(deviation)) / float(np.max(measured))
+    noise = float(np.min(deviation / np.maximum(measured, deviation)))
     allowed = np.clip(_SHARE * noise / np.sqrt(len(measured)), _FINEST, _COARSEST)
     ends = np.cumsum([0, *(int(np.count_nonzero(rows)) for rows in kept)])
     places = tuple(slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True))

@@ -25,7 +25,7 @@ import numpy as np
 from .periodic import FREQUENCY, SHARE, Look, Periodic, Seat, empty_look, ride
 from .steady_memory import STUCK
 
-_CLOSE = 1e-5  # of the scale of an unknown: the last step of Newton's method, which leaves its square
+_CLOSE = 1e-4  # of the scale of an unknown: the last step of Newton's method, which leaves its square
 _MOST, _PATIENCE = 40, 10  # steps of Newton's method in all, and without coming half as near again
 _LEAST = 1 / 16  # of a step
 _FARTHEST = 0.5  # of the scale of an unknown, in one step
@@ -138,9 +138,13 @@ class Moved(NamedTuple):
 @np.errstate(over="ignore", invalid="ignore")  # a motion without bound does not converge, which is told
 def at_amplitude(model: Periodic, points: Points, start: np.ndarray | None = None) -> Controlled:
     """The steady responses of a model with the amplitudes of the points; `start`, (points, n + 2), from where the
-    search begins if they are known nearly. Points that are not found from there are searched from the balance."""
+    search begins if they are known nearly. Points that are not found from there, or of which nothing is known (NaN),
+    are searched from the balance."""
     n = model.size
-    first = begin(model, points) if start is None else start
+    first = np.full((len(points.level), n + 2), np.nan) if start is None else start.copy()
+    new = ~np.all(np.isfinite(first), axis=1)
+    if np.any(new):
+        first[new] = begin(model, points.some(new))
     hidden = np.max(np.abs(first[:, 2:n]), axis=0, initial=0.0)
     omega = 2 * np.pi * points.frequency
     scale = np.column_stack([points.amplitude, omega * points.amplitude,
@@ -148,8 +152,8 @@ def at_amplitude(model: Periodic, points: Points, start: np.ndarray | None = Non
                              np.ones(len(first)), 1e-3 * points.frequency])  # fmt: skip
     seat = Seat(points.level, points.load, scale)
     search = _newton(model, points, first, seat)
-    if start is not None and not np.all(search.found):
-        lost = ~search.found
+    lost = ~search.found & ~new
+    if np.any(lost):
         few = points.some(lost)
         first[lost] = begin(model, few)
         search.put(lost, _newton(model, few, first[lost], seat.some(lost)))

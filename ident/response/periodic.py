@@ -33,7 +33,7 @@ from .system import Equation, System, assemble, derivative, reading, slices, tan
 
 SHARE, FREQUENCY = -2, -1  # places of s and f in the unknowns w = (y, s, f) of a point
 POINTS = 32  # looked at side by side: one program for any number of them
-_WIDTHS = (4, 8, 16)  # directions of one look
+_WIDTHS = (4, 8, 12, 16)  # directions of one look
 _STEPS = (64, 96, 128, 256)  # of the solver per period
 
 

@@ -27,16 +27,18 @@ STUCK = 1e-12  # squared share below which a memory neither forgets nor moves: i
 _PERIODS = 2  # of Newton's method: a linear memory, or a play that is dragged, has settled after one
 
 
-def steady_memory(effect: AbstractEffect, see: Callable[[Array], Seen], at: Array) -> Array:
+def steady_memory(
+    effect: AbstractEffect, see: Callable[[Array], Seen], at: Array, names: tuple[str, ...] | None = None
+) -> Array:
     """Hidden states (h, points) of an effect that a period has carried along for ever; a play that is stuck stays as
     it began.
 
     `see`: what the effect sees at the numbers `at`, (k,); the states are differentiable by those and by the effect's
-    own parameters.
+    own parameters, or by those of some `names` only.
     """
     if not effect.state0():
         return jnp.zeros((0, 1))
-    names, k = shaping(effect), len(at)
+    names, k = shaping(effect) if names is None else names, len(at)
     x, bent = _bent(effect, names, at)
     here, n = lax.stop_gradient(x), len(effect.state0())
 
