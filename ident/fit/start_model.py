@@ -27,7 +27,15 @@ def linear_choice(campaign: Campaign) -> LinearChoice | None:
     records = campaign.fitted
     every = math.ceil(sum(len(record.time) for record in records) / _ENOUGH)
     told = 1 if {*FURTHER} & {*campaign.effects} else campaign.modes
-    return choose_linear(records[::every], campaign.linear, modes=told)
+    try:
+        return choose_linear(records[::every], campaign.linear, modes=told)
+    except UserError as error:
+        raise UserError(error.what, where=_place(campaign), do=error.do) from None
+
+
+def _place(campaign: Campaign) -> str:
+    """Where a campaign says what its linear model is."""
+    return f"{campaign.path}, [model]" if campaign.path else ""
 
 
 def start_model(
@@ -45,9 +53,11 @@ def start_model(
     if choice is None:
         if campaign.linear not in ("auto", "oscillator"):
             raise UserError(f'linear = "{campaign.linear}", but the linear part of a platform is an oscillator',
+                            where=_place(campaign),
                             do='remove it, or write device = { kind = "oscillator" }')  # fmt: skip
         if campaign.modes is not None and campaign.modes > 1:
-            raise UserError(f"modes = {campaign.modes} needs time records with their drive", do="remove it")
+            what = f"modes = {campaign.modes} needs time records with their drive"
+            raise UserError(what, where=_place(campaign), do="remove it")
         return model
     chosen = choice.chosen
     model = replace(model, form=chosen.form)

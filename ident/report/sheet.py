@@ -38,7 +38,8 @@ class Sheet(NamedTuple):
 def file_words(name: str) -> str:
     """A file of another place, by its folder and name: all steps that lead there would leave no room for numbers."""
     parts = name.split("/")
-    return name if parts.count("..") < 2 else "/".join(["…", *parts[-2:]])
+    far = name.startswith("/") or parts.count("..") > 1
+    return "/".join(["…", *parts[-2:]]) if far and len(parts) > 3 else name
 
 
 def rich_table(sheet: Sheet) -> Table:

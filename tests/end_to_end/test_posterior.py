@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -76,6 +77,16 @@ def test_sample_leaves_a_container_a_chain_and_a_page(home, sampled):
     page = (home / "both" / "report.html").read_text(encoding="utf-8")
     assert "<h2>Posterior" in page or "Posterior" in page
     assert (home / "both" / "figures" / "posterior.png").stat().st_size > 10_000
+
+
+def test_arviz_reads_the_container(home, sampled):
+    """With ArviZ beside the project: `.ci/run` has the oldest that is promised."""
+    with warnings.catch_warnings(action="ignore"):  # of its own future
+        arviz = pytest.importorskip("arviz")
+        table = arviz.summary(arviz.from_netcdf(home / "both" / "posterior.nc"), round_to="none")
+    told = next(p for p in sampled["parameters"] if p["name"] == "platform.quality")
+    assert table.loc["platform.quality", "mean"] == pytest.approx(told["mean"], abs=0.2 * told["sd"])
+    assert table.loc["platform.quality", "r_hat"] < 1.02
 
 
 def test_sample_goes_on_only_where_it_is_told_to(home, sampled):
