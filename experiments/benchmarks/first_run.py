@@ -10,7 +10,9 @@ Reached, CPU seconds with an empty and with a filled cache: `fit` 7.5 and 5.8 (t
 (20 and 5), with friction 36 and 18 (30 and 10), on a day on which the processor took half as long again as on the one
 before (5.6 and 4.1, 27 and 16, 22 and 12); 100,000 samples 68 and 49 with a filled cache (60). So `--check` fails until
 reading, drawing, the search for suspects and the splines of what is left cost less. Since faults and physics share one
-look, `discover` takes 43 and 17 s, with friction 16 with a filled cache. Before records came on one tape it took 105
+look, `discover` takes 43 and 17 s, with friction 16 with a filled cache; with memories followed without the tangents
+that nobody asked for, 33 and 19 s, with friction 29 and 13 s, and `fit` 8.1 and 7.1 s, on a loaded machine where the
+state before took 41 and 21, 34 and 14, 10.6 and 8.6 s. Before records came on one tape it took 105
 and 47 s.
 """
 

@@ -54,8 +54,9 @@ class Column:
 
         If some may be `missing`, what stands for a number that is not there, or nothing, becomes NaN.
         """
-        if isinstance(self.cells, np.ndarray):
-            values = np.asarray(self.cells, dtype=float)
+        plain = np.asarray(self.cells, float) if isinstance(self.cells, np.ndarray) else _plain(self.cells)
+        if plain is not None:
+            values = plain
         else:
             cells = self.cells if self.decimal == "." else [cell.replace(",", ".") for cell in self.cells]
             empty = missing and any(is_number(cell) for cell in cells)
@@ -120,6 +121,18 @@ _NO_FINITE = frozenset(re.split(" ", "nan inf infinity \u221e 1.#inf 1.#ind 1.#q
 def no_finite(cell: str) -> bool:
     """Whether a text is how instruments print a number that they do not have."""
     return str(cell).strip().lower().lstrip("+-") in _NO_FINITE
+
+
+def _plain(cells: Sequence[str]) -> np.ndarray | None:
+    """(n,) the cells, if each `is_number`: to ask them one by one takes four times as long."""
+    text = "".join(cells)
+    if not text.isascii() or "_" in text:
+        return None
+    try:
+        values = np.array([float(cell) for cell in cells])
+    except ValueError:
+        return None
+    return None if np.any(np.isnan(values)) else values
 
 
 def is_number(cell: str) -> bool:

@@ -13,6 +13,7 @@ evaluation on the measured motion follows S. F. Masri, T. K. Caughey, 1979, J. A
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import jax
@@ -24,11 +25,11 @@ from ..effects.effect import State
 from ..programs import program
 from ..response import Equation, Tape
 from ..response.lane import Numbers
-from ..response.memory import Seen, memory_along
+from ..response.memory import Seen, memory_along, shaping
 from ..response.system import Block, System, assemble
 from ..response.tape import BLOCK, BLOCKS, Chunk
 
-_COLUMNS = (4, 12, 32)  # solved together: three programs serve any number of them
+_COLUMNS = (4, 12, 36)  # solved together: three programs serve any number of them; 36 are those of a pair of splines
 _SETS = 4  # rows of terms are computed in multiples of this
 
 
@@ -56,15 +57,22 @@ class Dynamics(NamedTuple):
 
 
 class Terms(NamedTuple):
-    """Which terms of an equation are asked for: those of its effects alone, or the linear ones too."""
+    """Which terms of an equation are asked for: those of its effects alone, or the `linear` ones too; `bent`: whether
+    what the effects remember changes too, which takes twice as long to follow."""
 
     equation: Equation
     linear: bool
+    bent: bool = True
 
     @property
     def fingerprint(self) -> str | None:
         told = self.equation.fingerprint
-        return None if told is None else f"{told} {self.linear}"
+        return None if told is None else f"{told} {self.linear} {self.bent}"
+
+    def along(self, directions: np.ndarray) -> Terms:
+        """The same, `bent` if moving the parameters along directions (d, m) may change a memory."""
+        moves = zip(self.equation.model.parameters, np.any(directions != 0, axis=0), strict=True)
+        return self._replace(bent=_bend(self.equation, frozenset(p.name for p, own in moves if own)))
 
     @property
     def push(self) -> bool:
@@ -75,6 +83,16 @@ class Terms(NamedTuple):
     def show(self) -> bool:
         """Whether any of them adds to the reading."""
         return any(effect.overrides("sensor") for effect in self.equation.model.effects)
+
+
+@lru_cache(maxsize=512)  # what a memory depends on is found by trying
+def _bend(equation: Equation, moved: frozenset[str]) -> bool:
+    """Whether a memory may depend on any of the parameters that are moved."""
+    effects = equation.model.effects
+    remembering = [effect for effect in effects if effect.state0()]
+    forming = {f"{effect.name}.{name}" for effect in remembering for name in shaping(effect)}
+    free = {f"{effect.name}.{name}" for effect in effects for name in effect.values} - forming
+    return any(effect.needs or not moved <= free for effect in remembering)
 
 
 def contributions(
@@ -92,7 +110,7 @@ def contributions(
     taken; `moved`, the motion of the stage, and what the sensor has `seen`, per chunk; `histories`, (d, records, h):
     what came before each record added to the hidden states (`Equation.histories`).
 
-    **Returns:** forces (d, BLOCKS, 2 BLOCK + 1), N, and readings (d, BLOCKS, BLOCK), m, per unit of the direction;
+    **Returns:** forces (BLOCKS, 2 BLOCK + 1, d), N, and readings (BLOCKS, BLOCK, d), m, per unit of the direction;
     empty where the model has none.
     """
     d = len(values)
@@ -100,13 +118,13 @@ def contributions(
     values = np.concatenate([values, np.repeat(values[-1:], more, axis=0)])
     directions = np.concatenate([directions, np.zeros((more, directions.shape[1]))])
     histories = np.concatenate([histories, np.repeat(histories[-1:], more, axis=0)])
-    equation, pasts = asked.equation, _by_block(tape, histories)
+    asked, equation, pasts = asked.along(directions), asked.equation, _by_block(tape, histories)
     carry = tuple(
         tuple((np.zeros((len(values), len(e.state0()))),) * 2 for e in equation.model.effects) for _ in range(2)
     )
     for chunk, path, own, past in zip(tape.chunks, moved, seen, pasts, strict=True):
         carry, force, shown = terms(asked, equation.constants, values, directions, path, own, past, carry, chunk)
-        yield np.asarray(force)[:d], np.asarray(shown)[:d]
+        yield np.asarray(force)[..., :d], np.asarray(shown)[..., :d]
 
 
 def no_histories(equation: Equation, rows: int, tape: Tape) -> np.ndarray:
@@ -130,24 +148,32 @@ def terms(
     on the path of the stage and on what the sensor has seen, per effect."""
     parts = asked.equation.histories
 
-    def acting(values: Any, past: Any, hidden: tuple) -> tuple:
+    def remembered(values: Any, past: Any, hidden: tuple) -> tuple:
         system = assemble(asked.equation, constants, values)
-        ends, force, shown = list(hidden), jnp.zeros((0, 0)), jnp.zeros((0, 0))
+        sides = zip((asked.push, asked.show), (moved, seen), hidden, strict=True)
+        found = [_memories(system, parts, motion, past, h, chunk) if own else (h, ()) for own, motion, h in sides]
+        return tuple(zip(*found, strict=True))
+
+    def acting(values: Any, paths: tuple) -> tuple:
+        system, force, shown = assemble(asked.equation, constants, values), jnp.zeros((0, 0)), jnp.zeros((0, 0))
         if asked.push:
-            ends[0], paths = _memories(system, parts, moved, past, hidden[0], chunk)
-            force = _at_points(_force, system, moved, paths, chunk, 1)
+            force = _at_points(_force, system, moved, paths[0], chunk, 1)
         if asked.show:
-            ends[1], paths = _memories(system, parts, seen, past, hidden[1], chunk)
-            shown = _at_points(_shown, system, seen, paths, chunk, 2)
-        return force, shown, tuple(ends)
+            shown = _at_points(_shown, system, seen, paths[1], chunk, 2)
+        return force, shown
 
     def along(values: Any, direction: Any, past: Any, carry: tuple) -> tuple:
         hidden, change = (tuple(tuple(pair[k] for pair in side) for side in carry) for k in range(2))
-        at = lambda values, hidden: acting(values, past, hidden)
-        (_, _, ends), (force, shown, dends) = jax.jvp(at, (values, hidden), (direction, change))
+        memory = lambda values, hidden: remembered(values, past, hidden)
+        if asked.bent:
+            (ends, paths), (dends, bends) = jax.jvp(memory, (values, hidden), (direction, change))
+            force, shown = jax.jvp(acting, (values, paths), (direction, bends))[1]
+        else:
+            (ends, paths), dends = memory(values, hidden), change
+            force, shown = jax.jvp(lambda values: acting(values, paths), (values,), (direction,))[1]
         return tuple(tuple(zip(a, b, strict=True)) for a, b in zip(ends, dends, strict=True)), force, shown
 
-    return jax.vmap(along)(values, directions, pasts, carry)
+    return jax.vmap(along, out_axes=(0, -1, -1))(values, directions, pasts, carry)
 
 
 def _memories(
@@ -244,18 +270,18 @@ def _linear(equation: Equation, values: np.ndarray, chunk: Chunk) -> tuple[np.nd
         whole,
         stiffness * share,
         damping * share,
-        *_of_motion(chunk, stiffness * share, damping * share, nothing, nothing),
+        *_of_motion(np.asarray(chunk.order), stiffness * share, damping * share, nothing, nothing),
     )
 
 
-def _of_motion(chunk: Chunk, stiffness: Any, damping: Any, by_z: Any, by_v: Any) -> tuple[Any, Any, Any]:
-    """`Dynamics.by_z`, `by_v` and `by_a` of the displacement, velocity or acceleration that each block reads; `by_z`
-    and `by_v` are those of what its sensor adds."""
-    order = chunk.order[:, None]
+def _of_motion(order: Numbers, stiffness: Any, damping: Any, by_z: Any, by_v: Any) -> tuple[Any, Any, Any]:
+    """`Dynamics.by_z`, `by_v` and `by_a` of the displacement, velocity or acceleration, by `order`, that each block
+    reads; `by_z` and `by_v` are those of what its sensor adds."""
+    each = order[:, None]
     thin = lambda grid: grid[:, : 2 * BLOCK : 2]
-    by_z = by_z + (order == 0) - (order == 2) * thin(stiffness)
-    by_v = by_v + (order == 1) - (order == 2) * thin(damping)
-    return by_z, by_v, 1.0 * (chunk.order == 2)
+    by_z = by_z + (each == 0) - (each == 2) * thin(stiffness)
+    by_v = by_v + (each == 1) - (each == 2) * thin(damping)
+    return by_z, by_v, 1.0 * (order == 2)
 
 
 @program
@@ -274,24 +300,25 @@ def slopes(
     shown = _at_points(by_state(_shown), system, motion, paths, chunk, 2)
     mass = constants[0] + chunk.load
     stiffness, damping = (-slope / mass[:, None] for slope in force)
-    return (carry, mass, stiffness, damping, *_of_motion(chunk, stiffness, damping, *shown))
+    return (carry, mass, stiffness, damping, *_of_motion(chunk.order, stiffness, damping, *shown))
 
 
 def push_columns(tape: Tape, dynamics: Sequence[Dynamics], pushes: Sequence[np.ndarray]) -> np.ndarray:
     """Change of the readings by given extra forces on the stage, through the model's dynamics linearised on the motion.
 
-    **Arguments:** `pushes`, per chunk (d, BLOCKS, 2 BLOCK + 1) N on the half-step grid.
+    **Arguments:** `pushes`, per chunk (BLOCKS, 2 BLOCK + 1, d) N on the half-step grid.
 
     **Returns:** (d, samples), m.
     """
-    columns, count = [], len(pushes[0])
+    columns, count = [], pushes[0].shape[-1]
     width = next((w for w in _COLUMNS if w >= count), _COLUMNS[-1])
     for first in range(0, count, width):
         carry, found = (np.zeros(width),) * 2, []
         for chunk, along, push in zip(tape.chunks, dynamics, pushes, strict=True):
-            part = push[first : first + width]
-            filled = np.zeros((BLOCKS, 2 * BLOCK + 1, width))
-            filled[..., : len(part)] = np.moveaxis(part, 0, -1)
+            filled = part = push[..., first : first + width]
+            if part.shape[-1] < width:
+                filled = np.zeros((*part.shape[:-1], width))
+                filled[..., : part.shape[-1]] = part
             carry, rows = answer(None, filled, along, carry, chunk.step, chunk.first, chunk.count)
             found.append(rows)
         columns.append(tape.at_samples(found))

@@ -7,7 +7,6 @@ every candidate are there already.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -31,29 +30,19 @@ class Pair(NamedTuple):
 
 def best_pair(bench: Bench, candidates: Sequence[Candidate], one: str | None = None) -> Pair | None:
     """The two candidates (one of them as named) that explain the most together, at the best points of their grids."""
-    points = [(c.signature, *c.near_signatures) for c in candidates]
-    flat = [p for several in points for p in several]
-    if len(candidates) < 2 or not flat:
+    points = [(k, rows) for k, c in enumerate(candidates) for rows in (c.signature, *c.near_signatures)]
+    if len(candidates) < 2 or not points:
         return None
-    rows = np.concatenate(flat)
-    edges = np.cumsum([0, *(len(p) for p in flat)])
-    firsts = np.cumsum([0, *(len(several) for several in points)])
-    spans = [slice(a, b) for a, b in itertools.pairwise(edges)]
-    of = [spans[a:b] for a, b in itertools.pairwise(firsts)]
-    gram, along = rows @ rows.T, rows @ bench.residual
-    best, chosen = -np.inf, None
-    for i, j in itertools.combinations(range(len(candidates)), 2):
-        if one is not None and one not in (candidates[i].name, candidates[j].name):
-            continue
-        price = (candidates[i].dof + candidates[j].dof) * np.log(bench.n)
-        for a, b in itertools.product(of[i], of[j]):
-            worth = _drop(gram, along, a, b) - price
-            if worth > best:
-                best, chosen = worth, (i, j, a, b)
-    if chosen is None:
+    of = np.array([k for k, _ in points])
+    named = np.array([one is None or candidates[k].name == one for k in of])
+    prices = np.array([candidates[k].dof for k in of]) * np.log(bench.n)
+    worth = _drops([rows for _, rows in points], bench.residual) - prices[:, None] - prices
+    worth[(of[:, None] >= of) | ~(named[:, None] | named)] = -np.inf
+    a, b = np.unravel_index(int(np.argmax(worth)), worth.shape)
+    if worth[a, b] == -np.inf:
         return None
-    i, j, a, b = chosen
-    both = np.concatenate([rows[a], rows[b]])
+    i, j = of[a], of[b]
+    both = np.concatenate([points[a][1], points[b][1]])
     u, s, _ = np.linalg.svd(both.T, full_matrices=False)
     basis = u[:, s**2 > _SURVIVES * s[0] ** 2]
     ordered = sorted((candidates[i], candidates[j]), key=lambda c: -c.drop)
@@ -61,10 +50,18 @@ def best_pair(bench: Bench, candidates: Sequence[Candidate], one: str | None = N
     return Pair((ordered[0].name, ordered[1].name), left, bench.numbers + candidates[i].dof + candidates[j].dof)
 
 
-def _drop(gram: np.ndarray, along: np.ndarray, a: slice, b: slice) -> float:
-    """Fall of χ² by two orthonormal sets of rows: by the first, and by what the second has beside it."""
-    cross = gram[b, a]
-    beside = along[b] - cross @ along[a]
-    sizes, vectors = np.linalg.eigh(np.eye(len(cross)) - cross @ cross.T)
-    kept = sizes > _SURVIVES
-    return float(along[a] @ along[a] + np.sum((vectors[:, kept].T @ beside) ** 2 / sizes[kept]))
+def _drops(signatures: Sequence[np.ndarray], residual: np.ndarray) -> np.ndarray:
+    """Fall of χ² by any two orthonormal sets of rows, (sets, sets): by the first, and by what the second has beside
+    it. A set with fewer rows than others is filled up with zeros, which do nothing."""
+    sets, most = len(signatures), max(len(rows) for rows in signatures)
+    places = np.concatenate([k * most + np.arange(len(rows)) for k, rows in enumerate(signatures)])
+    rows = np.concatenate(signatures)
+    gram, along = np.zeros((sets * most, sets * most)), np.zeros(sets * most)
+    gram[np.ix_(places, places)], along[places] = rows @ rows.T, rows @ residual
+    cross = gram.reshape(sets, most, sets, most).transpose(2, 0, 1, 3)  # (first, second, rows of it, of the first)
+    along = along.reshape(sets, most)
+    beside = along[None] - np.einsum("abij,aj->abi", cross, along)
+    sizes, vectors = np.linalg.eigh(np.eye(most) - cross @ np.swapaxes(cross, 2, 3))
+    parts = np.einsum("abij,abi->abj", vectors, beside) ** 2
+    second = np.sum(np.where(sizes > _SURVIVES, parts / np.maximum(sizes, _SURVIVES), 0.0), axis=2)
+    return np.sum(along**2, axis=1)[:, None] + second

@@ -71,7 +71,7 @@ def _likeness(bench: Bench, model: Model, values: np.ndarray, size: int) -> list
     for (force, _), motion in zip(pushed, scene.moved, strict=True):
         moved = np.stack([np.ravel(motion.z), np.ravel(motion.v)])
         gram += moved @ moved.T
-        right += moved @ force.reshape(len(values), -1).T
+        right += moved @ force.reshape(-1, len(values))
     unit = np.sqrt(np.diag(gram))
     found = -np.linalg.solve(gram / np.outer(unit, unit), right / unit[:, None]) / unit[:, None]
     return [(float(spring), float(damper)) for spring, damper in found.T]

@@ -51,6 +51,5 @@ def rows_of(bench: Bench, stage: Stage, side: Side, functions: Callable[[Places]
     if side == "sensor":
         shown = np.concatenate([functions(place)[:, 0] for place in stage.modelled], axis=1)
         return by_record(bench, stage.sensor_unit * shown)
-    grids = [stage.force_unit * functions(place)[:, 0] for place in stage.moved]
-    pushes = [np.moveaxis(part, 1, 0) for part in scene.tape.windows(grids)]
-    return by_record(bench, push_columns(scene.tape, scene.dynamics, pushes))
+    grids = [stage.force_unit * functions(place)[:, 0].T for place in stage.moved]
+    return by_record(bench, push_columns(scene.tape, scene.dynamics, scene.tape.windows(grids)))

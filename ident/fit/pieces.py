@@ -121,27 +121,31 @@ def sums(pieces: Sequence[Piece], frequency: float, quality: float) -> Sums:
     A driven record must be explained by its drive: the share of its power that is left beside its free motion counts.
     A decay is free motion, and all of it counts.
     """
-    return Sums(*np.sum([_sums_of(piece, frequency, quality) for piece in pieces], axis=0))
+    alike: dict[tuple, list[Piece]] = {}
+    for piece in pieces:  # what is known is remembered: campaigns that differ by a record ask for the others again
+        if (frequency, quality) not in piece.sums:
+            alike.setdefault((piece.step, len(piece.drive), piece.rest, piece.driven, piece.order), []).append(piece)
+    for group in alike.values():
+        for piece, found in zip(group, _projected(group, frequency, quality), strict=True):
+            piece.sums[frequency, quality] = found
+    return Sums(*np.sum([piece.sums[frequency, quality] for piece in pieces], axis=0))
 
 
-def _sums_of(piece: Piece, frequency: float, quality: float) -> Sums:
-    """Of one record, remembered: campaigns that differ by a record ask for the others again."""
-    known = piece.sums.get((frequency, quality))
-    if known is None:
-        known = piece.sums[frequency, quality] = _projected(piece, frequency, quality)
-    return known
-
-
-def _projected(piece: Piece, frequency: float, quality: float) -> Sums:
-    column = np.zeros_like(piece.drive)  # to a decay a constant drive is a level, whatever the gain
-    if piece.driven:
-        column = recursive_filter(*oscillator_filter(frequency, quality, piece.step, piece.order), piece.drive)
-    both = np.stack([column / piece.size, piece.response])
-    if piece.rest:
-        both -= both.mean(axis=1, keepdims=True)
+def _projected(pieces: Sequence[Piece], frequency: float, quality: float) -> list[Sums]:
+    """`sums` of each of several records with one clock, start and sensor: one filter and one free motion serve all."""
+    first = pieces[0]
+    measured = np.stack([piece.response for piece in pieces])
+    forced = np.zeros_like(measured)  # to a decay a constant drive is a level, whatever the gain
+    if first.driven:
+        drives = np.stack([piece.drive / piece.size for piece in pieces], axis=1)
+        forced = recursive_filter(*oscillator_filter(frequency, quality, first.step, first.order), drives).T
+    both = np.stack([forced, measured])
+    if first.rest:
+        both -= both.mean(axis=2, keepdims=True)
     else:
-        constant = np.ones((len(piece.drive), 1))
-        basis, _ = np.linalg.qr(np.hstack([constant, free_motion(piece, frequency, quality)]))
+        constant = np.ones((len(first.drive), 1))
+        basis, _ = np.linalg.qr(np.hstack([constant, free_motion(first, frequency, quality)]))
         both -= both @ basis @ basis.T
-    (xx, xy), (_, yy) = both @ both.T
-    return Sums(float(xx), float(xy), float(yy), float(yy) if piece.driven else piece.power)
+    xx, xy, yy = (np.sum(both[i] * both[j], axis=1) for i, j in ((0, 0), (0, 1), (1, 1)))
+    powers = yy if first.driven else [piece.power for piece in pieces]
+    return [Sums(*map(float, found)) for found in zip(xx, xy, yy, powers, strict=True)]

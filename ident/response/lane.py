@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,6 +30,7 @@ class Lane(NamedTuple):
     order: float = 0.0
 
 
+@lru_cache(maxsize=64)  # hypotheses about one record ask for the others again
 def lane_of(record: Trace, substeps: int) -> Lane:
     """The drive of a record with so many steps of the solver per sample."""
     voltage, rate = half_step_drive(record, substeps)

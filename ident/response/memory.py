@@ -99,10 +99,11 @@ def follows_drive_alone(effect: AbstractEffect) -> bool:
 def _can_remember(effect: AbstractEffect, state: State) -> bool:
     """Whether the memory of an effect needs nothing of what is None."""
     drive = Drive(1.0, 1.0, 1.0, 1.0)
+    begun, rate = lambda: effect.begun(drive), lambda: effect.rate(state, drive, 0.0)
+    followed = lambda: effect.follow(state.hidden, drive, drive, 1.0)
     try:
-        effect.begun(drive)
-        effect.follow(state.hidden, drive, drive, 1.0)
-        effect.rate(state, drive, 0.0)
+        for asked in (begun, followed, rate):
+            jax.eval_shape(asked)  # nothing is computed
     except (TypeError, ValueError, AttributeError):
         return False
     return True
