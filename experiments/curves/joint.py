@@ -49,10 +49,12 @@ SWEEP_COLUMNS = (
 
 @dataclass(frozen=True)
 class Result:
-    """A fit: errors of its free parameters in standard errors, and the standard errors, by name."""
+    """A fit: errors of its free parameters in standard errors, and the standard errors, by name; and the `white`
+    errors, (p,), in units of the whole covariance, which are independent of each other."""
 
     off: dict[str, float]
     errors: dict[str, float]
+    white: np.ndarray
 
 
 def draw(rng: np.random.Generator) -> Stage:
@@ -115,13 +117,13 @@ def fitted(folder: Path, true: dict[str, float]) -> Result:
     """A campaign fitted, against the truth."""
     campaign = read_campaign(folder)
     found = fit(build_model(campaign), campaign)
-    off, errors = {}, {}
-    for estimate in found.estimates:
-        error = estimate.standard_error
-        if estimate.name in true and error:
-            off[estimate.name] = (estimate.value - true[estimate.name]) / error
-            errors[estimate.name] = error
-    return Result(off, errors)
+    names = [found.model.parameters[i].name for i in found.free]
+    assert set(names) == set(true) and found.converged
+    errors = np.sqrt(np.diag(found.covariance))
+    off = (found.values[list(found.free)] - np.array([true[name] for name in names])) / errors
+    white = np.linalg.solve(np.linalg.cholesky(found.covariance / np.outer(errors, errors)), off)
+    by_name = lambda numbers: dict(zip(names, map(float, numbers), strict=True))
+    return Result(by_name(off), by_name(errors), white)
 
 
 def study(seeds: Sequence[int]) -> dict[str, list[Result]]:
@@ -147,9 +149,13 @@ def main() -> None:
     options = parser.parse_args()
     found = study(range(options.first, options.first + options.devices))
     for kind, results in found.items():
-        off = np.array([x for one in results for x in one.off.values()])
-        print(f"{kind}: {len(off)} standardised errors, mean {np.mean(off):+.2f}, sd {np.std(off):.2f}, "
-              f"largest {np.max(np.abs(off)):.1f}")  # fmt: skip
+        off = np.array([list(one.off.values()) for one in results])
+        white = np.array([one.white for one in results])
+        print(f"{kind}: {off.size} standardised errors, mean {np.mean(off):+.2f}, sd {np.std(off):.2f}, "
+              f"largest {np.max(np.abs(off)):.1f}; of independent combinations mean {np.mean(white):+.2f}, "
+              f"sd {np.std(white):.2f}")  # fmt: skip
+        told = zip(results[0].off, np.std(off, axis=0), strict=True)
+        print(f"  {', '.join(f'{name} {spread:.2f}' for name, spread in told)}")
     gains = {
         (kind, name): [both.errors[name] / one.errors[name]
                        for both, one in zip(found["both"], found[kind], strict=True) if name in one.errors]
@@ -157,9 +163,10 @@ def main() -> None:
     }  # fmt: skip
     for (kind, name), ratios in gains.items():
         print(f"standard error of {name}, both over {kind}: median {np.median(ratios):.2f}, largest {max(ratios):.2f}")
-    spread = np.std([x for one in found["both"] for x in one.off.values()])
     chance = 2 / np.sqrt(2 * 6 * options.devices)  # two standard errors of a standard deviation
-    assert abs(spread - 1) < 0.1 + chance, spread
+    for kind in KINDS:  # of the combinations: the errors of one device are correlated
+        spread = float(np.std([one.white for one in found[kind]]))
+        assert abs(spread - 1) < 0.1 + chance, (kind, spread)
     # Estimated noise floors differ from read to read by a few per cent.
     assert max(max(ratios) for ratios in gains.values()) < 1.05
 

@@ -17,7 +17,7 @@ from ..response import Equation
 from .balance import balanced, samples_of
 from .basis import orthonormal
 from .columns import Terms, contributions, no_histories, push_columns
-from .curve_columns import Plane, curve_columns, curve_order, plane_of
+from .curve_columns import Moves, Plane, curve_order, plane_of
 from .trajectory import Scene, lay_out
 from .whiten import Piece, make_piece, whiten
 
@@ -193,7 +193,9 @@ def prepare(fit: Fit, believed: bool = False) -> Bench:
     if curves is not None:
         bench = replace(bench, plane=plane_of(solved, directions))
     past = np.tile(scene.histories, (len(free), 1, 1))
-    along_measured = stack(bench, fit.model, np.tile(fit.values, (len(free), 1)), directions, True, past)
+    # Of its own parameters the model itself says what they do to sweeps, all harmonics together.
+    own = None if bench.plane is None else bench.plane.own
+    along_measured = stack(bench, fit.model, np.tile(fit.values, (len(free), 1)), directions, True, past, own)
     measured = _without(bench, along_measured, directions)
     if believed or measured.settled or measured.unexplained < _INERTIA:
         return measured
@@ -226,23 +228,23 @@ def stack(
     directions: np.ndarray,
     linear: bool = False,
     begun: np.ndarray | None = None,
+    moves: Moves | None = None,
 ) -> np.ndarray:
     """Whitened columns of all fitted records, (d, n): what moving the parameters of `model` along each direction does.
 
     `values` and `directions` are (d, m). The terms of `model` push, its linear ones only if asked for; the bench's own
-    model answers. `begun`, (d, records, h): their histories, if the records do not begin with the drive.
+    model answers. `begun`, (d, records, h): their histories, if the records do not begin with the drive; `moves`: what
+    they do to the points of the sweeps, if there are any.
     """
-    scene, solved, parts = bench.scene, bench.scene.solved, []
+    scene, parts = bench.scene, []
     if scene.tape.spans:
         equation = Equation(model)
         pasts = no_histories(equation, len(values), scene.tape) if begun is None else begun
         parts.append(_along_traces(bench, Terms(equation, linear), values, directions, pasts))
-    if solved.data.curves is not None:
+    if moves is not None:
         plane = bench.plane
         assert plane is not None  # there are sweeps
-        # Of its own parameters the model itself says what they do, all harmonics together.
-        moved = plane.own if linear else curve_columns(plane, Equation(model), values, directions)
-        parts.append(-plane.slopes(plane.needed, np.ones_like(plane.needed), moved))
+        parts.append(-plane.slopes(plane.needed, np.ones_like(plane.needed), moves))
     return np.concatenate(parts, axis=1)
 
 

@@ -28,14 +28,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..effects.effect import State
+from ..effects.effect import AbstractEffect, State
 from ..fit.curves import Curves
 from ..fit.result import Solved
 from ..programs import program
 from ..response import Equation
 from ..response.controlled import Controlled
 from ..response.lane import Numbers
-from ..response.memory import Seen, follows_drive_alone
+from ..response.memory import Seen, follows_drive_alone, shaping
 from ..response.periodic import batches, bound, circle, joined
 from ..response.steady_memory import driven_memory, steady_memory
 
@@ -69,7 +69,7 @@ class Moves(NamedTuple):
         powers = (units, units**2, units, units, units**2)
         return Moves(*(turned(part, by) for part, by in zip(self, powers, strict=True)))
 
-    def rows(self, which: slice) -> Moves:
+    def rows(self, which: slice | np.ndarray) -> Moves:
         """Those of some of the parameters."""
         return Moves(*(part[which] for part in self))
 
@@ -128,9 +128,17 @@ def plane_of(solved: Solved, directions: np.ndarray) -> Plane:
 
 
 def curve_columns(plane: Plane, equation: Equation, values: np.ndarray, directions: np.ndarray) -> Moves:
-    """What the terms of a model do to the points of a fit; `values` and `directions` (d, m) of each row."""
-    (drives, bends, shares), *beside = (_columns(one, equation, values, directions) for one in plane.steady)
-    around, bent = (np.stack([one[k] for one in beside], axis=1) for k in (0, 1))
+    """What the terms of a model do to the points of a fit; `values` and `directions` (d, m) of each row, along
+    amplitudes: what is remembered is that of the given shapes.
+
+    At the smaller amplitudes they do what a straight line through the two others says, which the noise is small for.
+    """
+    here, above, below = plane.steady
+    drives, bends, shares = _columns(here, equation, values, directions)
+    more, more_bends, _ = _columns(above, equation, values, directions)
+    size, up, down = (one.points.amplitude for one in plane.steady)
+    ratio = (size - down) / (up - size)
+    around, bent = (np.stack([b, a - ratio * (b - a)], axis=1) for a, b in ((drives, more), (bends, more_bends)))
     return Moves(drives, bends, shares, around, bent)
 
 
@@ -152,9 +160,9 @@ def _columns(
         (real,) = joined(found, len(points.level))
         push, driven, shown, bent = real[::2] + 1j * real[1::2]
         offset = -shown / steady.tone
-        change = -push / (gain * steady.level) + stretch * offset.real + 1j * offset.imag
+        change = -push / (gain * steady.share * points.level) + stretch * offset.real + 1j * offset.imag
         drives.append(steady.needed * change)
-        bends.append(np.where(push == 0, steady.needed * -bent / (gain * steady.level), 0.0))
+        bends.append(np.where(push == 0, steady.needed * -bent / (gain * steady.share * points.level), 0.0))
         shares.append(driven / (gain * points.level))
     return np.array(drives), np.array(bends), np.array(shares)
 
@@ -181,10 +189,10 @@ def terms_along(
             seen = Seen(z, v, voltage, rate, still, step, omega, jax.lax.stop_gradient(system.gain), 0.0)
             found = (0.0 * z + 0.0 * system.gain,) * 3
             for effect in system.effects:
-                if follows_drive_alone(effect):
+                if effect.overrides("settled") and follows_drive_alone(effect):
                     path = driven_memory(effect, system.gain, level, frequency, circle)
                 else:
-                    path = steady_memory(effect, lambda _: seen, jnp.zeros(0))
+                    path = steady_memory(effect, lambda _: seen, jnp.zeros(0), _bending(effect))
                 one = lambda z, v, h, u, r, effect=effect: _of(effect, system.drive(u, r), z, v, h)
                 said = jax.vmap(one, in_axes=(0, 0, 1 if effect.state0() else None, 0, 0))(
                     z + off, v + drift, path, voltage, rate
@@ -199,6 +207,13 @@ def terms_along(
         return jnp.stack([part for x in (*changed, bent) for part in _fundamental(x, circle)])
 
     return jax.vmap(point, out_axes=-1)(level, frequency, load, real, imaginary)
+
+
+def _bending(effect: AbstractEffect) -> tuple[str, ...]:
+    """Names of the amplitudes on which the memory of an effect depends."""
+    if not effect.state0():
+        return ()
+    return tuple(p.name for p in effect.declared() if p.kind == "amplitude" and p.name in shaping(effect))
 
 
 def _of(effect: Any, drive: Any, z: Any, v: Any, hidden: Any) -> tuple[Any, Any, Any]:

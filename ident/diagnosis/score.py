@@ -102,13 +102,14 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     points = _grid(instance, bench)
     values = np.array([np.concatenate([known, point]) for point in points for _ in amplitudes])
     directions = np.array([np.eye(values.shape[1])[first + a] for _ in points for a in amplitudes])
-    raw = stack(bench, model, values, directions)
+    moves = None if bench.plane is None else curve_columns(bench.plane, Equation(model), values, directions)
+    raw = stack(bench, model, values, directions, moves=moves)
     apart, begun = begun_apart(bench, model, len(values)), None
     if apart is not None:
         again, along = (np.tile(x, (len(apart), 1)) for x in (values, directions))
-        changed = stack(bench, model, again, along, begun=apart.reshape(-1, *apart.shape[2:]))
+        held = moves and moves.rows(np.tile(np.arange(len(values)), len(apart)))
+        changed = stack(bench, model, again, along, begun=apart.reshape(-1, *apart.shape[2:]), moves=held)
         begun = histories(bench, changed.reshape(len(apart), *raw.shape), raw)
-    moves = None if bench.plane is None else curve_columns(bench.plane, Equation(model), values, directions)
     projected = bench.project(raw)
     names = [p.name for p in instance.declared()]
     one_sided = [p.name for p in instance.declared() if p.one_sided]

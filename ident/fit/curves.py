@@ -1,16 +1,17 @@
 """Amplitude-frequency curves in a fit: what every measured point says about the parameters, in noise floors.
 
-At the frequency and the amplitude (and phase) of a measured point the model needs a certain drive; the point was
-measured under another. The logarithm of their ratio, in units of what the noise of the amplitude does to it, is the
-residual of the point. Away from folds that is (model − measured)/σ to first order. At a fold, where the amplitude has
-no finite slope, it is finite and smooth: no point has to be assigned a branch, and a fit that begins where the model
-jumps elsewhere finds its way. Points beside a jump, which may not have settled (`campaign.settled`), do not count.
+At the frequency and the amplitude (and phase) of a measured point the model needs a certain force of its actuator; at
+the measured level that gives another. The logarithm of their ratio, in units of what the noise of the amplitude does to
+it, is the residual of the point. Away from folds that is (model − measured)/σ to first order. At a fold, where the
+amplitude has no finite slope, it is finite and smooth: no point has to be assigned a branch, and a fit that begins
+where the model jumps elsewhere finds its way. Points beside a jump, which may not have settled (`campaign.settled`), do
+not count.
 
     r = −L⁻¹ ln(Û(f, A) e^{iφ}/U),   L Lᵀ = ½ Σ_± d dᵀ + diag(0, σ_φ²),   d = ln(Û(f, A ± σ)/Û(f, A))
 
-Û is the model's complex drive relative to the response, real and imaginary part of a logarithm are two numbers; without
-a phase φ the real part alone counts. L is renewed between searches and held within each, so that a search minimises
-something.
+Û is the measured drive U times that ratio, complex relative to the response; real and imaginary part of the logarithm
+are two numbers, and without a phase φ the real part alone counts. L is renewed between searches and held within each,
+so that a search minimises something.
 
 Source: as of `response.controlled`; S. J. Julier, J. K. Uhlmann, Unscented filtering and nonlinear estimation, Proc.
 IEEE 92 (2004) 401 (the noise carried through the model).
@@ -45,8 +46,8 @@ class Known(NamedTuple):
 
     def moved_to(self, model: Periodic) -> np.ndarray:
         """Where the unknowns, (points, n + 2), are to first order at the values of another model; as they are, if that
-        is further than a slope reaches."""
-        unknowns = self.found.unknowns.copy()
+        is further than a slope reaches; NaN where there was no response."""
+        unknowns = np.where(self.found.converged[:, None], self.found.unknowns, np.nan)
         if self.directions is None or self.by is None:
             return unknowns
         change = model.values - self.found.model.values
@@ -174,7 +175,7 @@ def lay_curves(sweeps: Sequence[Sweep], finest: int) -> Curves:
         join([np.full(len(s.frequency), s.quantity == "half-peak-to-peak") for s in sweeps]) > 0,
     )
     phase = join([unknown(s) if s.phase is None else s.phase for s in sweeps])
-    noise = float(np.min(deviation)) / float(np.max(measured))
+    noise = float(np.min(deviation / np.maximum(measured, deviation)))
     allowed = np.clip(_SHARE * noise / np.sqrt(len(measured)), _FINEST, _COARSEST)
     ends = np.cumsum([0, *(int(np.count_nonzero(rows)) for rows in kept)])
     places = tuple(slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True))

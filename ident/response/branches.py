@@ -40,7 +40,7 @@ class Fold(NamedTuple):
 class Branch:
     """An amplitude-frequency curve of a model at one drive level, in the order of its length.
 
-    **Arguments:** `unknowns`, (k, n + 2) y, U, f; `along`, their derivatives by the length; `length`, (k,); `tone`,
+    **Arguments:** `unknowns`, (k, n + 2) y, s = 1, f; `along`, their derivatives by the length; `length`, (k,); `tone`,
     (k,) complex fundamental relative to the drive; `swing`, (k,) half the peak-to-peak value; `stable`, (k,); `gap`,
     the point after which a second stretch begins, where the curve was not followed from the one to the other.
     """
@@ -142,8 +142,9 @@ def _followed(model: Periodic, levels: np.ndarray, loads: np.ndarray, bands: np.
     # In these units a linear resonance is about as wide as it is high.
     width = np.maximum(own / max(float(model.values[1]), 1.0), (high - low) / 200)
     first = _linear(model, levels, loads, low if rising else high)
-    scale = np.column_stack([sizes, 2 * np.pi * own * sizes, _hidden_sizes(model, levels, loads, sizes), levels, width])
-    seat = Seat(np.asarray(loads, float), scale)
+    scale = np.column_stack([sizes, 2 * np.pi * own * sizes, _hidden_sizes(model, levels, loads, sizes),
+                             np.ones(len(levels)), width])  # fmt: skip
+    seat = Seat(np.asarray(levels, float), np.asarray(loads, float), scale)
     w, begun, _ = settle(model, first, seat)
     paths = [_Path() for _ in levels]
     tangent = np.zeros((len(levels), n + 1))
@@ -155,7 +156,7 @@ def _followed(model: Periodic, levels: np.ndarray, loads: np.ndarray, bands: np.
     for i in active:
         paths[i].append(w[i], tangent[i], seen, i, seat)
     while len(active):
-        there = Seat(seat.load[active], seat.scale[active])
+        there = seat.some(active)
         guess = w[active].copy()
         move = step[active, None] * tangent[active]
         guess[:, _UNKNOWN(n)] += move * there.scale[:, _UNKNOWN(n)]
@@ -196,7 +197,7 @@ def settle(model: Periodic, unknowns: np.ndarray, seat: Seat) -> tuple[np.ndarra
     n, w = model.size, unknowns.copy()
     look, good, left = empty_look(len(w), n, n), np.zeros(len(w), bool), np.arange(len(w))
     for _ in range(_SETTLING):
-        there = Seat(seat.load[left], seat.scale[left])
+        there = seat.some(left)
         seen = model.look(w[left], there, np.eye(n, n + 2))
         equations = seen.miss / there.scale[:, :n]
         matrix = np.moveaxis(seen.miss_slope / there.scale[None, :, :n], 0, 2)
@@ -303,7 +304,7 @@ def _corrected(
     look, good, rounds = empty_look(len(w), n, n + 1), np.zeros(len(w), bool), np.zeros(len(w), int)
     left = np.arange(len(w))
     for _ in range(_ROUNDS):
-        there = Seat(seat.load[left], seat.scale[left])
+        there = seat.some(left)
         seen = model.look(w[left], there, _along(n))
         equations = seen.miss / there.scale[:, :n]
         matrix = np.moveaxis(seen.miss_slope / there.scale[None, :, :n], 0, 2)
@@ -329,7 +330,7 @@ def _linear(model: Periodic, levels: np.ndarray, loads: np.ndarray, frequency: n
     stiffness, damping = linear.spring_and_damper(model.values[0], model.values[1], mass)
     answer = model.values[2] * force * levels / (stiffness - (mass + loads) * omega**2 + 1j * omega * damping)
     hidden = np.zeros((len(levels), model.size - 2))
-    return np.column_stack([answer.real, np.real(1j * omega * answer), hidden, levels, frequency])
+    return np.column_stack([answer.real, np.real(1j * omega * answer), hidden, np.ones(len(levels)), frequency])
 
 
 def _least(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:

@@ -1,10 +1,13 @@
-"""Steady responses of a given amplitude: which drive would the model need, to answer at a frequency as measured?
+"""Steady responses of a given amplitude: how strong would the drive have to act, to be answered as was measured?
 
 At a given drive level a nonlinear resonance has one, three or more amplitudes, and where they meet its slope is
-infinite. The other way round there is one answer: at a given frequency and amplitude one level, and one phase, which
+infinite. The other way round there is one answer: at a given frequency and amplitude one force, and one phase, which
 move smoothly with every parameter. A point that was measured lies on no branch and beyond no fold; nothing jumps.
 
-The unknowns are the state y at the beginning of a period and the level U; the equations Φ(y; U) = y and |Y₁| = A are
+It is the force of the actuator that is asked about, s times what the measured level gives, and not another level: an
+actuator that saturates may have none with which it reaches as far.
+
+The unknowns are the state y at the beginning of a period and the share s; the equations Φ(y; s) = y and |Y₁| = A are
 solved by Newton's method from the balance of the fundamental alone.
 
 Source: D. A. W. Barton, J. Sieber, Systematic experimental exploration of bifurcations with noninvasive control, Phys.
@@ -15,22 +18,22 @@ Problems, 2019, §3 (the start).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from .periodic import FREQUENCY, LEVEL, Look, Periodic, Seat, empty_look, ride
+from .periodic import FREQUENCY, SHARE, Look, Periodic, Seat, empty_look, ride
 from .steady_memory import STUCK
 
-_CLOSE = 1e-5  # of the scale of an unknown: the last step of Newton's method, which leaves its square
+_CLOSE = 1e-4  # of the scale of an unknown: the last step of Newton's method, which leaves its square
 _MOST, _PATIENCE = 40, 10  # steps of Newton's method in all, and without coming half as near again
 _LEAST = 1 / 16  # of a step
 _FARTHEST = 0.5  # of the scale of an unknown, in one step
 
 
 class Points(NamedTuple):
-    """What was measured, (points,): `frequency` Hz, `amplitude` m, `load` kg, a `level` to start from, V; `swing`:
-    whether the amplitude is half the peak-to-peak value instead of the fundamental."""
+    """What was measured, (points,): `frequency` Hz, drive `level` V, `amplitude` m, `load` kg; `swing`: whether the
+    amplitude is half the peak-to-peak value instead of the fundamental."""
 
     frequency: np.ndarray
     level: np.ndarray
@@ -38,13 +41,17 @@ class Points(NamedTuple):
     load: np.ndarray
     swing: np.ndarray
 
+    def some(self, rows: np.ndarray) -> Points:
+        """Some of them."""
+        return Points(*(part[rows] for part in self))
+
 
 @dataclass(frozen=True, eq=False)
 class Controlled:
     """Steady responses of given amplitudes.
 
-    **Arguments:** `unknowns`: (points, n + 2) y, U, f; `jacobian`: (points, n + 1, n + 1) of the equations by y and U;
-    `seen`: one period from there, along y and U; `converged`: (points,), what did not is the balance of the fundamental
+    **Arguments:** `unknowns`: (points, n + 2) y, s, f; `jacobian`: (points, n + 1, n + 1) of the equations by y and s;
+    `seen`: one period from there, along y and s; `converged`: (points,), what did not is the balance of the fundamental
     alone.
     """
 
@@ -57,9 +64,9 @@ class Controlled:
     converged: np.ndarray
 
     @property
-    def level(self) -> np.ndarray:
-        """(points,) V that the model needs."""
-        return self.unknowns[:, LEVEL]
+    def share(self) -> np.ndarray:
+        """(points,) of the actuator's force at the measured level that the model needs."""
+        return self.unknowns[:, SHARE]
 
     @property
     def tone(self) -> np.ndarray:
@@ -68,8 +75,9 @@ class Controlled:
 
     @property
     def needed(self) -> np.ndarray:
-        """(points,) complex drive relative to the response, V: the level, ahead of the response as it is."""
-        return self.level * np.exp(-1j * np.angle(self.tone))
+        """(points,) complex drive relative to the response, V, if the actuator were linear: the share of the level,
+        ahead of the response as it is."""
+        return self.share * self.points.level * np.exp(-1j * np.angle(self.tone))
 
     def moves(self, directions: np.ndarray) -> Moved:
         """Derivatives along directions (d, m) of the values."""
@@ -97,7 +105,7 @@ class Controlled:
         return self._answer(*self._asked(found)).needed[0] / self.seat.scale[:, FREQUENCY]
 
     def multipliers(self) -> np.ndarray:
-        """Floquet multipliers, (points, n): inside the unit circle where the response is stable at its level."""
+        """Floquet multipliers, (points, n): inside the unit circle where the response is stable."""
         n = self.model.size
         return np.linalg.eigvals(self.jacobian[:, :n, :n] + np.eye(n))
 
@@ -115,12 +123,12 @@ class Controlled:
         _, own = self._asked(self.seen)
         turn = turn + np.einsum("kp,pkd->dp", own[: n + 1], step)
         step = np.where(self.converged[:, None, None], step, 0.0) * self.seat.scale[:, : n + 1, None]
-        needed = self.needed * (step[:, n].T / self.level - 1j * np.where(self.converged, turn, 0.0))
+        needed = self.needed * (step[:, n].T / self.share - 1j * np.where(self.converged, turn, 0.0))
         return Moved(np.moveaxis(step, 2, 0), needed)
 
 
 class Moved(NamedTuple):
-    """Derivatives of steady responses along d directions: of the `unknowns` y and U, (d, points, n + 1), and of the
+    """Derivatives of steady responses along d directions: of the `unknowns` y and s, (d, points, n + 1), and of the
     drive that is `needed`, (d, points)."""
 
     unknowns: np.ndarray
@@ -130,26 +138,30 @@ class Moved(NamedTuple):
 @np.errstate(over="ignore", invalid="ignore")  # a motion without bound does not converge, which is told
 def at_amplitude(model: Periodic, points: Points, start: np.ndarray | None = None) -> Controlled:
     """The steady responses of a model with the amplitudes of the points; `start`, (points, n + 2), from where the
-    search begins if they are known nearly. Points that are not found from there are searched from the balance."""
+    search begins if they are known nearly. Points that are not found from there, or of which nothing is known (NaN),
+    are searched from the balance."""
     n = model.size
-    first = begin(model, points) if start is None else start
+    first = np.full((len(points.level), n + 2), np.nan) if start is None else start.copy()
+    new = ~np.all(np.isfinite(first), axis=1)
+    if np.any(new):
+        first[new] = begin(model, points.some(new))
     hidden = np.max(np.abs(first[:, 2:n]), axis=0, initial=0.0)
     omega = 2 * np.pi * points.frequency
     scale = np.column_stack([points.amplitude, omega * points.amplitude,
                              np.broadcast_to(np.where(hidden > 0, hidden, 1.0), (len(first), n - 2)),
-                             points.level, 1e-3 * points.frequency])  # fmt: skip
-    seat = Seat(points.load, scale)
+                             np.ones(len(first)), 1e-3 * points.frequency])  # fmt: skip
+    seat = Seat(points.level, points.load, scale)
     search = _newton(model, points, first, seat)
-    if start is not None and not np.all(search.found):
-        lost = ~search.found
-        few = _some(points, lost)
+    lost = ~search.found & ~new
+    if np.any(lost):
+        few = points.some(lost)
         first[lost] = begin(model, few)
-        search.put(lost, _newton(model, few, first[lost], _some(seat, lost)))
+        search.put(lost, _newton(model, few, first[lost], seat.some(lost)))
     w, seen, found = search
     lost = ~found
     if np.any(lost):
         w[lost] = first[lost]
-        seen.put(lost, model.look(w[lost], _some(seat, lost), np.eye(n + 1, n + 2)))
+        seen.put(lost, model.look(w[lost], seat.some(lost), np.eye(n + 1, n + 2)))
     return Controlled(model, points, w, seat, _equations(seen, seat, points)[1], seen, found)
 
 
@@ -171,15 +183,15 @@ def _newton(model: Periodic, points: Points, start: np.ndarray, seat: Seat) -> _
     """Newton's method from a start. Once a step is small the next would be its square: none is taken to see that."""
     n, left = model.size, np.arange(len(start))
     search = _Search(start.copy(), empty_look(len(start), n, n + 1), np.zeros(len(start), bool))
-    w, miss, share = search.unknowns, np.full(len(start), np.inf), np.ones(len(start))
+    w, miss, damped = search.unknowns, np.full(len(start), np.inf), np.ones(len(start))
     least, waited = miss.copy(), np.zeros(len(start), int)
     for _ in range(_MOST):
-        own, there = _some(points, left), _some(seat, left)
+        own, there = points.some(left), seat.some(left)
         seen = model.look(w[left], there, np.eye(n + 1, n + 2))
         equations, jacobian = _equations(seen, there, own)
         now = np.max(np.abs(equations), axis=1)
         # At the kink of a play full steps may lead to and fro for ever.
-        share[left] = np.clip(np.where(now > miss[left], 0.5, 2.0) * share[left], _LEAST, 1.0)
+        damped[left] = np.clip(np.where(now > miss[left], 0.5, 2.0) * damped[left], _LEAST, 1.0)
         miss[left] = now
         nearer = now < 0.5 * least[left]
         least[left] = np.where(nearer, now, least[left])
@@ -188,40 +200,30 @@ def _newton(model: Periodic, points: Points, start: np.ndarray, seat: Seat) -> _
             step = -_solved(np.nan_to_num(jacobian), np.nan_to_num(equations)[..., None])[..., 0]
         farthest = np.max(np.abs(step[:, [0, 1, n]]), axis=1)  # a memory may be far from where it settles
         close = np.maximum(now, farthest) < _CLOSE
-        step *= np.where(close, 1.0, np.minimum(share[left], _FARTHEST / np.maximum(farthest, 1e-300)))[:, None]
+        step *= np.where(close, 1.0, np.minimum(damped[left], _FARTHEST / np.maximum(farthest, 1e-300)))[:, None]
         on = np.isfinite(now) & (waited[left] < _PATIENCE)
         w[left[on], : n + 1] += step[on] * there.scale[on, : n + 1]
         search.look.put(left, seen.moved(step))
-        search.found[left] = close & (w[left, LEVEL] > 0)
+        search.found[left] = close & (w[left, SHARE] > 0)
         left = left[on & ~close]
         if not len(left):
             break
     return search
 
 
-def _some(parts: Any, rows: np.ndarray) -> Any:
-    """Some points of a tuple of arrays that has the points first."""
-    return type(parts)(*(x[rows] for x in parts))
-
-
 def begin(model: Periodic, points: Points) -> np.ndarray:
     """Unknowns by the balance of the fundamental alone, (points, n + 2)."""
-    gain = _gain(model)
     still = ride(model, points.level, points.frequency, points.load, points.amplitude + 0j)
-    needed = still.force / gain  # the drive that moves the stage as A cos ωt
+    needed = still.force / np.where(still.given == 0, np.inf, still.given)  # if the stage moves as A cos ωt
     motion = points.amplitude * np.exp(-1j * np.angle(needed))
     moved = ride(model, points.level, points.frequency, points.load, motion)
     velocity = np.real(2j * np.pi * points.frequency * motion)
-    level = np.maximum(np.abs(needed), 1e-6 * points.level)
-    return np.column_stack([np.real(motion), velocity, moved.hidden, level, points.frequency])
-
-
-def _gain(model: Periodic) -> float:
-    return float(model.values[2] * model.equation.constants[1])
+    share = np.maximum(np.abs(needed), 1e-6)
+    return np.column_stack([np.real(motion), velocity, moved.hidden, share, points.frequency])
 
 
 def _equations(seen: Look, seat: Seat, points: Points) -> tuple[np.ndarray, np.ndarray]:
-    """Equations (points, n + 1), each in units of its scale, and their derivatives by y and U."""
+    """Equations (points, n + 1), each in units of its scale, and their derivatives by y and s."""
     n = seen.miss.shape[1]
     size = np.where(points.swing, seen.swing, np.abs(seen.tone))
     turned = np.real(np.conj(seen.tone) * seen.tone_slope) / np.maximum(np.abs(seen.tone), 1e-300)

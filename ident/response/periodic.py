@@ -1,8 +1,9 @@
 """One period of a model under a sine: where the state ends, what the sensor shows, and how both change.
 
-    V = U cos ωt,   y = (z, ż, hidden …),   y(T) = Φ(y(0); U, f, parameters),   T = 1/f
+    V = U cos ωt,   y = (z, ż, hidden …),   y(T) = Φ(y(0); s, f, parameters),   T = 1/f
 
-The hidden states of y are those that see the motion; what follows the drive alone has settled (`steady_memory`).
+The hidden states of y are those that see the motion; what follows the drive alone has settled (`steady_memory`). The
+force of the actuator acts with a share s of itself, one in the device.
 
 A steady response is a fixed point of Φ. Everything that is asked about steady responses, their branches, their
 stability and their derivatives, is asked through this one program; `look` runs it for many points side by side. Clocks
@@ -22,7 +23,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
-from ..effects.effect import State
+from ..effects.effect import AbstractEffect, State
 from ..programs import Program, program
 from .lane import Numbers
 from .memory import Seen
@@ -30,9 +31,9 @@ from .runge_kutta import runge_kutta, stages, steps_of
 from .steady_memory import driven_memory, steady_memory
 from .system import Equation, System, assemble, derivative, reading, slices, tangents
 
-LEVEL, FREQUENCY = -2, -1  # places of U and f in the unknowns w = (y, U, f) of a point
+SHARE, FREQUENCY = -2, -1  # places of s and f in the unknowns w = (y, s, f) of a point
 POINTS = 32  # looked at side by side: one program for any number of them
-_WIDTHS = (4, 8, 16)  # directions of one look
+_WIDTHS = (4, 8, 12, 16)  # directions of one look
 _STEPS = (64, 96, 128, 256)  # of the solver per period
 
 
@@ -57,11 +58,16 @@ def joined(found: list[tuple], count: int) -> list[np.ndarray]:
 
 
 class Seat(NamedTuple):
-    """What a look needs to know of its points besides the unknowns: `load` (points,), kg, and the `scale`, (points, n +
-    2), in which unknowns are counted."""
+    """What a look needs to know of its points besides the unknowns: `level` (points,), V, `load` (points,), kg, and the
+    `scale`, (points, n + 2), in which unknowns are counted."""
 
+    level: np.ndarray
     load: np.ndarray
     scale: np.ndarray
+
+    def some(self, rows: np.ndarray) -> Seat:
+        """That of some points."""
+        return Seat(*(part[rows] for part in self))
 
 
 class Look(NamedTuple):
@@ -135,7 +141,7 @@ class Periodic:
         along = np.concatenate([along, np.zeros((width - d, along.shape[1]))])
         found = []
         for rows in batches(len(unknowns)):
-            arrays = (self.values, unknowns[rows], along, seat.load[rows], seat.scale[rows], self.circle)
+            arrays = (self.values, unknowns[rows], along, *seat.some(rows), self.circle)
             found.append(program(self.equation, self.equation.constants, *arrays))
         miss, slope, shown, shown_slope = joined(found, len(unknowns))
         tone, tone_slope = shown[0] + 1j * shown[1], shown_slope[0] + 1j * shown_slope[1]
@@ -175,9 +181,7 @@ def one_period(equation: Equation, system: System, y: Any, level: Any, frequency
     for effect, own in zip(system.effects, parts, strict=True):
         if own is None:
             path = driven_memory(effect, system.gain, level, frequency, circle)
-            acting = lambda h, u, r, effect=effect: effect.drive(tuple(h), system.drive(u, r), 0.0)
-            voltage, rate = level * circle[0], -level * system.omega * circle[1]
-            forces.append(jax.vmap(acting, in_axes=(1, 0, 0))(path, voltage, rate))
+            forces.append(_given(effect, system, path, level * circle[0], -level * system.omega * circle[1]))
     # Cosine and sine are those of all points: only a remembered force has to be kept for each.
     grids = (circle[0], circle[1], *((sum(forces),) if forces else ()))
 
@@ -189,6 +193,12 @@ def one_period(equation: Equation, system: System, y: Any, level: Any, frequency
 
     after, shown = lax.scan(advance, tuple(y), steps_of(grids))
     return jnp.stack(after), shown
+
+
+def _given(effect: AbstractEffect, system: System, path: Array, voltage: Any, rate: Any) -> Array:
+    """(points,) N that an effect with hidden states (h, points) gives through the actuator."""
+    acting = lambda h, u, r: effect.drive(tuple(h), system.drive(u, r), 0.0)
+    return jax.vmap(acting, in_axes=(1 if effect.state0() else None, 0, 0))(path, voltage, rate)
 
 
 def tones(shown: Array, slopes: Array, circle: Any) -> tuple[Array, Array]:
@@ -219,50 +229,52 @@ def _vertex(before: Any, here: Any, after: Any) -> Any:
 
 @program
 def by_unknowns(
-    equation: Equation, constants: Numbers, values: Numbers, unknowns: Numbers, along: Numbers, load: Numbers,
-    scale: Numbers, circle: Numbers,
+    equation: Equation, constants: Numbers, values: Numbers, unknowns: Numbers, along: Numbers, level: Numbers,
+    load: Numbers, scale: Numbers, circle: Numbers,
 ) -> tuple:  # fmt: skip
     """`Periodic.look` of one set of points, points last."""
     kicks = jnp.asarray(scale).T
-    there = lambda w: _all_points(equation, constants, values, w, load, circle)
+    there = lambda w: _all_points(equation, constants, values, w, level, load, circle)
     points = jnp.asarray(unknowns).T
     ahead = lambda kick: jax.jvp(there, (points,), (kick[:, None] * kicks,))
     (end, shown), (slope, shown_slope) = jax.vmap(ahead, out_axes=(None, 1))(along)
-    own = jnp.asarray(along)[:, :LEVEL].T[..., None] * kicks[:LEVEL, None]
-    return end - points[:LEVEL], slope - own, *tones(shown, shown_slope, circle)
+    own = jnp.asarray(along)[:, :SHARE].T[..., None] * kicks[:SHARE, None]
+    return end - points[:SHARE], slope - own, *tones(shown, shown_slope, circle)
 
 
 @program
 def by_values(
-    equation: Equation, constants: Numbers, values: Numbers, unknowns: Numbers, directions: Numbers, load: Numbers,
-    scale: Numbers, circle: Numbers,
+    equation: Equation, constants: Numbers, values: Numbers, unknowns: Numbers, directions: Numbers, level: Numbers,
+    load: Numbers, scale: Numbers, circle: Numbers,
 ) -> tuple:  # fmt: skip
     """`Periodic.look_by_values` of one set of points, points last."""
     points = jnp.asarray(unknowns).T
-    there = lambda values: _all_points(equation, constants, values, points, load, circle)
+    there = lambda values: _all_points(equation, constants, values, points, level, load, circle)
     ahead = lambda change: jax.jvp(there, (values,), (change,))
     (end, shown), (slope, shown_slope) = jax.vmap(ahead, out_axes=(None, 1))(directions)
-    return end - points[:LEVEL], slope, *tones(shown, shown_slope, circle)
+    return end - points[:SHARE], slope, *tones(shown, shown_slope, circle)
 
 
-def _all_points(equation: Equation, constants: Numbers, values: Any, unknowns: Any, load: Any, circle: Any) -> tuple:
+def _all_points(
+    equation: Equation, constants: Numbers, values: Any, unknowns: Any, level: Any, load: Any, circle: Any
+) -> tuple:
     """State after a period and readings of points (n + 2, points). They are the last axis of everything, tangents too:
     so they fill the processor's vector units."""
 
-    def one(w: Any, load: Any) -> tuple:
-        level, frequency = w[LEVEL], w[FREQUENCY]
-        system = bound(equation, constants, values, load, frequency)
-        return one_period(equation, system, w[:LEVEL], level, frequency, circle)
+    def one(w: Any, level: Any, load: Any) -> tuple:
+        system = bound(equation, constants, values, load, w[FREQUENCY])._replace(share=w[SHARE])
+        return one_period(equation, system, w[:SHARE], level, w[FREQUENCY], circle)
 
-    return jax.vmap(one, in_axes=-1, out_axes=-1)(unknowns, load)
+    return jax.vmap(one, in_axes=-1, out_axes=-1)(unknowns, level, load)
 
 
 class Ride(NamedTuple):
-    """Hidden states at the beginning of a period, and complex fundamental of the force that moves the stage along a
-    given motion besides the drive's gain; per point."""
+    """Hidden states at the beginning of a period; complex fundamentals of the `force` that the stage needs to move
+    along a given motion, and of the force that the actuator has `given`, N, relative to the drive; per point."""
 
     hidden: np.ndarray
     force: np.ndarray
+    given: np.ndarray
 
 
 def ride(model: Periodic, level: np.ndarray, frequency: np.ndarray, load: np.ndarray, motion: np.ndarray) -> Ride:
@@ -270,15 +282,15 @@ def ride(model: Periodic, level: np.ndarray, frequency: np.ndarray, load: np.nda
 
     **Arguments:** `motion`: (points,) complex a, m.
 
-    **Returns:** hidden states at t = 0, (points, n − 2), as they have settled; and the fundamental of M z̈ −
-    F(z, ż, hidden) with the voltage at zero, N.
+    **Returns:** hidden states at t = 0, (points, n − 2), as they have settled; and the fundamentals of M z̈ −
+    F(z, ż, hidden) with the voltage at zero and of the actuator's force, N.
     """
     found = []
     for rows in batches(len(level)):
         arrays = (level[rows], frequency[rows], load[rows], np.real(motion)[rows], np.imag(motion)[rows], model.circle)
         found.append(along_motion(model.equation, model.equation.constants, model.values, *arrays))
-    hidden, real, imaginary = joined(found, len(level))
-    return Ride(hidden.T, real + 1j * imaginary)
+    hidden, real, imaginary, push, turn = joined(found, len(level))
+    return Ride(hidden.T, real + 1j * imaginary, push + 1j * turn)
 
 
 @program
@@ -296,12 +308,17 @@ def along_motion(
         v = -omega * (real * sine + imaginary * cosine)
         voltage, rate, still = level * cosine, -level * omega * sine, 0.0 * cosine
         seen = Seen(z, v, voltage, rate, still, step, omega, system.gain, 0.0)
-        hidden, acting = [], 0.0 * z
+        hidden, acting, given = [], 0.0 * z, system.gain * voltage
         for effect, own in zip(system.effects, slices(equation), strict=True):
             if own is None:
+                given = given + _given(
+                    effect, system, driven_memory(effect, system.gain, level, frequency, circle), voltage, rate
+                )
                 continue
             path = steady_memory(effect, lambda _: seen, jnp.zeros(0))
             hidden += list(path[:, 0])
+            if effect.overrides("drive"):
+                given = given + _given(effect, system, path, voltage, rate)
             if effect.overrides("force"):
                 off = system.drive(0.0, 0.0)
                 one = lambda z, v, h, effect=effect, off=off: effect.force(State(z, v, tuple(h)), off, 0.0)
@@ -311,6 +328,6 @@ def along_motion(
         (push, turn), spring = line(acting[:-1]), system.stiffness - system.mass * omega**2
         needed = (spring * real - omega * system.damping * imaginary - push,
                   spring * imaginary + omega * system.damping * real - turn)  # fmt: skip
-        return jnp.stack(hidden) if hidden else jnp.zeros(0), *needed
+        return jnp.stack(hidden) if hidden else jnp.zeros(0), *needed, *line(given[:-1])
 
     return jax.vmap(point, out_axes=-1)(level, frequency, load, real, imaginary)

@@ -4,7 +4,7 @@
 
 A memory of the drive alone knows nothing of the motion: at a drive level and a frequency its periodic path is found by
 itself, in closed form where the effect has one (`settled`), and is no unknown of the response. It is differentiated by
-the level, the frequency and its own few shapes, however many directions a model is differentiated along.
+the frequency and its own few shapes, however many directions a model is differentiated along.
 
 Source: the implicit function theorem; A. H. Nayfeh, B. Balachandran, Applied Nonlinear Dynamics, 1995, §6.5.
 """
@@ -27,16 +27,18 @@ STUCK = 1e-12  # squared share below which a memory neither forgets nor moves: i
 _PERIODS = 2  # of Newton's method: a linear memory, or a play that is dragged, has settled after one
 
 
-def steady_memory(effect: AbstractEffect, see: Callable[[Array], Seen], at: Array) -> Array:
+def steady_memory(
+    effect: AbstractEffect, see: Callable[[Array], Seen], at: Array, names: tuple[str, ...] | None = None
+) -> Array:
     """Hidden states (h, points) of an effect that a period has carried along for ever; a play that is stuck stays as
     it began.
 
     `see`: what the effect sees at the numbers `at`, (k,); the states are differentiable by those and by the effect's
-    own parameters.
+    own parameters, or by those of some `names` only.
     """
     if not effect.state0():
         return jnp.zeros((0, 1))
-    names, k = shaping(effect), len(at)
+    names, k = shaping(effect) if names is None else names, len(at)
     x, bent = _bent(effect, names, at)
     here, n = lax.stop_gradient(x), len(effect.state0())
 
@@ -77,21 +79,21 @@ def driven_memory(effect: AbstractEffect, gain: Any, level: Any, frequency: Any,
     cosine, sine = circle
 
     def see(at: Array) -> Seen:
-        level, frequency = at
+        (frequency,) = at
         omega, step = 2 * math.pi * frequency, 2.0 / (frequency * (len(cosine) - 1))
         voltage, rate, still = level * cosine, -level * omega * sine, jnp.zeros(len(cosine))
         return Seen(still, still, voltage, rate, still, step, omega, lax.stop_gradient(gain), 0.0)
 
-    at = jnp.stack([level, frequency])
+    at = jnp.stack([frequency])
     if not effect.overrides("settled"):
         return steady_memory(effect, see, at)
     x, bent = _bent(effect, shaping(effect), at)
     here = lax.stop_gradient(x)
 
     def path(x: Array) -> Array:
-        there, seen = bent(x[2:]), see(x[:2])
+        there, seen = bent(x[1:]), see(x[:1])
         # One point of the grid after the other: XLA would compute all of it again for every stage that reads it.
-        one = lambda at: jnp.stack(there.settled(x[0], seen.drive(*at)))
+        one = lambda at: jnp.stack(there.settled(level, seen.drive(*at)))
         return lax.map(one, (seen.voltage, seen.rate)).T
 
     there, slopes = tangents(path, (here,), (jnp.eye(len(x)),))

@@ -66,7 +66,8 @@ def run_along(
         others.append(tuple(reading_at(c) for c in stable if c != place))
     guess = np.array([branch.at(*place) for place in places])
     guess[:, -1] = frequency
-    seat = Seat(np.full(len(guess), branch.load), np.tile(scale, (len(guess), 1)))
+    one = np.ones(len(guess))
+    seat = Seat(branch.level * one, branch.load * one, np.tile(scale, (len(guess), 1)))
     found, good, seen = settle(model, guess, seat)
     rough = np.array([reading_at(place) for place in places])
     exact = seen.swing if swing else np.abs(seen.tone)

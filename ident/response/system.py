@@ -97,6 +97,7 @@ class System(NamedTuple):
     omega: Any = 0.0
     moving: Any = 0.0
     order: Any = 0.0
+    share: Any = 1.0  # of what the actuator gives, that acts on the stage
 
     def drive(self, voltage: Any, rate: Any) -> Drive:
         """The drive as the effects see it."""
@@ -119,7 +120,7 @@ class System(NamedTuple):
         for effect, (values, prepared) in zip(self.effects, own, strict=True):
             effects[effect.name] = effect.carrying(values, prepared)
         joined = (e.accompanied(effects[e.needs]) if e.needs else e for e in effects.values())
-        return System(tuple(joined), mass, damping, stiffness, gain, self.omega, self.moving, self.order)
+        return System(tuple(joined), mass, damping, stiffness, gain, self.omega, self.moving, self.order, self.share)
 
 
 def assemble(equation: Equation, constants: Numbers, values: Numbers) -> System:
@@ -147,7 +148,7 @@ def derivative(
     voltage, rate, t, *remembered = at
     z, v, *hidden = y
     drive = system.drive(voltage, rate)
-    force, rates = sum(remembered, system.gain * voltage - system.damping * v - system.stiffness * z), []
+    given, force, rates = sum(remembered, system.gain * voltage), -system.damping * v - system.stiffness * z, []
     for effect, own in zip(system.effects, parts, strict=True):
         if own is None:
             continue
@@ -156,10 +157,10 @@ def derivative(
         if effect.overrides("force"):
             force = force + effect.force(state, drive, t)
         if effect.overrides("drive"):
-            force = force + effect.drive(memory, drive, t)
+            given = given + effect.drive(memory, drive, t)
         if memory:
             rates += effect.rate(state, drive, t)
-    return (v, force / system.mass, *rates)
+    return (v, (system.share * given + force) / system.mass, *rates)
 
 
 def reading(

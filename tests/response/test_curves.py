@@ -41,20 +41,25 @@ def test_a_linear_oscillator_needs_the_drive_of_its_transfer_function() -> None:
     np.testing.assert_allclose(found.needed, exact, rtol=2e-5)
 
 
+def needed_exactly(model: Periodic, at: Points) -> np.ndarray:
+    """The drive after a last step of Newton's method more, for differences."""
+    return at_amplitude(model, at, at_amplitude(model, at).unknowns).needed
+
+
 def test_derivatives_are_those_of_differences() -> None:
     model, at = duffing(), points(np.array([39.0, 40.6, 41.5]), np.array([0.01, 0.03, 0.02]))
-    found = at_amplitude(model, at)
+    found = at_amplitude(model, at, at_amplitude(model, at).unknowns)
     slopes = found.slopes(np.diag(model.values))
     for i in range(4):
         sides = []
         for side in (1e-6, -1e-6):
             values = model.values.copy()
             values[i] *= 1 + side
-            sides.append(at_amplitude(Periodic(model.equation, values, STEPS), at).needed)
+            sides.append(needed_exactly(Periodic(model.equation, values, STEPS), at))
         np.testing.assert_allclose(slopes[i], (sides[0] - sides[1]) / 2e-6, rtol=1e-5, atol=1e-8)
     for name, slope in (("amplitude", found.by_amplitude), ("frequency", found.by_frequency)):
         value = getattr(at, name)
-        up, down = (at_amplitude(model, at._replace(**{name: value * (1 + s)})).needed for s in (1e-6, -1e-6))
+        up, down = (needed_exactly(model, at._replace(**{name: value * (1 + s)})) for s in (1e-6, -1e-6))
         np.testing.assert_allclose(slope, (up - down) / (2e-6 * value), rtol=1e-5)
 
 
@@ -157,7 +162,7 @@ def test_plays_in_the_drive_are_no_unknowns_and_act_as_exact_ones() -> None:
     assert model.size == 2
     assert found.converged.all()
     angle = np.linspace(0, 6 * np.pi, 30001)
-    for needed, force, level in zip(found.needed, needed_force(at), found.level, strict=True):
+    for needed, force, level in zip(found.needed, needed_force(at), at.level, strict=True):
         volts, left = level * np.cos(angle), np.zeros(10001, complex)
         for j in range(6):
             play, half = np.zeros(len(angle)), reach * (j + 0.5) / 6
@@ -166,6 +171,17 @@ def test_plays_in_the_drive_are_no_unknowns_and_act_as_exact_ones() -> None:
             left += weight / 6 * (volts - play)[-10001:]
         own = 2 * np.mean((volts[-10001:] - left)[:-1] * np.exp(-1j * angle[-10001:-1]))
         assert needed / level * own == pytest.approx(force, rel=0.01)  # edges are rounded
+
+
+def test_an_actuator_that_saturates_is_asked_for_a_share_where_no_level_reaches_as_far() -> None:
+    """E − η E³ gives at most 2/3 of √(4/9η) of a linear one: at every level less than is needed here."""
+    eta = 0.3
+    model = with_memory("pzt-hysteresis", eta=eta * GAIN)
+    at = points(np.linspace(38, 42, 9), np.full(9, 0.02))
+    assert np.all(np.abs(needed_force(at))[[0, -1]] > 2 / 3 * np.sqrt(4 / 9 / eta))
+    found = at_amplitude(model, at)
+    assert found.converged.all()
+    np.testing.assert_allclose(found.needed * (1 - 0.75 * eta), needed_force(at), rtol=1e-4)
 
 
 def test_levels_that_plays_need_have_the_slopes_of_differences() -> None:
