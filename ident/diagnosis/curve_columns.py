@@ -31,6 +31,7 @@ import numpy as np
 from ..effects.effect import AbstractEffect, State
 from ..fit.curves import Curves
 from ..fit.result import Solved
+from ..model import GAIN
 from ..programs import program
 from ..response import Equation
 from ..response.controlled import Controlled
@@ -147,7 +148,7 @@ def _columns(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Drives, bends and shares of `Moves` at one amplitude of each point."""
     points = steady.points
-    gain = float(steady.model.values[2] * steady.model.equation.constants[1])
+    gain = float(steady.model.values[GAIN] * steady.model.equation.constants[1])
     stretch = steady.by_amplitude * points.amplitude / steady.needed
     around = circle(_STEPS)
     at = (points.level, points.frequency, points.load, np.real(steady.tone), np.imag(steady.tone))
