@@ -1,4 +1,4 @@
-"""What any law can leave of the run that judges `airdrag_spring`: `python -m experiments.real.airdrag_reach`.
+"""What any law can leave of the run that judges `airdrag_spring`: `python -m experiments.ring_downs.airdrag_reach`.
 
 Nothing here is `ident`: SciPy fits air drag and a softening spring,
 
