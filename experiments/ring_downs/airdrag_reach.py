@@ -20,7 +20,7 @@ FOLDER, FITTED, JUDGED = "real/airdrag_spring", "ringdown_1.csv", "ringdown_3.cs
 FIRST, SLIPS = 20.0, 33.0  # s: where the judged part begins, and the last slip of its sensor
 SCALE = np.array([70.0, 0.02, 0.1, 10.0, 0.05, 0.3, 0.5])  # ω², c, d, s, and the start: z, ż, level; SI
 FREQUENCIES = (1.340, 1.344, 1.3475)  # Hz, where searches begin
-SLIP = 5e-4  # m: the resolution of the sensor
+LARGE = 5e-4  # m, six times the noise: what is larger counts by its size and not by its square
 
 
 @numba.njit
@@ -63,13 +63,13 @@ def fitted(t: np.ndarray, z: np.ndarray, law: np.ndarray | None = None) -> tuple
                 y = x.copy()
                 y[free] = tried
                 y = y * SCALE
-                return (decay(y[:4], y[4], y[5], t[1] - t[0], count) + y[6] - z[:count]) / SLIP
+                return (decay(y[:4], y[4], y[5], t[1] - t[0], count) + y[6] - z[:count]) / LARGE
 
             found = least_squares(left, x[free], loss="soft_l1", x_scale="jac", max_nfev=100)
             x = x.copy()
             x[free] = found.x
         if best is None or found.cost < best[0]:
-            best = found.cost, x, SLIP * left(found.x)
+            best = found.cost, x, LARGE * left(found.x)
     assert best is not None
     return best[1][:4] * SCALE[:4], best[2]
 

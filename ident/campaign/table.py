@@ -54,10 +54,8 @@ class Column:
 
         If some may be `missing`, what stands for a number that is not there, or nothing, becomes NaN.
         """
-        plain = np.asarray(self.cells, float) if isinstance(self.cells, np.ndarray) else _plain(self.cells)
-        if plain is not None:
-            values = plain
-        else:
+        values = np.asarray(self.cells, float) if isinstance(self.cells, np.ndarray) else _plain(self.cells)
+        if values is None:
             cells = self.cells if self.decimal == "." else [cell.replace(",", ".") for cell in self.cells]
             empty = missing and any(is_number(cell) for cell in cells)
             found = [

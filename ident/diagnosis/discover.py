@@ -76,20 +76,15 @@ def continue_from(
         if found is None:
             break
         more, bench = found
-        mimic = False
+        if _starts_say_more(current, more[-1].fit):
+            names = " and ".join(step.added for step in more)
+            report(f"a start in motion says more than {names}: do the records begin at rest?")
+            break
         for step in more:
-            mimic = _starts_say_more(current, step.fit)
-            if mimic:
-                report(f"a start in motion says more than {step.added}: do the records begin at rest?")
-                bench = prepare(working(current))
-                break
             steps.append(step)
             report(f"added {step.added}: error over noise {step.fit.fitted.error_over_noise:.3g}")
-            current = step.fit
-        look = Look(bench, first, library, report)
+        current, look = steps[-1].fit, Look(bench, first, library, report)
         keep(Walked(start, tuple(steps), gains))
-        if mimic:
-            break
     bench, candidates = look.bench, look.candidates
     steps = _without_refuted(start, steps, bench)
     alike: tuple[Parts, ...] = ()
@@ -116,7 +111,7 @@ def continue_from(
 
 
 def _starts_say_more(before: Fit, after: Fit) -> bool:
-    """Whether starts in motion, where rest is claimed, take more of what a model leaves than an effect did: that is no
+    """Whether starts in motion, where rest is claimed, take more of what a model leaves than effects did: that is no
     physics."""
     excess = {s.name: s.n * (s.error_over_noise**2 - 1) for s in before.scores}
     starts = sum(share * excess[name] for name, share in before.begun_in_motion)
