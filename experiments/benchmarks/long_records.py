@@ -24,7 +24,7 @@ device = { kind = "oscillator", output = "m" }
 [defaults]
 start = "rest"
 """
-LIMITS = {"one": {"check": 10.0, "fit": 60.0}, "many": {"check": 25.0, "fit": 60.0}}  # s of CPU
+LIMITS = {"one": {"check": 10.0, "fit": 60.0}, "many": {"check": 20.0, "fit": 60.0}}  # s of CPU
 MEMORY = 4.0  # GB
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from .autoregression import MAX_ORDER, Autoregression, ar_spectrum, fit_autoregression, leverage_of, levinson
+from .signal_basis import beside
 
 MAINS = (50.0, 60.0)
 """Hz; hum is a nuisance of the laboratory, never a property of the device."""
@@ -30,12 +31,13 @@ def with_hum(
     the noise without regard to hum.
     """
     n = len(residual)
-    time, power, covariance = np.arange(n), 0.0, np.zeros(MAX_ORDER + 1)
+    power, covariance = 0.0, np.zeros(MAX_ORDER + 1)
     rest, own = residual, []
-    waves = np.array([wave(line * time) for line in lines for wave in (np.cos, np.sin)]).reshape(-1, n).T
-    beside = waves - basis @ (basis.T @ waves)
+    turning = [np.exp(1j * line * np.arange(n)) for line in lines]
+    waves = np.array([part for wave in turning for part in (np.real(wave), np.imag(wave))]).reshape(-1, n).T
+    alone = beside(basis, waves)
     for k, line in enumerate(lines):
-        columns, inside = waves[:, 2 * k : 2 * k + 2], beside[:, 2 * k : 2 * k + 2]
+        columns, inside = waves[:, 2 * k : 2 * k + 2], alone[:, 2 * k : 2 * k + 2]
         seen = np.sum(inside**2) / np.sum(columns**2)
         if seen < 0.3:  # the record is too short to tell it from the signal
             continue

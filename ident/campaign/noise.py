@@ -11,7 +11,7 @@ from .autoregression import Autoregression, fit_autoregression, leverage_of
 from .clipping import across_gaps
 from .hum import MAINS, told_apart, with_hum
 from .record import NoiseFloor
-from .signal_basis import Pole, find_transient, harmonic_columns, orthonormal, transient_columns
+from .signal_basis import Pole, beside, find_transient, harmonic_columns, orthonormal, transient_columns
 
 HARMONICS = 12
 LONGEST = 8192
@@ -158,20 +158,19 @@ def _removed(
         decaying, own = decaying[:, own <= levels[-1]], own[own <= levels[-1]]
         columns, level_of = np.hstack([harmonics, decaying]), np.concatenate([level_of, own])
     basis, kept = orthonormal(columns)
-    level_of, weights = level_of[kept], basis.T @ response  # the columns stand in the order of their levels
+    level_of = level_of[kept]  # the columns stand in the order of their levels
     up_to = {level: int(np.sum(level_of <= level)) for level in levels}
 
-    def residual(level: int) -> np.ndarray:
-        return response - basis[:, : up_to[level]] @ weights[: up_to[level]]
-
     highest = levels[-1]
-    fit = fit_autoregression(residual(highest), leverage_of(basis))
-    least = _whitened_energy(residual(highest), fit)
+    left = beside(basis, response)
+    fit = fit_autoregression(left, leverage_of(basis))
+    least = _whitened_energy(left, fit)
     for level in levels[:-1]:
-        rest, inside = residual(level), basis[:, : up_to[level]]
+        inside = basis[:, : up_to[level]]
+        rest = beside(inside, response)
         if _whitened_energy(rest, fit) - least < 1.5 * (len(level_of) - up_to[level]) + 6.0:
             return _Removed(fit_autoregression(rest, leverage_of(inside)), inside, level, rest)
-    return _Removed(fit, basis, highest, residual(highest))
+    return _Removed(fit, basis, highest, left)
 
 
 def _whitened_energy(residual: np.ndarray, fit: Autoregression) -> float:
@@ -211,7 +210,7 @@ def _repeats(response: np.ndarray, period: float) -> tuple[Autoregression, str]:
     columns, level_of = transient_columns(len(joined), None, pole, 4)
     for highest in (1, 3, 4):
         basis, _ = orthonormal(deflated(columns[:, level_of <= highest]))
-        rest = joined - basis @ (basis.T @ joined)
+        rest = beside(basis, joined)
         better = fit_autoregression(rest, leverage + leverage_of(basis))
         gain = _whitened_energy(joined, better) - _whitened_energy(rest, better)
         if gain > 3.0 * basis.shape[1] + 20.0 and better.sigma < fit.sigma:
