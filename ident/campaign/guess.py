@@ -135,7 +135,10 @@ def _elsewhere(frequency: Column) -> str:
         band = (1.0 if unit is None else unit.factor) * frequency.numbers(missing=True)
     except UserError:
         return ""
-    low, high, nominal = float(np.nanmin(band)), float(np.nanmax(band)), PLATFORM_RATE / 2
+    band = band[np.isfinite(band)]
+    if not len(band):
+        return ""
+    low, high, nominal = float(np.min(band)), float(np.max(band)), PLATFORM_RATE / 2
     far = low > _OCTAVE * nominal or high < nominal / _OCTAVE
     return f"No platform is swept from {low:.6g} to {high:.6g} Hz" if far else ""
 

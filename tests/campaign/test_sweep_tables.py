@@ -324,3 +324,8 @@ def test_a_sweep_far_from_every_resonance_of_a_platform_is_another_device(tmp_pa
         write_table(tmp_path / "s.csv", "f (Hz),drive (V),amplitude (um)", [factor * F, LEVEL, 1e6 * SIZE])
         (tmp_path / "campaign.toml").write_text(propose([tmp_path / "s.csv"], tmp_path), encoding="utf-8")
         assert isinstance(read_campaign(tmp_path).device, device)
+
+
+def test_a_sweep_without_a_point_is_one_line_of_advice() -> None:
+    with pytest.raises(UserError, match="0 points are too few"):
+        read_campaign({"freq (Hz)": np.zeros(0), "drive (V)": np.zeros(0), "z (um)": np.zeros(0)})
