@@ -26,6 +26,7 @@ UNSEEN = {
     "stiffness-drift": "needs a time that passes",
     "damping-drift": "needs a time that passes",
     "electrostriction": "even: a mean and a second harmonic",
+    "electrostatic-force": "even: a mean and a second harmonic",
 }
 """Effects without a fundamental of their own: no curve can show them."""
 

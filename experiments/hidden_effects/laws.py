@@ -91,15 +91,17 @@ LAWS: tuple[Law, ...] = (
     Law("voltage-damping", "force", ("v", "e"), in_library=False),
     Law("stribeck-friction", "force", ("v",), lambda rng, own: (0.005, rng.uniform(0.5, 1.5), rng.uniform(0.1, 0.3)),
         in_library=False),
+    # Where the plate is, in either direction.
+    Law("electrostatic-force", "force", ("z", "e"),
+        lambda rng, own: (rng.choice([-1, 1]) * rng.uniform(2.0, 5.0), 0.0, 0.0)),
 )  # fmt: skip
 
 NAMES = tuple(law.name for law in LAWS)
 INDEX = {name: i for i, name in enumerate(NAMES)}
 
 (STRESS, ARCH, CUBIC, QUADRATIC, VOLT, K_DRIFT, STOP, STATIC, MODE, VISCO, COULOMB, V2, V3, SQUEEZE, C_DRIFT, BOUC,
- PZT, PLAYS, BOUC_E, E2, CREEP, LAG_E, BEND, LAG_S, CROSS, S_DRIFT, OFFSET, SINE, Z2E, ROOT, VE, STRIBECK) = range(
-    len(LAWS)
-)  # fmt: skip
+ PZT, PLAYS, BOUC_E, E2, CREEP, LAG_E, BEND, LAG_S, CROSS, S_DRIFT, OFFSET, SINE, Z2E, ROOT, VE, STRIBECK,
+ PLATE) = range(len(LAWS))  # fmt: skip
 
 
 @njit(error_model="numpy")
@@ -175,6 +177,8 @@ def force(z, v, e, t, h, q1, q2, c, s, g):
     if c[STRIBECK] != 0:
         peak = 1 + s[STRIBECK, 1] * math.exp(-((v / s[STRIBECK, 2]) ** 2))
         f -= c[STRIBECK] * math.tanh(v / s[STRIBECK, 0]) * peak
+    if c[PLATE] != 0:
+        f += c[PLATE] * math.copysign(e * e, s[PLATE, 0]) / max(1 - z / s[PLATE, 0], 0.1) ** 2
     return f
 
 

@@ -18,6 +18,7 @@ from ident.diagnosis.beyond import go_beyond
 from ident.diagnosis.diagnose import measure_next
 from ident.diagnosis.discover import discover
 from ident.diagnosis.steps import Discovery
+from ident.diagnosis.unknown import find_unknown
 from ident.effects.registry import built_in
 from ident.fit import Fit
 from ident.model import Model
@@ -185,7 +186,8 @@ def _errors(fitted: Fit) -> list[float | None]:
 def _unknown(found: Discovery) -> dict[str, Any]:
     """What is said of the missing term before any effect was added, and the errors once it is written and refitted."""
     with tempfile.TemporaryDirectory() as folder:
-        beyond = go_beyond(found.start, prepare(found.start), Path(folder) / "unknown.py")
+        bench = prepare(found.start)
+        beyond = go_beyond(found.start, bench, find_unknown(bench), Path(folder) / "unknown.py")
     unknown = beyond.unknown
     formula = unknown.formula.text if unknown.formula is not None else ""
     alike = [[r.side, list(r.coordinates)] for r in unknown.alike]

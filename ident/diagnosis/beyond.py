@@ -12,7 +12,7 @@ from ..pulse import Report
 from .bench import Bench
 from .change import add
 from .effect_file import write_effect
-from .unknown import Unknown, find_unknown
+from .unknown import Unknown
 
 NAME = "unknown-effect"
 
@@ -25,20 +25,18 @@ class Beyond(NamedTuple):
     fit: Fit
 
 
-def go_beyond(fitted: Fit, bench: Bench, path: Path, report: Report = lambda _: None) -> Beyond:
-    """Estimate what a fit lacks, write it to a file that does not exist yet, and refit with it.
+def go_beyond(fitted: Fit, bench: Bench, unknown: Unknown, path: Path, report: Report = lambda _: None) -> Beyond:
+    """Write what a fit lacks to a file that does not exist yet, and refit with it.
 
-    **Arguments:** `bench`: of the fit, or of its `working` excerpt.
+    **Arguments:** `bench`: of the fit, or of its `working` excerpt; `unknown`: what `find_unknown` says there.
 
     **Raises:** UserError if the file exists.
     """
-    report("estimating what the library lacks, as a function of its coordinates")
-    unknown = find_unknown(bench)
     name = free_name(fitted)
     write_effect(unknown, path, name)
     files = (*fitted.campaign.effect_files, path)
     known = lambda parent: replace(parent, campaign=replace(parent.campaign, effect_files=files))
-    found = add(known(bench.fit), registry(files)[name], report)
+    found = add(known(bench.fit), registry(files)[name], report, others=0)  # its numbers are estimates, and no guesses
     if bench.fit is not fitted:
         found = fit(found.model, known(fitted).campaign, initial=found.values, report=report)
     return Beyond(unknown, path, found)

@@ -22,8 +22,9 @@ _FEW = 4  # steps after which the better of two starts is known
 ENOUGH = 25  # steps from the parent's values: a model that is as good without the effect, or with another, is near by
 
 
-def add(parent: Fit, effect: str | type[AbstractEffect], report: Report = lambda _: None) -> Fit:
-    """The parent's model with one effect more, fitted from the parent's values and the size that the score predicts.
+def add(parent: Fit, effect: str | type[AbstractEffect], report: Report = lambda _: None, others: int = 4) -> Fit:
+    """The parent's model with one effect more, fitted from the parent's values and the size that the score predicts,
+    and from so many `others` of its grids.
 
     **Raises:** UserError if there is no such effect, the model has it, or it cannot act on this device.
     """
@@ -32,7 +33,7 @@ def add(parent: Fit, effect: str | type[AbstractEffect], report: Report = lambda
     report(f"estimating {effect.name} along the measured motion")
     found = score(prepare(parent), {effect.name: effect})
     first = np.concatenate([parent.values, start_of(model, found[0] if found else None, parent.scales)])
-    grid = starting_points(model, first, parent.scales, 4)[1:]
+    grid = starting_points(model, first, parent.scales, others)[1:]
     return fit(model, parent.campaign, initial=[first, *grid], report=report)
 
 

@@ -15,6 +15,7 @@ from ..effects.registry import registry
 from ..fit import Fit, fit, fit_data
 from ..fit.fit_data import Effects
 from ..fit.floors import sharpened
+from ..fit.start_score import mostly_starts
 from ..pulse import Report
 from .bench import Bench, prepare
 from .beyond import free_name, go_beyond
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 
 _EXPERIMENTS = 3
 _NEARLY = 0.05  # of the first misfit: if named effects leave less, they are kept and the rest is looked for
+_AS_WELL = 1.1  # of χ² per sample: what is left counts as no more, a twentieth of an error bar
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +137,7 @@ def diagnose(
     suspects = judged_again(suspects, found.final, report)
     if found.verdict == "identified" and any(one.kind in BY_OTHERS for one in suspects):
         found = replace(found, verdict="ambiguous")
-    if found.verdict == "not-in-library" and found.final.begun_in_motion:
+    if found.verdict == "not-in-library" and mostly_starts(found.final):
         found = replace(found, verdict="ambiguous", lacking=0.0)  # what is left may be no physics at all
     answer = partial(Diagnosis, found, where, unseen=unseen(bench, found.ranking, library), suspects=suspects)
     if not fitted.campaign.fitted:
@@ -147,18 +149,22 @@ def diagnose(
         return answer()  # the fitted records lack nothing: it is the held-out ones that contradict
     if effect_file is None:
         return answer(_instead(bench, report))
-    base, kept = (found.final, found.steps) if keeps_walk and _nearly_explained(found) else (fitted, ())
+    kept = keeps_walk and _nearly_explained(found)
+    base, unknown = _lacked(found, bench, report) if kept else (bench, _instead(bench, report))
+    if unknown.written is None:
+        return answer(unknown)
+    kept = base is found.bench
+    last = found.final if kept else fitted
     if kept and is_long(fitted.campaign):  # a refit of many terms to long records takes longer than the walk
-        unknown = _instead(found.bench, report)
-        write_effect(unknown, effect_file, free_name(base))
+        write_effect(unknown, effect_file, free_name(last))
         return answer(unknown, effect_file)
-    beyond = go_beyond(base, found.bench if kept else bench, effect_file, report)
+    beyond = go_beyond(last, base, unknown, effect_file, report)
     better = beyond.fit.fitted.error_over_noise < found.final.fitted.error_over_noise
-    if better and not hurts(base, beyond.fit):  # what bends to the fitted records alone is written, but not kept
+    if better and not hurts(last, beyond.fit):  # what bends to the fitted records alone is written, but not kept
         name = beyond.fit.model.names[-1]
-        gain = 1 - (beyond.fit.fitted.error_over_noise**2 - 1) / max(base.fitted.error_over_noise**2 - 1, 1e-9)
+        gain = 1 - (beyond.fit.fitted.error_over_noise**2 - 1) / max(last.fitted.error_over_noise**2 - 1, 1e-9)
         step = Step(name, beyond.unknown.share, gain, (name,), "effect", beyond.fit)
-        found = replace(found, steps=(*kept, step))
+        found = replace(found, steps=(*found.steps, step) if kept else (step,))
     return replace(answer(beyond.unknown, beyond.path), discovery=found)
 
 
@@ -166,6 +172,17 @@ def _nearly_explained(found: Discovery) -> bool:
     """Whether named effects leave so little that the rest is looked for beside them, and not in their place."""
     before, after = (fit.fitted.error_over_noise**2 - 1 for fit in (found.start, found.final))
     return after < _NEARLY * before
+
+
+def _lacked(found: Discovery, start: Bench, report: Report) -> tuple[Bench, Unknown]:
+    """Where what the library lacks is looked for: beside the effects that were named; or in their place, where that
+    leaves less, for a wrong law may have taken the motion to where it forgets how it began."""
+    beside = _instead(found.bench, report)
+    if beside.written is not None and beside.chi2_after < _AS_WELL:
+        return found.bench, beside
+    instead = _instead(start, report)
+    as_well = beside.written is not None and beside.chi2_after < _AS_WELL * instead.chi2_after
+    return (found.bench, beside) if as_well else (start, instead)
 
 
 def _instead(bench: Bench, report: Report) -> Unknown:

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..campaign.campaign import Campaign
 from ..fit import Fit, fit
+from ..fit.start_score import taken_by_starts
 from ..model import Model
 from .bench import Bench, prepare
 from .change import try_without
@@ -113,9 +114,7 @@ def continue_from(
 def _starts_say_more(before: Fit, after: Fit) -> bool:
     """Whether starts in motion, where rest is claimed, take more of what a model leaves than effects did: that is no
     physics."""
-    excess = {s.name: s.n * (s.error_over_noise**2 - 1) for s in before.scores}
-    starts = sum(share * excess[name] for name, share in before.begun_in_motion)
-    return starts > before.fitted.chi2 - after.fitted.chi2
+    return taken_by_starts(before) > before.fitted.chi2 - after.fitted.chi2
 
 
 def _gone_before(walked: Walked, look: Look) -> tuple[list[Step], Look]:

@@ -36,10 +36,13 @@ class _Written(NamedTuple):
 def write_effect(unknown: Unknown, path: Path, name: str = "unknown-effect") -> None:
     """Write a Python file that defines the missing term as an effect, its amplitudes starting from the estimate.
 
-    **Raises:** UserError if the name is not one of lower-case words joined by hyphens, or the file exists.
+    **Raises:** UserError if the name is not one of lower-case words joined by hyphens, no term describes what is
+    missing, or the file exists.
     """
     if not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", name):
         raise UserError(f"{name!r} is no name of an effect", do='use lower-case words, as in "unknown-effect"')
+    if unknown.written is None:
+        raise UserError("no term describes what is missing", do="leave out records whose motion forgets how it began")
     path = Path(path)
     if path.exists():
         raise UserError("this file exists already", where=str(path), do="choose another name, or move it away")

@@ -146,17 +146,26 @@ def fitted(bench: Bench, stage: Stage, side: Side, words: Dictionary, chosen: Se
     return Formula(side, terms, coefficients, errors, solved.drop, after, solved.drop >= goal, text)
 
 
-def long_formula(bench: Bench, stage: Stage, side: Side, coordinates: tuple[str, ...], spline_drop: float) -> Formula:
-    """What a file is written from where no short formula is enough: a table of one coordinate, else many terms."""
+def long_formula(
+    bench: Bench, stage: Stage, side: Side, coordinates: tuple[str, ...], spline_drop: float
+) -> Formula | None:
+    """What a file is written from where no short formula is enough: a table of one coordinate, else many terms.
+
+    None if no term says anything: beside a motion that forgets how it began, all that any force does looks the same.
+    """
     words = dictionary(bench, stage, side, coordinates)
     if len(coordinates) == 2 and "history" not in coordinates:
         words = _measured(bench, stage, side, [*words.terms, *paired(*coordinates, degree=7)])
     found = write_formula(bench, stage, side, words, spline_drop, _LONGEST)
     name = coordinates[0]
+    if found is None and words.terms:
+        found = fitted(bench, stage, side, words, [0], np.inf)
     if len(coordinates) > 1 or name == "1":
-        return found if found is not None else fitted(bench, stage, side, words, [0], np.inf)
+        return found
     absorbed = name == "z" or (side != "sensor" and name in ("v", "V"))
     words = _measured(bench, stage, side, table(name, stage.ranges[name], gauge=absorbed))
+    if not words.terms:
+        return found
     curve = fitted(bench, stage, side, words, range(len(words.terms)), _goal(bench, spline_drop))
     return found if found is not None and found.drop > curve.drop else curve
 

@@ -41,7 +41,7 @@ class Unknown:
       `chi2_after` per sample; `p_value`: of such a fall by chance, coloured noise and the number of tries allowed for.
     - `alike`: other sets that explain as much; `others`: the best of the rest.
     - `picture`: the function with its error; `formula`: in at most three terms, None if no term helps; `written`: what
-      an effect file is written from, the formula if it says as much as the splines.
+      an effect file is written from, the formula if it says as much as the splines; None if no term says anything.
     - `sentences`: all this in words.
     """
 
@@ -57,7 +57,7 @@ class Unknown:
     others: tuple[Ranked, ...]
     picture: Picture
     formula: Formula | None
-    written: Formula
+    written: Formula | None
     sentences: tuple[str, ...]
 
     def as_json(self) -> dict[str, Any]:
@@ -94,7 +94,7 @@ def find_unknown(bench: Bench) -> Unknown:
     p = min(1.0, TRIED * chance_of(bench, rows.T @ solved.spread))
     complete = formula is not None and formula.complete
     written = formula if formula and complete else long_formula(bench, stage, side, coordinates, chosen.drop)
-    if formula is not None and formula.drop >= written.drop:
+    if formula is not None and (written is None or formula.drop >= written.drop):
         written = formula
     alike = tuple(r for r in enough if r is not chosen and dimension(r) <= dimension(chosen) + 0.5)
     others = tuple(r for r in ranked if r not in enough and not set(coordinates) < set(r.coordinates))[:3]

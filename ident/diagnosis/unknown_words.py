@@ -58,7 +58,7 @@ def describe(found: Unknown) -> tuple[str, ...]:
 
 
 def _formula(found: Unknown) -> list[str]:
-    if found.formula is None:
+    if found.formula is None or found.written is None:
         return ["No simple term describes it."]
     share = percent(found.explained(found.formula))
     if found.formula.complete:

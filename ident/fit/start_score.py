@@ -11,6 +11,17 @@ _GREATER_PART = 0.5  # of what is left of a record beyond noise
 _VERY_STRONG = 10.0  # of ln of a likelihood ratio
 
 
+def taken_by_starts(fit: Fit) -> float:
+    """χ² beyond noise that starts in motion would take of a model's misfit, where they are hinted at."""
+    excess = {score.name: score.n * (score.error_over_noise**2 - 1) for score in fit.scores}
+    return sum(share * excess[name] for name, share in fit.begun_in_motion)
+
+
+def mostly_starts(fit: Fit) -> bool:
+    """Whether starts in motion, where rest is claimed, would take the greater part of what a model leaves in all."""
+    return taken_by_starts(fit) > _GREATER_PART * max(fit.fitted.chi2 - fit.fitted.n, 1e-9)
+
+
 def begun_in_motion(fit: Fit) -> list[tuple[str, float]]:
     """Records that are said to begin at rest, and the share of their misfit beyond noise that the motion of another
     displacement and velocity at the first sample takes, where that is the greater part.

@@ -44,6 +44,10 @@ SMOOTH_LAWS = {
         dict(damping=0.5 * C, gap=-12e-6),
         lambda t, z, v, h: -0.5 * C * v * ((1 + z / 12e-6) ** -3 - 1),
     ),
+    "electrostatic-force": (
+        dict(attraction=1e-3 * K * 1e-6, gap=-12e-6),
+        lambda t, z, v, h: -1e-9 * K * voltage(t) ** 2 / (1 + z / 12e-6) ** 2,
+    ),
 }
 
 KINKED_LAWS = {

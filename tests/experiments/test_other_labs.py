@@ -13,7 +13,8 @@ from ident.campaign import read_campaign
 
 def said(verdict: str, *effects: str, tied: tuple[str, ...] = ()) -> dict:
     steps = [{"added": name, "tie_set": [name, *tied]} for name in effects]
-    return {"verdict": verdict, "steps": steps, "final": {"effects": list(effects)}}
+    unknown = {"explains": 0.95} if verdict == "not-in-library" else None
+    return {"verdict": verdict, "steps": steps, "final": {"effects": list(effects)}, "unknown": unknown}
 
 
 @pytest.mark.parametrize(
@@ -39,7 +40,7 @@ def test_a_word_is_judged(device: str, found: dict, verdict: str) -> None:
     assert judge(device, found) == verdict
 
 
-@pytest.mark.parametrize("name", ["fork", "mems"])
+@pytest.mark.parametrize("name", ["fork", "mems", "plate", "swing", "magnet"])
 def test_its_records_are_read(name: str, tmp_path: Path) -> None:
     rng = np.random.default_rng(5)
     lab = Lab(tmp_path, rng)

@@ -6,8 +6,8 @@ from ..effect import AbstractEffect, Drive, Scalar, amplitude
 class Electrostriction(AbstractEffect):
     """A force by the square of the voltage, beside the linear one: F = G e V².
 
-    Every dielectric has it, whatever the sign of the field; electrostatic attraction looks the same. It shifts the
-    mean and drives at twice the frequency. Typical for PZT: e = 0.01-1 % per volt of the linear drive G.
+    Every dielectric has it, whatever the sign of the field; electrostatic attraction across a wide gap looks the same.
+    It shifts the mean and drives at twice the frequency. Typical for PZT: e = 0.01-1 % per volt of the linear drive G.
     """
 
     name = "electrostriction"
@@ -16,7 +16,13 @@ class Electrostriction(AbstractEffect):
         "Newnham, Sundar, Yimnirun, Su, Zhang, Electrostriction: nonlinear electromechanical coupling in solid "
         "dielectrics, 1997, J. Phys. Chem. B 101, 10141"
     )
-    mistaken_for = ("quadratic-stiffness", "voltage-stiffness", "sensor-nonlinearity", "static-force")
+    mistaken_for = (
+        "quadratic-stiffness",
+        "voltage-stiffness",
+        "sensor-nonlinearity",
+        "static-force",
+        "electrostatic-force",
+    )
 
     share = amplitude("1/V", "force by V² relative to the linear drive, e")
 

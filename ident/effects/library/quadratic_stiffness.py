@@ -10,7 +10,8 @@ class QuadraticStiffness(AbstractEffect):
     equation = "F = −k2 z²"
     source = "Nayfeh & Mook, Nonlinear Oscillations, 1979, §4.2"
     mistaken_for = (
-        "residual-stress", "arch-force", "voltage-stiffness", "electrostriction", "end-stop", "sensor-nonlinearity",
+        "residual-stress", "arch-force", "voltage-stiffness", "electrostriction", "electrostatic-force", "end-stop",
+        "sensor-nonlinearity",
     )  # fmt: skip
 
     k2 = amplitude("N/m^2", "quadratic stiffness")
