@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.stats import chi2
 
 from ..campaign.device import Platform
 from ..effects.effect import AbstractEffect
@@ -21,6 +22,7 @@ TIED_SIGNATURE = 0.99  # share of a signature that another effect reproduces, ab
 KNOWN_SIGNATURE = 0.95  # the same for effects that are known to pass for one another
 AS_MUCH = 0.9  # of what the best one explains: an effect that explains less is no rival, however few samples there are
 EXACT_SIGNATURE = 0.9  # the same for effects that no record of a linear device tells apart
+_CHANCE = 0.05  # probability, below which the further numbers of a law that contains another say something
 
 Library = Mapping[str, type[AbstractEffect]]
 
@@ -71,10 +73,10 @@ def tie_set(
     as long as it explains nearly as much, so that a misfit of the laws themselves widens the set. A parameter counts
     what chance gives it, 1, and not the ln n that selects a model: an effect that explains the data with one number
     more is still an explanation. Only a law that contains the best one as a part pays the full price for its other
-    parts. n counts the independent samples in what the best one leaves. Refits replace predictions where there are any;
-    where there are none, an effect whose signature is nearly the same, or is known to pass for the other, stays in.
-    Where noise is small against the misfit, laws of one kind differ by more than noise: a refit within that stays in,
-    unless it needs several numbers more to come as close.
+    parts, and is that one itself where they take no more than chance. n counts the independent samples in what the best
+    one leaves. Refits replace predictions where there are any; where there are none, an effect whose signature is
+    nearly the same, or is known to pass for the other, stays in. Where noise is small against the misfit, laws of one
+    kind differ by more than noise: a refit within that stays in, unless it needs several numbers more to come as close.
 
     **Arguments:** `candidates`: as scored on the same bench; `confirmed`: refits of some of them.
     """
@@ -97,6 +99,8 @@ def tie_set(
         as_simple = both and refits[other.name].model.numbers <= refits[best.name].model.numbers + 1
         near = as_simple and not wider and left - least < shape
         unseen_yet = not both and bench.credible and not wider and alike > enough and _may_catch_up(library[other.name])
+        if wider and both and _is_itself(refits[best.name], refits[other.name], n):
+            continue
         if (behind < VERY_STRONG and as_much) or near or unseen_yet:
             found.append(_tie(best, other, behind, alike, library))
     named = {tie.name for tie in found}
@@ -107,6 +111,12 @@ def tie_set(
         if other.name in exact and other.name not in named and similar:
             found.append(_tie(best, other, float("nan"), 1.0, library))
     return TieSet(best.name, tuple(sorted(found, key=lambda t: (not np.isnan(t.behind), t.behind))))
+
+
+def _is_itself(part: Confirmed, whole: Confirmed, n: float) -> bool:
+    """Whether a law that contains another has become that one: what its further numbers take is no more than chance."""
+    more = whole.model.numbers - part.model.numbers
+    return bool(chi2.sf(n * np.log(part.chi2 / whole.chi2), more) > _CHANCE)
 
 
 def left_after(bench: Bench, candidate: Candidate, refits: Mapping[str, Confirmed]) -> float:

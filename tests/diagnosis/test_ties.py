@@ -7,10 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from experiments.hidden_effects.campaigns import campaign_of
+from experiments.hidden_effects.generator import draw
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.diagnosis.bench import Bench, prepare
+from ident.diagnosis.discover import discover
 from ident.diagnosis.equivalences import EQUIVALENCES, equivalence, what_separates
 from ident.diagnosis.score import Candidate
 from ident.diagnosis.ties import independent_of, tie_set, unseen
@@ -84,6 +87,15 @@ def test_lags_stay_together_on_a_linear_device(bench: Bench, lines: tuple[np.nda
     found = tie_set(disturbed, best, [best, other], LIBRARY)
     assert found.names == ("drive-lag", "sensor-lag")
     assert "second sensor" in found.reasons[0]
+
+
+@pytest.mark.parametrize("hidden", ["electrostriction", "electrostatic-force"])
+def test_a_law_that_contains_another_is_that_one_where_its_further_numbers_say_nothing(hidden: str) -> None:
+    case = draw(9976, (hidden,), size=0.02, noise=0.01, length=1200)
+    campaign = campaign_of(case)
+    library = {name: LIBRARY[name] for name in ("electrostriction", "electrostatic-force", "coulomb-friction")}
+    found = discover(Model(campaign.device), campaign, library)
+    assert [step.tie_set for step in found.steps] == [(hidden,)] and found.verdict == "identified"
 
 
 def test_an_effect_without_a_score_is_reported_as_unseen(bench: Bench, lines: tuple[np.ndarray, np.ndarray]) -> None:

@@ -32,6 +32,7 @@ LIBRARY = {
     "prandtl-ishlinskii",
     "bouc-wen-drive",
     "electrostriction",
+    "electrostatic-force",
     "creep",
     "drive-lag",
     "sensor-nonlinearity",

@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import ident
+from ident.fit.start_score import mostly_starts
 from ident.report.sentences import sentences
 
 W = 2 * np.pi * 180.0
@@ -29,3 +30,11 @@ def test_a_start_in_motion_is_told(before, push, told):
     found = ident.fit(records, effects, device={"kind": "oscillator"}, start="rest", noise="0.05 V")
     assert bool(found.begun_in_motion) is told
     assert any('write start = "unknown"' in sentence.text for sentence in sentences(found)) is told
+    assert mostly_starts(found) is told
+
+
+def test_the_start_of_one_weak_record_is_not_most_of_what_a_model_lacks() -> None:
+    records = {"weak": _record(1.0, 0.013, 0.0, 0), "strong": _record(9.0, 0.0, 0.0, 1)}
+    records["strong"]["response"] = np.tanh(records["strong"]["response"] / 9.0) * 9.0  # its sensor bends
+    found = ident.fit(records, device={"kind": "oscillator"}, start="rest", noise="0.05 V")
+    assert not mostly_starts(found)

@@ -19,6 +19,7 @@ class ElectrostaticForce(AbstractEffect):
     equation = "F = sgn(g) k V² / (1 − z/g)²"
     source = "Senturia, Microsystem Design, 2001, Kluwer, §6.4 (parallel-plate electrostatic actuator)"
     mistaken_for = ("electrostriction", "voltage-stiffness", "quadratic-stiffness")
+    contains = ("electrostriction",)  # a plate so far away that its distance does not show
 
     attraction = amplitude("N/V^2", "force by the squared voltage on the stage at rest, k", one_sided=True)
     gap = shape(
