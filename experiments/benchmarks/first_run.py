@@ -6,14 +6,11 @@ effect has left. CPU seconds are user and system time of the whole process, read
 `--against FOLDER` runs the same commands in another checkout of ident, turn by turn; `--long` adds the same device with
 4 and 16 times as many samples; `--whole` a record of 100,000; `--check` asserts the targets.
 
-Reached, CPU seconds with an empty and with a filled cache: `fit` 7.5 and 5.8 (targets 6 and 2); `discover` 32 and 22
-(20 and 5), with friction 36 and 18 (30 and 10), on a day on which the processor took half as long again as on the one
-before (5.6 and 4.1, 27 and 16, 22 and 12); 100,000 samples 68 and 49 with a filled cache (60). So `--check` fails until
-reading, drawing, the search for suspects and the splines of what is left cost less. Since faults and physics share one
-look, `discover` takes 43 and 17 s, with friction 16 with a filled cache; with memories followed without the tangents
-that nobody asked for, 33 and 19 s, with friction 29 and 13 s, and `fit` 8.1 and 7.1 s, on a loaded machine where the
-state before took 41 and 21, 34 and 14, 10.6 and 8.6 s. Before records came on one tape it took 105
-and 47 s.
+Reached, CPU seconds with an empty and with a filled cache, on a machine that others used: `fit` 4.7 and 3.4 (targets 6
+and 2); `discover` 18.7 and 11.1 (20 and 5), with friction 18.5 and 7.7 (30 and 10), where the state before took 6.0 and
+4.8, 18.7 and 13.0, 17.4 and 9.1 in the same run; 100,000 samples 68 and 49 with a filled cache (60). So `--check` fails
+until imports and figures take less than a second, and until no rival of the true effect has to be compiled. Before
+records came on one tape `discover` took 105 and 47 s.
 """
 
 from __future__ import annotations

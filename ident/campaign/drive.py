@@ -16,13 +16,31 @@ from .record import Trace
 __all__ = ["drive_frequency", "drive_rate", "find_period", "half_step_drive"]
 
 
-@lru_cache(maxsize=1024)  # asked for by every fit
+class _Same:
+    """An array of a record as the key of what is known of it. Hypotheses about a record change its clock or its
+    response; the drive stays the same array, and arrays of records never change."""
+
+    def __init__(self, array: np.ndarray):
+        self.array = array
+
+    def __hash__(self) -> int:
+        return id(self.array)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and self.array is other.array
+
+
 def drive_frequency(record: Trace) -> float:
     """Drive frequency of a record for any waveform, ω = rms(V̇)/rms(V − mean V), rad/s; 0 for a constant drive.
 
     Source: docs/physics.md §5; exact for a sine over whole periods.
     """
-    return drive_rate(record.drive, record.period) / record.step
+    return _known_rate(_Same(record.drive), record.period) / record.step
+
+
+@lru_cache(maxsize=1024)  # asked for by every fit
+def _known_rate(drive: _Same, period: float | None) -> float:
+    return drive_rate(drive.array, period)
 
 
 def drive_rate(drive: np.ndarray, period: float | None = None) -> float:
@@ -53,14 +71,21 @@ def half_step_drive(record: Trace, substeps: int = 1) -> tuple[np.ndarray, np.nd
     Source: C. de Boor, A Practical Guide to Splines, 1978, ch. IV; P. H. C. Eilers, "A perfect smoother",
     Anal. Chem. 75 (2003) 3631, doi:10.1021/ac034173t.
     """
+    voltage, slope = _half_steps(_Same(record.drive), substeps, record.period)
+    return voltage, slope / record.step
+
+
+@lru_cache(maxsize=64)  # as many as `response.lane` keeps
+def _half_steps(drive: _Same, substeps: int, period: float | None) -> tuple[np.ndarray, np.ndarray]:
+    """The drive and its derivative per sample interval on the half-step grid."""
     from scipy.interpolate import CubicSpline  # here, because its import costs more than reading a campaign
 
-    n = len(record.drive)
-    index = np.arange(n, dtype=float)
+    samples, n = drive.array, len(drive.array)
     grid = np.arange(2 * (n - 1) * substeps + 1) / (2 * substeps)
-    voltage = CubicSpline(index, record.drive, bc_type="not-a-knot")(grid)
-    voltage[:: 2 * substeps] = record.drive
-    return voltage, _slope(record.drive, substeps, record.period) / record.step
+    voltage = CubicSpline(np.arange(n, dtype=float), samples, bc_type="not-a-knot")(grid)
+    voltage[:: 2 * substeps] = samples
+    voltage.flags.writeable = False  # it is handed to whoever asks
+    return voltage, _slope(samples, substeps, period)
 
 
 def _slope(drive: np.ndarray, substeps: int, period: float | None) -> np.ndarray:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,6 +31,7 @@ _DELAYS = (-10, -6, -4, -2.5, -1.5, -0.7, 0, 0.7, 1.5, 2.5, 4, 6, 10)  # samples
 _TRIED = 3  # explanations of a record that are fitted together with the others, the best first
 _ROUNDS = 3  # of the fault's number and the device's in turn
 _BETTER = 0.99  # of the error: less is not worth another round
+_LITTLE = 2.0
 _STEPS = 40
 _FEW = 4  # from a neighbouring delay: enough to tell which one is near
 OF_FREQUENCY = "% of frequency"
@@ -102,12 +104,29 @@ def likeliest(fitted: Fit, records: Sequence[int], allowed: Callable[[Fault], bo
     return found
 
 
-def faults_of(fitted: Fit, i: int, rest: Rest) -> list[Fault]:
-    """Ways in which one record may be faulty, each fitted together with the other records."""
+@lru_cache(maxsize=8)  # first whether the record can be described at all, then what is wrong with it
+def own_device(fitted: Fit, i: int) -> Minimum | None:
+    """A device of its own for one record: another load, or another device."""
+    return _minimum(fitted.model, _only(fitted.campaign, fitted.campaign.traces[i]), None)
+
+
+def reach(fitted: Fit, record: Trace, *known: Minimum | None) -> float:
+    """Error over noise below which no device that all records share brings a record, read so: that of a device of its
+    own. `known`: such ones; another is looked for from where the fit is."""
+    only = _only(fitted.campaign, record)
+    found = (*known, _minimum(fitted.model, only, fitted.values))
+    return min((residual_of(one, only)[1] for one in found if one is not None), default=np.inf)
+
+
+def faults_of(fitted: Fit, i: int, rest: Rest, floor: float = np.inf) -> list[Fault]:
+    """Ways in which one record may be faulty, each fitted together with the other records; those only that may bring it
+    to an error over noise of `floor`."""
     model, campaign, record = fitted.model, fitted.campaign, fitted.campaign.traces[i]
-    own = _minimum(model, _only(campaign, record), None)  # a device of its own: another load, or another device
+    own = own_device(fitted, i)
     ratio = 1.0 if own is None else float(own.values[FREQUENCY]) / float(rest.values[FREQUENCY])
     tried = explanations(model, rest.values, campaign.traces, i, (*_SCALES, ratio))[:_TRIED]
+    if floor < np.inf:  # its number is found anew beside the device, and may then say a little more
+        tried = [told for told in tried if told.corrected and reach(fitted, told.corrected) <= _LITTLE * floor]
     found = [fault for told in tried if (fault := _together(fitted, i, told, rest.values)) is not None]
     if own is not None:
         apart, at_own = residual_of(own, _only(campaign, record))

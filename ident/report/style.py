@@ -39,11 +39,12 @@ _AXES: dict[Any, Any] = {
 
 def new_figure(width: float, height: float) -> Figure:
     """An empty figure (inches), without pyplot and its global state."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    from .canvas import Canvas
+
     figure = Figure((width, height), dpi=DPI, facecolor="white")
-    FigureCanvasAgg(figure)
+    Canvas(figure)
     return figure
 
 
@@ -86,25 +87,24 @@ def key(figure: Figure, right: float, y: float, *entries: tuple[str, str]) -> No
 
 def png(figure: Figure) -> bytes:
     """The figure as PNG."""
-    return _saved(figure, format="png", dpi=DPI, pil_kwargs={"compress_level": 2})
+    from .canvas import Canvas
+
+    canvas = figure.canvas
+    assert isinstance(canvas, Canvas), "made by new_figure"
+    return canvas.as_png()
 
 
 def vector(figure: Figure, format: str) -> bytes:
     """The figure as "svg" or "pdf", the same bytes whenever it is drawn; text in a PDF stays text, as journals ask."""
     from matplotlib import rc_context
+    from matplotlib.text import Text
 
     date = "Date" if format == "svg" else "CreationDate"
     with rc_context({"pdf.fonttype": 42, "svg.hashsalt": "ident"}):
-        return _saved(figure, format=format, metadata={date: None})
-
-
-def _saved(figure: Figure, **how: Any) -> bytes:
-    from matplotlib.text import Text
-
-    for text in figure.findobj(Text):
-        text.set_parse_math(False)  # type: ignore[attr-defined]  # "$" is a sign in names of files, not a formula
-    buffer = io.BytesIO()
-    figure.savefig(buffer, **how)
+        for text in figure.findobj(Text):
+            text.set_parse_math(False)  # type: ignore[attr-defined]  # "$" is a sign in names of files, not a formula
+        buffer = io.BytesIO()
+        figure.savefig(buffer, format=format, metadata={date: None})
     return buffer.getvalue()
 
 

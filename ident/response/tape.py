@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-import jax
 import numpy as np
 
 from .lane import Lane, Numbers
@@ -76,7 +75,8 @@ class Tape:
 
     @cached_property
     def chunks(self) -> tuple[Chunk, ...]:
-        """The drives, on the device."""
+        """The drives; in NumPy, for a march takes them as soon as from the device, and putting them there takes longer
+        than one of a record."""
         voltage = self.windows([lane.voltage for lane in self.lanes])
         rate = self.windows([lane.rate for lane in self.lanes])
         shape = (len(voltage) * BLOCKS,)
@@ -92,7 +92,7 @@ class Tape:
         for c, (v, r) in enumerate(zip(voltage, rate, strict=True)):
             part = {name: x[c * BLOCKS : (c + 1) * BLOCKS] for name, x in told.items()}
             found.append(Chunk(v, r, **part, count=np.int32(min(last - c * BLOCKS, BLOCKS))))
-        return tuple(jax.device_put(chunk) for chunk in found)
+        return tuple(found)
 
     def windows(self, grids: Sequence[np.ndarray]) -> list[np.ndarray]:
         """Half-step grids of the records, (points, …) each, as what each block sees, (BLOCKS, 2 BLOCK + 1, …) a chunk;

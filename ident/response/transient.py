@@ -156,14 +156,11 @@ def march(
     **Returns:** the carry; at the beginning of each step readings, z and v, (BLOCKS, BLOCK), and slopes, (BLOCKS,
     BLOCK, d) or None.
     """
-    import equinox as eqx  # here, because whoever has the compiled program needs none of it
-
     parts, histories = slices(equation), equation.histories
     whole = assemble(equation, constants, values)
-    fixed = eqx.filter(whole.numbers, eqx.is_inexact_array, inverse=True)
-    changing = lambda values: eqx.filter(assemble(equation, constants, values).numbers, eqx.is_inexact_array)
+    changing = lambda values: _changing(assemble(equation, constants, values).numbers)
     numbers, along = tangents(changing, (values,), (directions,))
-    system_of = lambda numbers: whole.with_numbers(eqx.combine(numbers, fixed))
+    system_of = lambda numbers: whole.with_numbers(_completed(numbers, whole.numbers))
 
     def one_block(k: Any, state: tuple) -> tuple:
         y, dy, memories, *out = state
@@ -205,6 +202,20 @@ def march(
     out = (plain, plain, plain, wide)
     y, dy, memories, *out = lax.fori_loop(0, chunk.count, one_block, (*carry, *out))
     return ((y, dy, memories), *out)
+
+
+def _changing(tree: Any) -> Any:
+    """The real arrays of a tree, None in the place of all else.
+
+    As `equinox.filter`, the import of which took longer than tracing a march.
+    """
+    real = lambda x: isinstance(x, (np.ndarray, np.generic, jax.Array)) and jnp.issubdtype(x.dtype, jnp.inexact)
+    return jax.tree.map(lambda x: x if real(x) else None, tree)
+
+
+def _completed(tree: Any, whole: Any) -> Any:
+    """A tree of `_changing`, with what it lacks from the whole one."""
+    return jax.tree.map(lambda own, other: other if own is None else own, tree, whole, is_leaf=lambda x: x is None)
 
 
 def _before(
