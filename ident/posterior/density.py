@@ -23,8 +23,8 @@ from ..campaign.record import Trace
 from ..errors import UserError
 from ..fit.assemble import assemble, begin
 from ..fit.coordinates import to_coordinates, to_values
+from ..fit.fit_starts import fit_starts
 from ..fit.problem import Data, Static, Unknowns, evaluate
-from ..fit.reading import fit_starts
 from ..fit.result import Fit
 from ..model import QUALITY
 from ..response import lay_out, respond_many
