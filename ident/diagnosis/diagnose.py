@@ -135,7 +135,7 @@ def diagnose(
     suspects = judged_again(suspects, found.final, report)
     if found.verdict == "identified" and any(one.kind in BY_OTHERS for one in suspects):
         found = replace(found, verdict="ambiguous")
-    if found.verdict == "not-in-library" and found.final.begun_in_motion:
+    if found.verdict == "not-in-library" and found.final.begun_otherwise:
         found = replace(found, verdict="ambiguous", lacking=0.0)  # what is left may be no physics at all
     answer = partial(Diagnosis, found, where, unseen=unseen(bench, found.ranking, library), suspects=suspects)
     if not fitted.campaign.fitted:

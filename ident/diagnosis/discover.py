@@ -114,7 +114,7 @@ def _starts_say_more(before: Fit, after: Fit) -> bool:
     """Whether starts in motion, where rest is claimed, take more of what a model leaves than effects did: that is no
     physics."""
     excess = {s.name: s.n * (s.error_over_noise**2 - 1) for s in before.scores}
-    starts = sum(share * excess[name] for name, share in before.begun_in_motion)
+    starts = sum(share * excess[name] for name, share in before.begun_otherwise)
     return starts > before.fitted.chi2 - after.fitted.chi2
 
 

@@ -27,9 +27,9 @@ def start_rows(fit: Fit) -> np.ndarray:
     return np.where(np.isfinite(moved), moved, 0.0)
 
 
-def begun_in_motion(fit: Fit) -> list[tuple[str, float]]:
-    """Records that are said to begin at rest, and the share of their misfit beyond noise that the motion of another
-    displacement and velocity at the first sample takes, where that is the greater part.
+def begun_otherwise(fit: Fit) -> list[tuple[str, float]]:
+    """Records that are said to begin at rest, or steady, and the share of their misfit beyond noise that the motion of
+    another displacement and velocity at the first sample takes, where that is the greater part.
 
     The score statistic of two numbers a record, beside the parameters of the model: r ≈ J dx + K ds with the readings'
     derivatives J by the fitted parameters and K by the start. A hint and no proof: a force that sets in with the record
@@ -37,7 +37,7 @@ def begun_in_motion(fit: Fit) -> list[tuple[str, float]]:
     """
     static, data, _, found = fit.solved
     records = fit.campaign.fitted
-    claimed = [k for k, record in enumerate(records) if record.start == "rest"]
+    claimed = [k for k, unknown in enumerate(np.any(data.start_scale, axis=1)) if not unknown]
     if not claimed:
         return []
     begin = found.starts

@@ -8,7 +8,7 @@ Newton's method leads from the initial state that fits the record best.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -17,7 +17,7 @@ import numpy as np
 from ..campaign.record import Trace
 from ..response import Equation, Tape
 from ..response.lane import lane_of
-from ..response.orbit import Orbit, find_orbit, prelude_of
+from ..response.orbit import Orbit, find_orbit, find_orbits, prelude_of
 
 _KEPT = 24  # orbits that are remembered of each record: those of a search
 
@@ -55,10 +55,8 @@ class Steady:
         same = not len(directions) or np.array_equal(known.directions, directions)
         if same and np.array_equal(known.values, values):
             return known.orbit
-        # Where a slope leads far, the orbit is somewhere else by then.
-        step = moves[nearest]
-        step = step / max(float(np.max(np.abs(step / self.unit))), 1.0)
-        found = find_orbit(equation, self.prelude, values, directions, known.orbit.start + step, self.unit, width)
+        guess = known.orbit.start + _at_most(moves[nearest], self.unit)
+        found = find_orbit(equation, self.prelude, values, directions, guess, self.unit, width)
         if found.found:
             if not len(self.known[0].directions):  # an orbit without slopes does not tell where it goes
                 self.known.clear()
@@ -66,10 +64,46 @@ class Steady:
             del self.known[1:-_KEPT]
         return found
 
+    def many(self, equation: Equation, values: np.ndarray) -> np.ndarray:
+        """Starts (k, s) of its orbits at k sets of values (k, m), from the first that was found alone; NaN where none
+        was."""
+        first = self.known[0]
+        guesses = np.array([first.orbit.start + _at_most(first.move_to(one), self.unit) for one in values])
+        starts, found = find_orbits(equation, self.prelude, values, guesses, first.orbit, self.unit)
+        nothing = np.zeros((0, values.shape[1]))
+        for k in np.flatnonzero(~found):  # the derivatives are others there
+            alone = find_orbit(equation, self.prelude, values[k], nothing, guesses[k], self.unit)
+            starts[k] = alone.start if alone.found else np.nan
+        return starts
+
+    def mirrored(self, record: Trace, substeps: int) -> Steady:
+        """That of the record with its drive turned round, as physics has it that are symmetric."""
+        first = self.known[0]
+        turned = first.orbit._replace(start=-first.orbit.start, slopes=-first.orbit.slopes)
+        return replace(self, prelude=_prelude(record, substeps), known=[first._replace(orbit=turned)])
+
+
+def _at_most(step: np.ndarray, unit: np.ndarray) -> np.ndarray:
+    """A step of a start, no longer than its unit: where a slope leads far, the orbit is somewhere else by then."""
+    return step / max(float(np.max(np.abs(step / unit))), 1.0)
+
 
 def repeats(record: Trace, equation: Equation) -> bool:
     """Whether a record is steady, with a drive and a model that come back to where they were."""
-    return record.start == "steady" and record.period is not None and record.driven and equation.timeless
+    return record.start == "steady" and _repeated(record) and equation.timeless
+
+
+def _repeated(record: Trace) -> bool:
+    return record.period is not None and record.driven
+
+
+def no_orbit(record: Trace, equation: Equation) -> str:
+    """Why a record that is called steady is on no periodic orbit."""
+    if not _repeated(record):
+        return "its drive does not repeat itself"
+    if not equation.timeless:
+        return "the model changes with time"
+    return "no stable periodic motion of the model was found for it"
 
 
 @lru_cache(maxsize=64)  # hypotheses about one record ask for it again

@@ -16,10 +16,12 @@ import math
 from functools import lru_cache
 from typing import Any, NamedTuple
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 
 from ..programs import program
+from .ensemble import march_many
 from .lane import Lane, Numbers
 from .memory import shaping
 from .steady_memory import STUCK
@@ -31,6 +33,11 @@ _CLOSE = 1e-4  # of the unit of a state: the last step of Newton's method, which
 _ROUNDS = 12  # of Newton's method, before the motion is left to itself for a while
 _LEFT = (0, 30, 150)  # periods that it is then left to itself: it comes nearer to where it settles
 _LEAST = 1 / 16  # of a step
+_BOUND = (
+    1e3 / STUCK
+)  # of a squared slope of the period map: beyond, rounding hides what is stuck; a motion without bound
+_CHORDS = 12  # steps of the chord method
+_CHORD_CLOSE = 1e-6  # of the unit of a state: its last step, which leaves a small part of itself
 _STABLE = 1e-3  # by which a multiplier may lie outside the unit circle: that of a play that is stuck lies on it
 
 
@@ -38,12 +45,13 @@ class Orbit(NamedTuple):
     """A periodic orbit.
 
     **Arguments:** `start`, (s,) as `respond` takes it; `slopes`, (d, s) its derivatives along directions of the values;
-    `found`, whether Newton's method came to its end; `multiplier`, the largest modulus of the period map's: below one
-    where the orbit is stable.
+    `answer`, (s, s) the step of Newton's method by what a period misses; `found`, whether the method came to its end;
+    `multiplier`, the largest modulus of the period map's: below one where the orbit is stable.
     """
 
     start: np.ndarray
     slopes: np.ndarray
+    answer: np.ndarray
     found: bool
     multiplier: float
 
@@ -93,30 +101,73 @@ def find_orbit(
     along[:d], kicks[d:] = directions, np.diag(unit)
     width = fitting_width(max(d + n, width))
     base, by_base = _fresh(equation, prelude.lanes[0], values, along, width)
-    start, nearest = np.array(guess, float), None
+    start = np.array(guess, float)
     for left in _LEFT:
         for _ in range(left):
             start = _end(equation, prelude, values, start, along[:0], kicks[:0], width)[0] - base
-        before, share, moved = np.inf, 1.0, np.inf
+        before, share = np.inf, 1.0
         for _ in range(_ROUNDS):
             end, slopes = _end(equation, prelude, values, start, along, kicks, width)
             miss, once = (end - base - start) / unit, slopes[d:].T / unit[:, None]
-            if not (np.all(np.isfinite(miss)) and np.all(np.isfinite(slopes))):
-                break
             away = np.eye(n) - once
-            answer = np.linalg.solve(away.T @ away + STUCK * np.eye(n), away.T)
+            square = away.T @ away
+            if not (np.all(np.isfinite(miss)) and np.all(np.isfinite(slopes)) and np.all(np.abs(square) < _BOUND)):
+                break
+            answer = np.linalg.solve(square + STUCK * np.eye(n), away.T)
             step, now = answer @ miss, float(np.max(np.abs(miss)))
             # At the kink of a play full steps may lead to and fro for ever.
             share = float(np.clip(0.5 * share if now > before else 2.0 * share, _LEAST, 1.0))
-            before, moved = now, float(np.max(np.abs(step)))
-            close = moved < _CLOSE
+            before, close = now, float(np.max(np.abs(step))) < _CLOSE
             start = start + (1.0 if close else share) * step * unit
-            nearest = (slopes[:d] - by_base[:d]) / unit @ answer.T * unit, once
             if close:
-                return Orbit(start, nearest[0], True, float(np.max(np.abs(np.linalg.eigvals(once)))))
+                answer = unit[:, None] * answer / unit
+                largest = float(np.max(np.abs(np.linalg.eigvals(once))))
+                return Orbit(start, (slopes[:d] - by_base[:d]) @ answer.T, answer, True, largest)
         if not np.all(np.isfinite(start)):
             start = np.zeros(n)
-    return Orbit(np.array(guess, float), np.zeros((d, n)), False, np.inf)
+    return Orbit(np.array(guess, float), np.zeros((d, n)), np.zeros((n, n)), False, np.inf)
+
+
+@np.errstate(over="ignore", invalid="ignore")  # a motion without bound has no orbit
+def find_orbits(
+    equation: Equation, prelude: Tape, values: np.ndarray, guesses: np.ndarray, near: Orbit, unit: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The starts of the orbits at k sets of values (k, m), from guesses (k, s), and which were found, (k,).
+
+    By the chord method: all steps are taken with the derivatives of one orbit that is `near`, and none is computed.
+    """
+    starts = np.array(guesses, float)
+    base = np.zeros_like(starts)
+    if starts.shape[1] > 2:
+        base[:, 2:] = fresh_many(equation, equation.constants, values, _seen(prelude.lanes[0]))
+    found = np.zeros(len(starts), bool)
+    for _ in range(_CHORDS):
+        step = (_ends(equation, prelude, values, starts) - base - starts) @ near.answer.T
+        starts += np.where(found[:, None], 0.0, step)
+        found |= np.max(np.abs(step / unit), axis=1) < _CHORD_CLOSE
+        if np.all(found | ~np.isfinite(starts).all(axis=1)):
+            break
+    return starts, found
+
+
+def _ends(equation: Equation, tape: Tape, values: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """The states (k, s) at the end of a tape with one record, which it fills, at k sets of values."""
+    k, known = starts.shape
+    carry = jax.tree.map(lambda x: np.broadcast_to(x, (k, *x.shape)).copy(), rest(equation, None, known > 2))
+    begin = np.broadcast_to(starts[:, None], (k, BLOCKS, known))
+    for chunk in tape.chunks:
+        carry, _ = march_many(equation, equation.constants, values, begin, carry, chunk)
+    y, _, memories = carry
+    ends, moving, remembered = np.zeros_like(starts), 2, iter(memories)
+    ends[:, :2] = np.array(y[:2]).T
+    for own, before in zip(equation.histories, equation.follow_drive, strict=True):
+        if before:
+            ends[:, own] = np.asarray(next(remembered)[0])
+        else:
+            stop = moving + own.stop - own.start
+            ends[:, own] = np.array(y[moving:stop]).reshape(stop - moving, k).T
+            moving = stop
+    return ends
 
 
 def _end(
@@ -147,7 +198,7 @@ def _fresh(
     base, slopes = np.zeros(known), np.zeros((len(along), known))
     if known == 2:
         return base, slopes
-    drive = np.array([lane.voltage[0], lane.rate[0], lane.omega, lane.moving, lane.order])
+    drive = _seen(lane)
     for first in range(0, max(len(along), 1), width):
         rows = along[first : first + width]
         some = np.pad(rows, ((0, width - len(rows)), (0, 0)))
@@ -156,17 +207,27 @@ def _fresh(
     return base, slopes
 
 
+def _seen(lane: Lane) -> np.ndarray:
+    """V, V̇, ω, whether the record begins in motion, and the order of what is measured, at the first sample."""
+    return np.array([lane.voltage[0], lane.rate[0], lane.omega, lane.moving, lane.order])
+
+
 @program
 def fresh(equation: Equation, constants: Numbers, values: Numbers, directions: Numbers, drive: Numbers) -> tuple:
-    """Hidden states of all effects in a record that begins with the drive, (h,), and their derivatives (d, h); `drive`:
-    V, V̇, ω, whether the record begins in motion, and the order of what is measured."""
+    """Hidden states of all effects in a record that begins with the drive, (h,), and their derivatives (d, h)."""
+    return tangents(lambda values: _begun(equation, constants, values, drive), (values,), (directions,))
 
-    def ahead(values: Any) -> Any:
-        system = assemble(equation, constants, values)
-        seen = system._replace(omega=drive[2], moving=drive[3], order=drive[4]).drive(drive[0], drive[1])
-        return jnp.stack([jnp.asarray(h, float) for effect in system.effects for h in effect.begun(seen)])
 
-    return tangents(ahead, (values,), (directions,))
+@program
+def fresh_many(equation: Equation, constants: Numbers, values: Numbers, drive: Numbers) -> Any:
+    """The same at many sets of values, (k, h)."""
+    return jax.vmap(lambda values: _begun(equation, constants, values, drive))(values)
+
+
+def _begun(equation: Equation, constants: Numbers, values: Any, drive: Numbers) -> Any:
+    system = assemble(equation, constants, values)
+    seen = system._replace(omega=drive[2], moving=drive[3], order=drive[4]).drive(drive[0], drive[1])
+    return jnp.stack([jnp.asarray(h, float) for effect in system.effects for h in effect.begun(seen)])
 
 
 def _said(equation: Equation, carry: tuple, directions: np.ndarray, kick: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
