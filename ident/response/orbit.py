@@ -33,9 +33,6 @@ _CLOSE = 1e-4  # of the unit of a state: the last step of Newton's method, which
 _ROUNDS = 12  # of Newton's method, before the motion is left to itself for a while
 _LEFT = (0, 30, 150)  # periods that it is then left to itself: it comes nearer to where it settles
 _LEAST = 1 / 16  # of a step
-_BOUND = (
-    1e3 / STUCK
-)  # of a squared slope of the period map: beyond, rounding hides what is stuck; a motion without bound
 _CHORDS = 12  # steps of the chord method
 _CHORD_CLOSE = 1e-6  # of the unit of a state: its last step, which leaves a small part of itself
 _STABLE = 1e-3  # by which a multiplier may lie outside the unit circle: that of a play that is stuck lies on it
@@ -109,11 +106,9 @@ def find_orbit(
         for _ in range(_ROUNDS):
             end, slopes = _end(equation, prelude, values, start, along, kicks, width)
             miss, once = (end - base - start) / unit, slopes[d:].T / unit[:, None]
-            away = np.eye(n) - once
-            square = away.T @ away
-            if not (np.all(np.isfinite(miss)) and np.all(np.isfinite(slopes)) and np.all(np.abs(square) < _BOUND)):
+            answer = _answer(np.eye(n) - once)
+            if answer is None or not (np.all(np.isfinite(miss)) and np.all(np.isfinite(slopes))):
                 break
-            answer = np.linalg.solve(square + STUCK * np.eye(n), away.T)
             step, now = answer @ miss, float(np.max(np.abs(miss)))
             # At the kink of a play full steps may lead to and fro for ever.
             share = float(np.clip(0.5 * share if now > before else 2.0 * share, _LEAST, 1.0))
@@ -168,6 +163,18 @@ def _ends(equation: Equation, tape: Tape, values: np.ndarray, starts: np.ndarray
             ends[:, own] = np.array(y[moving:stop]).reshape(stop - moving, k).T
             moving = stop
     return ends
+
+
+def _answer(away: np.ndarray) -> np.ndarray | None:
+    """Newton's steps (n, n) by what a period misses, which leave alone what is stuck; None where a motion without bound
+    leaves no equations."""
+    square = away.T @ away + STUCK * np.eye(len(away))
+    if not np.all(np.isfinite(square)):
+        return None
+    try:
+        return np.linalg.solve(square, away.T)
+    except np.linalg.LinAlgError:
+        return None
 
 
 def _end(
