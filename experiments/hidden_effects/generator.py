@@ -22,6 +22,8 @@ from .linear import Sampled, misfit
 SAMPLES_PER_PERIOD = 80  # of the natural frequency
 SUBSTEPS = 8
 NoiseKind = Literal["white", "ar", "hum"]
+Starts = Literal["rest", "mixed", "steady"]
+SETTLED = 5.0  # times the quality, in periods: of the switching-on 2e-7 is left then
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,7 @@ class Plan:
     t: np.ndarray
     lead: int  # samples before the first one kept: the record starts in the middle of a motion
     holdout: bool
+    steady: bool = False  # whether nothing is left of the switching-on by then
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +85,7 @@ class Made:
     response: np.ndarray
     clean: np.ndarray
     sigma: float
-    start: Literal["rest", "unknown"]
+    start: Literal["rest", "steady", "unknown"]
     holdout: bool
 
 
@@ -96,7 +99,7 @@ class Case:
     truth: dict[str, object]
 
 
-def plan_records(rng: np.random.Generator, device: Device, records: int, mixed: bool, length: int) -> list[Plan]:
+def plan_records(rng: np.random.Generator, device: Device, records: int, starts: Starts, length: int) -> list[Plan]:
     f0, full = device.frequency, device.volts
     dt = 1 / (SAMPLES_PER_PERIOD * f0)
     # From well below to above resonance, weak and strong, so that no law can hide behind another's frequency or level.
@@ -120,8 +123,12 @@ def plan_records(rng: np.random.Generator, device: Device, records: int, mixed: 
     ]
     plans = []
     for name, drive, holdout in drives:
-        lead = int(rng.integers(80, 800)) if mixed and isinstance(drive, type(flat)) and rng.random() < 0.5 else 0
-        plans.append(Plan(name, drive, (np.arange(length + lead) - lead) * dt, lead, holdout))
+        periodic = isinstance(drive, type(flat))
+        lead = int(rng.integers(80, 800)) if starts == "mixed" and periodic and rng.random() < 0.5 else 0
+        settled = starts == "steady" and periodic
+        if settled:
+            lead = int(SETTLED * device.quality * SAMPLES_PER_PERIOD + rng.integers(0, SAMPLES_PER_PERIOD))
+        plans.append(Plan(name, drive, (np.arange(length + lead) - lead) * dt, lead, holdout, settled))
     return plans
 
 
@@ -191,7 +198,7 @@ def draw(
     noise_kind: NoiseKind = "white",
     drive_noise: float = 0.0,
     device: Literal["platform", "oscillator"] = "platform",
-    starts: Literal["rest", "mixed"] = "rest",
+    starts: Starts = "rest",
     detail: Literal["own", "plain"] = "own",
     records: int = 6,
     length: int = 1600,
@@ -205,7 +212,8 @@ def draw(
     - `size`: misfit that each effect alone gives the best linear oscillator, as a fraction of the rms signal.
     - `noise`: noise as a fraction of each record's rms signal; `noise_kind`: white, autoregressive (0.9), or mains hum.
     - `drive_noise`: white noise of the drive column as a fraction of the largest drive.
-    - `starts`: all records from rest, or about half cut out of a running motion ("unknown").
+    - `starts`: all records from rest, or about half cut out of a running motion ("unknown"), or all of a periodic drive
+      cut out of a motion that has settled.
     - `detail`: force laws of the study's own, or those of the textbook.
     - `records`: fitted sines (at least 4); `length`: samples in each, at 80 per natural period.
     - `shapes`: fixed shape numbers of an effect instead of drawn ones.
@@ -214,7 +222,7 @@ def draw(
         raise ValueError("Stressed beams belong to a platform.")
     rng = np.random.default_rng([seed, 7])
     thing = _device(rng, device, length)
-    plans = plan_records(rng, thing, records, starts == "mixed", length)
+    plans = plan_records(rng, thing, records, starts, length)
     c, s = np.zeros(len(LAWS)), np.zeros((len(LAWS), 3))
     linear = max(np.max(np.abs(respond(p, thing, c, s, 2)[1])) for p in plans if not p.holdout)
     thing = replace(thing, gain=1 / linear)
@@ -253,7 +261,8 @@ def _measure(
     else:
         error = noises.hum(rng, t, sigma, mains=50.0 if device.kind == "platform" else 0.1 * device.frequency)
     drive = plan.drive.value(t) + noises.white(rng, n, drive_noise * device.volts)
-    return Made(plan.name, t, drive, clean + error, clean, sigma, "unknown" if plan.lead else "rest", plan.holdout)
+    start = "steady" if plan.steady else "unknown" if plan.lead else "rest"
+    return Made(plan.name, t, drive, clean + error, clean, sigma, start, plan.holdout)
 
 
 def hidden_in(case: Case) -> tuple[np.ndarray, np.ndarray]:

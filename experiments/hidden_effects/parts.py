@@ -24,11 +24,11 @@ from ident.fit import Fit
 from ident.model import Model
 
 from .campaigns import campaign_of, poor_case, rounded, sigma_ratios
-from .generator import Case, NoiseKind, draw, measure_again
-from .laws import LAWS
+from .generator import Case, NoiseKind, Starts, draw, measure_again
+from .laws import INDEX, LAWS
 from .mimics import left_by
 
-Part = Literal["single", "pairs", "nulls", "outside", "poor", "cut"]
+Part = Literal["single", "pairs", "nulls", "outside", "poor", "cut", "steady"]
 
 INSIDE = tuple(law.name for law in LAWS if law.in_library)
 OUTSIDE = tuple(law.name for law in LAWS if not law.in_library)
@@ -53,7 +53,7 @@ class Task:
     size: float
     noise: float
     noise_kind: NoiseKind = "white"
-    starts: Literal["rest", "mixed"] = "rest"
+    starts: Starts = "rest"
 
     @property
     def key(self) -> str:
@@ -116,9 +116,16 @@ def _cut(seeds: Sequence[int], effects: Any, levels: Any) -> Iterator[Task]:
         yield Task("cut", seed, (name,), size, noise, starts="mixed")
 
 
+def _steady(seeds: Sequence[int], effects: Any, levels: Any) -> Iterator[Task]:
+    """Effects that stand still, and none, in records of which the switching-on has died away."""
+    still = [name for name in INSIDE if "t" not in LAWS[INDEX[name]].coordinates]
+    for seed, (size, noise), name in itertools.product(seeds, levels or ((0.02, 0.003),), effects or [*still, ""]):
+        yield Task("steady", seed, (name,) if name else (), size, noise, starts="steady")
+
+
 _MAKERS: dict[Part, Callable[..., Iterator[Task]]] = {
     "single": _single, "pairs": _pairs, "nulls": _nulls, "outside": _outside, "poor": _poor,
-    "cut": _cut,
+    "cut": _cut, "steady": _steady,
 }  # fmt: skip
 
 

@@ -38,6 +38,7 @@ PARTS: dict[Part, range] = {
     "outside": range(5000, 5005),
     "poor": range(5000, 5002),
     "cut": range(5000, 5002),
+    "steady": range(5000, 5002),
 }
 """Parts and the seeds of the report."""
 

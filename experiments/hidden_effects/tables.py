@@ -243,6 +243,7 @@ def _list(rows: Sequence[Row], fine: Callable[[Row], bool]) -> None:
 _SHOWN: dict[str, Callable[[Sequence[Row]], None]] = {
     "single": _single, "pairs": _pairs, "nulls": _nulls, "outside": _outside, "poor": _poor,
     "cut": _single,
+    "steady": _single,
 }  # fmt: skip
 
 Target = tuple[str, float, str, float]

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..effects.effect import AbstractEffect
 from ..fit import Fit
+from ..fit.start_score import start_rows
 from ..model import FREQUENCY, QUALITY, Model
 from ..response import Equation
 from .balance import balanced, samples_of
@@ -169,9 +170,10 @@ def prepare(fit: Fit, believed: bool = False) -> Bench:
     scene = lay_out(fit)
     records = fit.campaign.fitted
     solved = scene.solved
-    pieces = []
+    pieces, by_start = [], start_rows(fit)
     for record, own in zip(records, scene.tape.slices, strict=True):
-        rows = solved.found.by_start[:, own] if record.start != "rest" else None
+        # A steady start moves with every parameter and every candidate: what it may do is left to none of them.
+        rows = by_start[:, own] if record.start != "rest" else None
         pieces.append(make_piece(record, rows))
     lengths = [len(r.time) - r.skip for r in records]
     white = [whiten(piece, r[None])[0] for piece, r in zip(pieces, scene.residuals, strict=True)]

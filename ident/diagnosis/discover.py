@@ -79,7 +79,7 @@ def continue_from(
         more, bench = found
         if _starts_say_more(current, more[-1].fit):
             names = " and ".join(step.added for step in more)
-            report(f"a start in motion says more than {names}: do the records begin at rest?")
+            report(f"another start says more than {names}: do the records begin as the campaign says?")
             break
         for step in more:
             steps.append(step)
@@ -112,7 +112,7 @@ def continue_from(
 
 
 def _starts_say_more(before: Fit, after: Fit) -> bool:
-    """Whether starts in motion, where rest is claimed, take more of what a model leaves than effects did: that is no
+    """Whether other starts than are claimed take more of what a model leaves than effects did: that is no
     physics."""
     return taken_by_starts(before) > before.fitted.chi2 - after.fitted.chi2
 

@@ -64,7 +64,7 @@ class Scene:
     def histories(self) -> np.ndarray:
         """What the fit says that came before the records: additions to the hidden states of its model, (records, h)."""
         solved = self.solved
-        found = (solved.unknowns.starts * solved.data.start_scale)[:, 2:]
+        found = solved.found.starts[:, 2:]
         return found if found.shape[1] else np.zeros((len(found), len(solved.static.equation.history_units)))
 
     @cached_property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Literal
 
 from .effect import AbstractEffect, Drive, State
@@ -29,6 +30,25 @@ def _works_without(effect: AbstractEffect, side: Side, missing: str) -> bool:
             effect.drive((), drive, t)
         else:
             getattr(effect, side)(State(z, v), drive, t)
+    except (TypeError, ValueError, AttributeError, ArithmeticError):
+        return False
+    return True
+
+
+def runs_by_a_clock(effect: AbstractEffect) -> bool:
+    """Whether an effect changes with the time since the first sample, its memory included."""
+    state, drive = State(1e-6, 1e-6, effect.state0()), Drive(1e-6, 1e-6, 1.0, 1.0)
+    asked = [lambda t: effect.drive(state.hidden, drive, t)] if effect.overrides("drive") else []
+    asked += [lambda t, law=law: getattr(effect, law)(state, drive, t) for law in ("force", "sensor") if
+              effect.overrides(law)]  # fmt: skip
+    if effect.state0() and not effect.overrides("follow"):
+        asked.append(lambda t: effect.rate(state, drive, t))
+    return any(_answers(law, 0.0) and not _answers(law, None) for law in asked)
+
+
+def _answers(law: Callable[[float | None], object], t: float | None) -> bool:
+    try:
+        law(t)
     except (TypeError, ValueError, AttributeError, ArithmeticError):
         return False
     return True

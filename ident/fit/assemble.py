@@ -44,7 +44,7 @@ def assemble(
     data = Data(
         tape,
         np.concatenate([np.zeros(0), *(record.response for record in records)]),
-        np.concatenate([np.zeros(0), *(_weight(record, frequency) for record in records)]),
+        np.concatenate([np.zeros(0), *(weight_of(record, frequency) for record in records)]),
         np.array([start_scale(record, frequency, histories) for record in records]).reshape(-1, 2 + len(histories)),
         values,
         bounds[:, 0],
@@ -60,7 +60,7 @@ def assemble(
     return static, at_values(data, static, values)
 
 
-def _weight(record: Trace, frequency: float) -> np.ndarray:
+def weight_of(record: Trace, frequency: float) -> np.ndarray:
     """1/σ of the samples that count, (n,).
 
     Of skipped ones the first hold the initial state: without them nothing does, and a start that is free runs away to

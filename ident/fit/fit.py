@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -19,11 +19,13 @@ from . import solve
 from .assemble import assemble, at_values, begin
 from .curves import lay_curves
 from .finish import Minimum, finish
+from .fit_starts import fit_starts
 from .guess import LinearGuess
+from .on_orbits import on_orbits
 from .one_tone import gain_of, hold_dragged, hold_gain, hold_quality
 from .problem import Data, Evaluation, Static, Unknowns, evaluate
-from .reading import fit_starts
 from .result import Fit, SigmaChoice, Start
+from .settled import Search, settled
 from .starts import base_values, first_guess, random_points, scales_of, starting_points
 
 _KEPT_STARTS = 4  # of the grid, the ones whose first error is smallest
@@ -124,16 +126,25 @@ def minimise(
         report(stage)
         pulse = Pulse(report, stage)
         watch = lambda cost, pulse=pulse: pulse.beat(f"error over noise {per_sample(cost):.3g}")
-        found = solve.least_squares(static, there, begin_at, robust, most, begun, watch, compared, until)
-        solutions.append((per_sample(first), *found))
-        if time.monotonic() > until or (not starts and not told and per_sample(solutions[-1][2].cost) < _AT_THE_FLOOR):
+        if told:  # else the first search says which of several orbits a steady record shows
+            own, there, begin_at = on_orbits(static, there, records, begin_at)
+            begun = None if there.steady else begun
+        else:
+            own = static
+        found = solve.least_squares(own, there, begin_at, robust, most, begun, watch, compared, until)
+        solutions.append((per_sample(first), own, *found))
+        if time.monotonic() > until or (not starts and not told and per_sample(solutions[-1][3].cost) < _AT_THE_FLOOR):
             break
     # All starts had the same weights; those of the best one's model are its own.
-    chosen = min(range(len(solutions)), key=lambda i: _finite(solutions[i][2].cost))
-    first, data, best = solutions[chosen]
-    data, best = _reweighed(static, data, best, robust, most, watch, until)
-    solutions[chosen] = (first, data, best)
-    table = tuple(Start(first, per_sample(s.cost), s.steps, s.converged) for first, _, s in solutions)
+    chosen = min(range(len(solutions)), key=lambda i: _finite(solutions[i][3].cost))
+    first, static, data, best = solutions[chosen]
+    search = lambda static, data, unknowns, most, begun=None: solve.least_squares(
+        static, data, unknowns, robust, most, begun, watch, compared, until
+    )
+    static, data, best = settled(static, data, records, best, search, most, compared)
+    data, best = _reweighed(static, data, best, search, most)
+    solutions[chosen] = (first, static, data, best)
+    table = tuple(Start(first, per_sample(s.cost), s.steps, s.converged) for first, _, _, s in solutions)
     return Minimum(static, data, best, table, scales)
 
 
@@ -145,10 +156,8 @@ def _reweighed(
     static: Static,
     data: Data,
     found: solve.Solution,
-    robust: bool,
+    search: Search,
     most: int,
-    watch: Callable[[float], None],
-    until: float,
 ) -> tuple[Data, solve.Solution]:
     """A solution with the noise of the curves carried through the model as it is there; `most` steps in all."""
     for _ in range(_REWEIGHED if data.curves is not None and np.isfinite(found.cost) else 0):
@@ -162,9 +171,7 @@ def _reweighed(
         found = found._replace(cost=cost, found=again)
         if settled or found.steps >= most:
             break
-        data, better = solve.least_squares(
-            static, data, found.unknowns, robust, most - found.steps, again, watch, until=until
-        )
+        data, better = search(static, data, found.unknowns, most - found.steps, again)
         found = better._replace(steps=found.steps + better.steps)
     return data, found
 

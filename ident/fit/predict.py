@@ -20,8 +20,9 @@ from ..response import lay_out
 from .assemble import assemble, begin
 from .change_values import changed_values
 from .coordinates import slopes
+from .fit_starts import fit_starts
+from .on_orbits import on_orbits
 from .problem import evaluate
-from .reading import fit_starts
 from .uncertainty import told_by_start
 
 if TYPE_CHECKING:
@@ -71,11 +72,11 @@ def predict(fit: Fit, data: Any, values: Mapping[str, float | str] | None = None
     kept = [k for k, i in enumerate(fit.free) if at[i] == fit.values[i]]
     covariance = fit.covariance[np.ix_(kept, kept)]
     slope = by_value[:, kept]
-    if record.start != "rest":
+    if by_start.shape[1]:
         basis = told_by_start(by_start.T / record.noise.sigma)
         slope = slope - basis @ (basis.T @ slope)
     variance = np.einsum("ni,ij,nj->n", slope, covariance, slope)
-    if record.start != "rest":
+    if by_start.shape[1]:
         variance = variance + record.noise.sigma**2 * np.sum(basis**2, axis=1)
     floors = [r.noise.sigma for r in fit.campaign.fitted]
     noise = record.noise.sigma if np.any(record.response) else float(np.median(floors))
@@ -97,13 +98,14 @@ def record_of(campaign: Campaign, data: Any) -> Trace:
 
 
 def _with_slopes(model: Model, values: np.ndarray, record: Trace) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Reading (n,), its derivatives by the fitted parameters (n, p) and by the initial state (n, s)."""
+    """Reading (n,), its derivatives by the fitted parameters (n, p) and by an unknown initial state (n, s)."""
     tape = lay_out([record], float(values[FREQUENCY]), float(values[QUALITY]), model)
     static, data = assemble(model, Campaign("", (record,), model.device), [record], tape, values)
     unknowns = begin(data, static)
     if static.starts_free:
         held = assemble(model, Campaign("", (record,), model.device), [record], tape, values, held=True)
         unknowns = unknowns._replace(starts=fit_starts(*held, begin(held[1], held[0]))[0].starts)
+        static, data, unknowns = on_orbits(static, data, [record], unknowns)
     found = evaluate(static, data._replace(weight=np.ones(len(record.time))), unknowns)
     unit = slopes(values[list(static.free)], data.lower, data.upper) * data.scale
     (own,) = tape.slices

@@ -1,11 +1,11 @@
 """A fit as arrays: residuals in units of the noise floor, and their Jacobian.
 
 The unknowns are x, the fitted parameters in unbounded coordinates (ln p for positive ones) divided by `scale`, and the
-initial states of the records that do not start at rest: displacement, velocity, and the hidden states of every memory,
-of whose history nothing is known. A record's initial state moves that record only, so the Jacobian costs p + s tangent
-simulations whatever the number of records (p if all start at rest). Samples of all traces
-stand one after another, (samples,); `data.tape.slices` says where each is. What the points of sweeps say follows them,
-(numbers,) in all.
+initial states of the records that start neither at rest nor on the model's periodic orbit (`steady`): displacement,
+velocity, and the hidden states of every memory, of whose history nothing is known. A record's initial state moves that
+record only, so the Jacobian costs p + s tangent simulations whatever the number of records (p if none are unknown).
+Samples of all traces stand one after another, (samples,); `data.tape.slices` says where each is. What the points of
+sweeps say follows them, (numbers,) in all.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from ..response.controlled import Controlled
 from ..response.transient import fitting_width
 from .coordinates import slopes, to_values
 from .curves import Curves
+from .steady import Steady
 
 
 class Static(NamedTuple):
@@ -42,11 +43,11 @@ class Data(NamedTuple):
 
     - `tape`: the drives; `response`, (samples,) measured, m; `weight`, (samples,) 1/σ, zero where a sample is not
       counted; `start_scale`, (records, s) the size of displacement, velocity and hidden states in a record: the unit of
-      the fitted initial states, and as large as these are likely to be; zero where a record starts at rest.
+      the fitted initial states, and as large as these are likely to be; zero where a record starts at rest, or steady.
     - `template`: (m,) SI values of all parameters, fitted or not.
     - `lower`, `upper`: (p,) bounds of the fitted ones (see coordinates); `scale`, `anchor`: (p,) unit and origin of x.
     - `prior_mean`, `prior_weight`: (p,) SI; weight 1/deviation, 0 without a prior.
-    - `curves`: the points of the sweeps, if there are any.
+    - `curves`: the points of the sweeps, if there are any; `steady`: the records that start on a periodic orbit.
     """
 
     tape: Tape
@@ -61,6 +62,7 @@ class Data(NamedTuple):
     prior_mean: np.ndarray
     prior_weight: np.ndarray
     curves: Curves | None = None
+    steady: tuple[Steady, ...] = ()
 
     @property
     def count(self) -> int:
@@ -91,7 +93,8 @@ class Evaluation(NamedTuple):
 
     **Arguments:** `values`, (m,) SI; its `response`; `residuals` (model − measured)/σ, (numbers,), and their
     derivatives `by_x` (p, numbers) and `by_start` (s, samples), by the initial state of each sample's own record, empty
-    if all start at rest; `steady`, its responses with the amplitudes of the sweeps.
+    if none is unknown; `starts`, (records, s) the initial states, SI; `steady`, its responses with the amplitudes of
+    the sweeps.
     """
 
     values: np.ndarray
@@ -99,6 +102,7 @@ class Evaluation(NamedTuple):
     residuals: np.ndarray
     by_x: np.ndarray
     by_start: np.ndarray
+    starts: np.ndarray
     steady: Controlled | None = None
 
     @property
@@ -118,21 +122,27 @@ def evaluate(static: Static, data: Data, unknowns: Unknowns) -> Evaluation:
     kicks = np.zeros((len(directions), *unknowns.starts.shape))
     for k in range(starts):
         kicks[p + k, :, k] = data.start_scale[:, k]
-    found = respond(static.equation, tape, values, unknowns.starts * data.start_scale, directions, kicks)
+    begin = unknowns.starts * data.start_scale
+    for one in data.steady:
+        orbit = one.at(static.equation, values, directions[:p], len(directions))
+        # Without an orbit there is no steady record: such a trial is refused, and a shorter step is taken.
+        begin[one.record] = orbit.start if orbit.found else np.nan
+        kicks[:p, one.record] = orbit.slopes
+    found = respond(static.equation, tape, values, begin, directions, kicks)
     residuals = (found.readings - data.response) * data.weight
     residuals = np.where(np.abs(residuals) < _WORST, residuals, _WORST)
     change = found.slopes * data.weight
     change[~np.isfinite(change)] = 0.0
     by_start = change[p : p + starts]
     if data.curves is None:
-        return Evaluation(values, found, residuals, change[:p], by_start)
+        return Evaluation(values, found, residuals, change[:p], by_start, begin)
     steady = data.curves.solve(static.equation, values)
     own = data.curves.residuals(steady)
     residuals = np.concatenate([residuals, np.where(np.abs(own) < _WORST, own, _WORST)])
     bent = data.curves.slopes(steady, directions[:p])
     bent[~np.isfinite(bent)] = 0.0
     by_x = np.concatenate([change[:p], bent], axis=1)
-    return Evaluation(values, found, residuals, by_x, by_start, steady)
+    return Evaluation(values, found, residuals, by_x, by_start, begin, steady)
 
 
 def readings(static: Static, data: Data, unknowns: Unknowns) -> np.ndarray:
@@ -142,4 +152,6 @@ def readings(static: Static, data: Data, unknowns: Unknowns) -> np.ndarray:
     nothing = np.zeros((width, len(data.template)))
     begin, kicks = unknowns.starts * data.start_scale, np.zeros((len(nothing), *unknowns.starts.shape))
     values = physical(static, data, unknowns.x)
+    for one in data.steady:
+        begin[one.record] = one.at(static.equation, values, nothing[:0], width).start
     return respond(static.equation, data.tape, values, begin, nothing, kicks).readings

@@ -22,7 +22,8 @@ from ..response import lay_out
 from ..units import format_quantity
 from . import solve
 from .assemble import assemble, at_values, begin
-from .problem import Data, Static, evaluate
+from .on_orbits import on_orbits
+from .problem import Data, Static, Unknowns, evaluate
 from .result import Fit
 
 Kind = Literal["closed", "one-sided", "flat", "failed"]
@@ -178,6 +179,9 @@ def _problem(fit: Fit, name: str) -> tuple[Static, Data]:
     records = fit.campaign.fitted
     tape = lay_out(records, 1.0 / fit.scales.period, float(fit.values[QUALITY]), fit.model)
     static, data = assemble(model, fit.campaign, records, tape, fit.values, curves=fit.solved.data.curves)
+    if data.start_scale.any():  # the steady ones of the fit are steady here
+        begun = fit.solved.found.starts / np.where(data.start_scale > 0, data.start_scale, 1.0)
+        static, data, _ = on_orbits(static, data, records, Unknowns(np.zeros(len(static.free)), begun))
     return static._replace(width=len(fit.free) + 2 * static.starts_free), data  # the program of the fit
 
 

@@ -11,61 +11,21 @@ from ..campaign.record import Trace
 from ..model import FREQUENCY, QUALITY, Model
 from ..response import lay_out
 from .assemble import assemble, begin
-from .problem import Data, Evaluation, Static, Unknowns, evaluate, readings
+from .fit_starts import fit_starts
+from .on_orbits import on_orbits
+from .problem import readings
 
 
 def read(model: Model, values: np.ndarray, records: Sequence[Trace]) -> list[np.ndarray]:
-    """Readings of a model with given parameters; initial states of records that do not start at rest are fitted."""
+    """Readings of a model with given parameters; unknown initial states are fitted."""
     tape = lay_out(records, float(values[FREQUENCY]), float(values[QUALITY]), model)
     campaign = Campaign("", tuple(records), model.device)
     static, data = assemble(model, campaign, records, tape, values, held=True)
     unknowns = begin(data, static)
-    shown = fit_starts(static, data, unknowns)[1].readings if static.starts_free else readings(static, data, unknowns)
+    if static.starts_free:
+        unknowns, found = fit_starts(static, data, unknowns)
+        static, data, unknowns = on_orbits(static, data, records, unknowns)
+        shown = readings(static, data, unknowns) if data.steady else found.readings
+    else:
+        shown = readings(static, data, unknowns)
     return [shown[own] for own in tape.slices]
-
-
-_ROUNDS = 8
-_STILL = 1e-7  # of the largest displacement and velocity
-_LEAST = 1 / 16  # of a step: a shorter one gains nothing
-
-
-@np.errstate(over="ignore", invalid="ignore")  # a motion without bound has no scale
-def fit_starts(static: Static, data: Data, unknowns: Unknowns, rounds: int = _ROUNDS) -> tuple[Unknowns, Evaluation]:
-    """Gauss–Newton on the initial states alone, in so many rounds at most; they enter almost linearly, but where a loop
-    remembers them: steps that gain nothing are halved. Never worse than where it began; the model there too."""
-    light = np.where(np.arange(data.start_scale.shape[1]) < 2, 1e-6, 1.0)
-    best, kept = unknowns, evaluate(static, data, unknowns)
-    least, share = _cost(kept, best, light), 1.0
-    for _ in range(rounds):
-        steps = _steps(data, kept, best, light)
-        if steps is None or share * np.max(np.abs(steps), initial=0.0) < _STILL:
-            break
-        trial = Unknowns(best.x, best.starts - share * steps)
-        found = evaluate(static, data, trial)
-        cost = _cost(found, trial, light)
-        if cost < least:
-            best, kept, least, share = trial, found, cost, 1.0
-        elif (share := share / 4) < _LEAST:
-            break
-    return best, kept
-
-
-def _cost(found: Evaluation, unknowns: Unknowns, light: np.ndarray) -> float:
-    return float(found.residuals @ found.residuals + np.sum((light * unknowns.starts) ** 2))
-
-
-def _steps(data: Data, found: Evaluation, unknowns: Unknowns, light: np.ndarray) -> np.ndarray | None:
-    """Steps (records, s) to where the initial states would fit best if they entered linearly; None if the motion has no
-    bound."""
-    steps = np.zeros_like(unknowns.starts)
-    for record, own in enumerate(data.tape.slices):
-        slope = found.by_start[:, own]
-        gram = slope @ slope.T
-        pull = slope @ found.residuals[own] + light**2 * unknowns.starts[record]
-        if not (np.all(np.isfinite(gram)) and np.all(np.isfinite(pull))):
-            return None
-        # A start of which nothing is left where samples count stays as it was read; of an overdamped motion
-        # displacement and velocity at the start leave the same trace.
-        inverse = np.linalg.pinv(gram + np.diag(light**2), rcond=1e-12, hermitian=True)
-        steps[record] = inverse @ pull * (data.start_scale[record] > 0)
-    return steps

@@ -13,7 +13,9 @@ from . import solve
 from .assemble import assemble, begin
 from .curves import lay_curves
 from .finish import Minimum, finish
-from .reading import fit_starts
+from .fit_starts import fit_starts
+from .on_orbits import on_orbits
+from .problem import evaluate
 from .result import Fit, SigmaChoice, Start
 from .starts import base_values, first_guess, scales_of
 
@@ -30,7 +32,7 @@ def fit_at(
 ) -> Fit:
     """The Fit of a model at given values: readings and uncertainties are computed anew, but nothing is searched.
 
-    Only the initial states of records that do not start at rest are fitted, at those values.
+    Only unknown initial states are fitted, at those values.
 
     **Arguments:** `values`: (m,) SI, in the order of `model.parameters`; `sigma`, `starts`, `converged`: as the search
     reported them; `substeps`: of the solver per sample of each fitted record, if they are known.
@@ -50,5 +52,8 @@ def fit_at(
     data, unknowns, found = solve.rescale(static, data, begin(data, static))
     if static.starts_free:
         unknowns, found = fit_starts(static, data, unknowns)
+        static, data, unknowns = on_orbits(static, data, records, unknowns)
+    if data.steady:
+        found = evaluate(static, data, unknowns)
     there = solve.Solution(unknowns, float("nan"), 0, converged, found)
     return finish(model, campaign, Minimum(static, data, there, tuple(starts), scales), sigma)

@@ -21,6 +21,7 @@ from .identifiability import Combination
 from .judge import RecordScore, Score, combine
 from .predict import Prediction, predict
 from .problem import Data, Evaluation, Static, Unknowns, readings
+from .steady import no_orbit
 from .uncertainty import Covariance, Linearisation
 
 if TYPE_CHECKING:
@@ -98,11 +99,18 @@ class Fit:
     curves: tuple[CurveReading, ...] = ()
 
     @cached_property
-    def begun_in_motion(self) -> list[tuple[str, float]]:
-        """Records that are said to begin at rest and do not, as of `start_score.begun_in_motion`."""
-        from .start_score import begun_in_motion
+    def begun_otherwise(self) -> list[tuple[str, float]]:
+        """Records that do not begin as they are said to, as of `start_score.begun_otherwise`."""
+        from .start_score import begun_otherwise
 
-        return begun_in_motion(self)
+        return begun_otherwise(self)
+
+    @cached_property
+    def off_orbit(self) -> list[tuple[str, str]]:
+        """Fitted records that are called steady, and why their initial state is fitted all the same."""
+        called = [(k, record) for k, record in enumerate(self.campaign.fitted) if record.start == "steady"]
+        on = {one.record for one in self.solved.data.steady} if called else set()
+        return [(record.name, no_orbit(record, self.solved.static.equation)) for k, record in called if k not in on]
 
     @cached_property
     def step_error(self) -> float:

@@ -1,4 +1,5 @@
-"""Whether a record that is said to begin at rest begins in motion: what a free start would take of what is left."""
+"""What another initial state would do to a record, and whether it does not begin as it is said to begin: what a free
+start would take of what is left."""
 
 from __future__ import annotations
 
@@ -12,30 +13,45 @@ _VERY_STRONG = 10.0  # of ln of a likelihood ratio
 
 
 def taken_by_starts(fit: Fit) -> float:
-    """χ² beyond noise that starts in motion would take of a model's misfit, where they are hinted at."""
+    """χ² beyond noise that other starts would take of a model's misfit, where they are hinted at."""
     excess = {score.name: score.n * (score.error_over_noise**2 - 1) for score in fit.scores}
-    return sum(share * excess[name] for name, share in fit.begun_in_motion)
+    return sum(share * excess[name] for name, share in fit.begun_otherwise)
 
 
 def mostly_starts(fit: Fit) -> bool:
-    """Whether starts in motion, where rest is claimed, would take the greater part of what a model leaves in all."""
+    """Whether other starts than are claimed would take the greater part of what a model leaves in all."""
     return taken_by_starts(fit) > _GREATER_PART * max(fit.fitted.chi2 - fit.fitted.n, 1e-9)
 
 
-def begun_in_motion(fit: Fit) -> list[tuple[str, float]]:
-    """Records that are said to begin at rest, and the share of their misfit beyond noise that the motion of another
-    displacement and velocity at the first sample takes, where that is the greater part.
+def start_rows(fit: Fit) -> np.ndarray:
+    """Derivatives of the residuals, (s, samples), by the initial state of each sample's own record in units of its
+    likely size, of records that are steady too; meaningless where a record starts at rest."""
+    static, data, _, found = fit.solved
+    if not data.steady:
+        return found.by_start
+    units = data.start_scale.copy()
+    for one in data.steady:
+        units[one.record] = one.unit
+    kicks = np.swapaxes(units[:, :, None] * np.eye(units.shape[1]), 0, 1)
+    still = np.zeros((len(kicks), len(found.values)))
+    moved = respond(static.equation, data.tape, found.values, found.starts, still, kicks).slopes * data.weight
+    return np.where(np.isfinite(moved), moved, 0.0)
+
+
+def begun_otherwise(fit: Fit) -> list[tuple[str, float]]:
+    """Records that are said to begin at rest, or steady, and the share of their misfit beyond noise that the motion of
+    another displacement and velocity at the first sample takes, where that is the greater part.
 
     The score statistic of two numbers a record, beside the parameters of the model: r ≈ J dx + K ds with the readings'
     derivatives J by the fitted parameters and K by the start. A hint and no proof: a force that sets in with the record
     moves it too.
     """
-    static, data, unknowns, found = fit.solved
+    static, data, _, found = fit.solved
     records = fit.campaign.fitted
-    claimed = [k for k, record in enumerate(records) if record.start == "rest"]
+    claimed = [k for k, unknown in enumerate(np.any(data.start_scale, axis=1)) if not unknown]
     if not claimed:
         return []
-    begin = unknowns.starts * data.start_scale
+    begin = found.starts
     kicks = np.zeros((2, *begin.shape))
     for k in range(2):
         kicks[k, claimed, k] = 1.0

@@ -37,10 +37,10 @@ def linearise(found: Evaluation, data: Data, records: Sequence[Trace]) -> Linear
     rows, residuals = [], []
     p = len(found.by_x)
     spread = np.zeros((p, p))
-    for record, own in zip(records, data.tape.slices, strict=True):
+    for record, own, unit in zip(records, data.tape.slices, data.start_scale, strict=True):
         counted = slice(own.start + record.skip, own.stop)
         jacobian, residual = found.by_x[:, counted].T, found.residuals[counted]
-        if record.start != "rest":
+        if np.any(unit):
             basis = told_by_start(found.by_start[:, counted])
             jacobian = jacobian - basis @ (basis.T @ jacobian)
             residual = residual - basis @ (basis.T @ residual)

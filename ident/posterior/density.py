@@ -1,9 +1,9 @@
 """The posterior density of a fit's unknowns, in batches: the only file that knows the arrays of a fit.
 
 The unknowns are those of the fit: fitted parameters in coordinates without bounds, in units that the records resolve.
-The initial state s of a record that does not start at rest, hidden states of memories included, is integrated out. It
-enters almost linearly, so that with w(s) = w₀ + J (s − s₀), a prior s ~ N(0, 1) in units of its likely size and
-M = JᵀJ + 1
+The initial state of a steady record is that of the periodic orbit, and moves with them. An initial state s that is
+unknown, hidden states of memories included, is integrated out. It enters almost linearly, so that with
+w(s) = w₀ + J (s − s₀), a prior s ~ N(0, 1) in units of its likely size and M = JᵀJ + 1
 
     χ² = w₀ᵀw₀ + s₀² − gᵀM⁻¹g,   g = Jᵀw₀ + s₀,   ln L gains −½ ln |M|
 
@@ -23,8 +23,9 @@ from ..campaign.record import Trace
 from ..errors import UserError
 from ..fit.assemble import assemble, begin
 from ..fit.coordinates import to_coordinates, to_values
+from ..fit.fit_starts import fit_starts
+from ..fit.on_orbits import on_orbits
 from ..fit.problem import Data, Static, Unknowns, evaluate
-from ..fit.reading import fit_starts
 from ..fit.result import Fit
 from ..model import QUALITY
 from ..response import lay_out, respond_many
@@ -138,16 +139,25 @@ class Density:
     def _moving(self, record: int) -> bool:
         return bool(np.any(self.data.start_scale[record]))
 
-    def _simulate(self, values: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    def _simulate(
+        self, values: np.ndarray, starts: np.ndarray, orbits: Sequence[np.ndarray] | None = None
+    ) -> np.ndarray:
         states = np.repeat((starts * self.data.start_scale)[None], len(values), axis=0)
+        for one, begun in zip(self.data.steady, self._orbits(values) if orbits is None else orbits, strict=True):
+            states[:, one.record] = begun
         return respond_many(self.static.equation, self.data.tape, values, states)
+
+    def _orbits(self, values: np.ndarray) -> list[np.ndarray]:
+        """Initial states (k, s) of each steady record: they move with the parameters (k, m)."""
+        return [one.many(self.static.equation, values) for one in self.data.steady]
 
     def _white(self, x: np.ndarray) -> list[White]:
         values = self.values(x)
         with np.errstate(over="ignore", invalid="ignore"):
-            at = [self._simulate(values, self.starts)]
+            orbits = self._orbits(values)
+            at = [self._simulate(values, self.starts, orbits)]
             if self.static.starts_free:
-                at += [self._simulate(values, self.starts + kick) for kick in np.diag(self.kick)]
+                at += [self._simulate(values, self.starts + kick, orbits) for kick in np.diag(self.kick)]
             off = [(a - self.data.response) * self.data.weight for a in at]
             off = [np.where(np.abs(a) < _WORST, a, _WORST) for a in off]
         found = []
@@ -239,7 +249,9 @@ class Density:
         """The same density with every drive and every initial state turned round: what `readings` symmetric physics
         would answer with the same motion turned round."""
         turned = tuple(replace(record, drive=-record.drive) for record in self.records)
-        return replace(self, records=turned, data=self.data._replace(tape=_tape(self.fit, turned)), starts=-self.starts)
+        tape = _tape(self.fit, turned)
+        steady = tuple(s.mirrored(turned[s.record], tape.spans[s.record].substeps) for s in self.data.steady)
+        return replace(self, records=turned, data=self.data._replace(tape=tape, steady=steady), starts=-self.starts)
 
     def with_noise(self, noises: Sequence[Noise]) -> Density:
         """The same density with other noise of each record."""
@@ -281,6 +293,9 @@ def make_density(fit: Fit, records: Sequence[Trace] | None = None) -> Density:
     unknowns, kick = begin(data, static), np.ones(data.start_scale.shape[1])
     if static.starts_free:
         unknowns, found = fit_starts(static, data, unknowns)
+        static, data, unknowns = on_orbits(static, data, chosen, unknowns)
+        found = evaluate(static, data, unknowns) if data.steady else found
+    if static.starts_free:
         kick = 1.0 / np.maximum(np.sqrt(np.sum(found.by_start**2, axis=1)), 1.0)
     noises = tuple(record_noise(r, fit.sigma) for r in chosen)
     bare = Density(fit, chosen, noises, static, data, np.asarray(unknowns.starts, float), kick, ())

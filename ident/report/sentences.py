@@ -92,23 +92,39 @@ def sentences(fit: Fit) -> tuple[Sentence, ...]:
     """What must be known before a number of this fit is used, warnings first."""
     found = (*suspects_by_data(fit.campaign), *alone_off(fit))
     suspects = [Sentence(f"Suspect record {one.sentence}", True) for one in found]
-    told = [*suspects, *_starts(fit), *_error_bars(fit), *_noise(fit), *_numerics(fit), *_physics(fit)]
+    starts = [*_starts(fit), *_off_orbit(fit)]
+    told = [*suspects, *starts, *_error_bars(fit), *_noise(fit), *_numerics(fit), *_physics(fit)]
     return tuple(sorted(told, key=lambda s: not s.warning))
 
 
 def _starts(fit: Fit) -> list[Sentence]:
-    """Records that are said to begin at rest, and do not."""
+    """Records that do not begin as the campaign says."""
     if fit.fitted.error_over_noise <= GOOD:
         return []
-    moving = [f"{name} ({100 * share:.0f} %)" for name, share in fit.begun_in_motion]
-    if not moving:
-        return []
-    text = (
-        f"A start in motion would take the greater part of what is left of {listed(moving)}, which the campaign says "
-        'to begin at rest. Was the drive on before? Then write start = "unknown" there: its start is fitted, and no '
-        "physics is named for it."
-    )
-    return [Sentence(text, True)]
+    claimed = {record.name: record.start for record in fit.campaign.fitted}
+    found = []
+    for start, asked in (
+        ("rest", "to begin at rest. Was the drive on before? Then write"),
+        ("steady", "to be steady. Had the switching-on not died away? Then write"),
+    ):
+        moving = [f"{name} ({100 * share:.0f} %)" for name, share in fit.begun_otherwise if claimed[name] == start]
+        if not moving:
+            continue
+        text = (
+            f"Another start would take the greater part of what is left of {listed(moving)}, which the campaign says "
+            f'{asked} start = "unknown" there: its start is fitted, and no physics is named for it.'
+        )
+        found.append(Sentence(text, True))
+    return found
+
+
+def _off_orbit(fit: Fit) -> list[Sentence]:
+    """Steady records whose start had to be fitted."""
+    found = []
+    for why in dict.fromkeys(why for _, why in fit.off_orbit):
+        names = listed([name for name, reason in fit.off_orbit if reason == why])
+        found.append(Sentence(f"The initial state of {names} is fitted, though the campaign calls it steady: {why}."))
+    return found
 
 
 def _error_bars(fit: Fit) -> list[Sentence]:

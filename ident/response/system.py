@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from ..effects.dependence import runs_by_a_clock
 from ..effects.effect import AbstractEffect, Drive, State
 from ..model import Model
 from .lane import Numbers
@@ -52,6 +53,13 @@ class Equation:
     def follow_drive(self) -> tuple[bool, ...]:
         """Of each effect, whether it follows the drive alone; such a one is integrated before the motion."""
         return tuple(follows_drive_alone(effect) for effect in self.model.effects)
+
+    @cached_property
+    def timeless(self) -> bool:
+        """Whether no effect changes with the time since the first sample: under a drive that repeats itself the motion
+        may then do so, too."""
+        values = np.array([p.value for p in self.model.parameters])
+        return not any(runs_by_a_clock(effect) for effect in self.model.bind(values)[1])
 
     @property
     def stepped(self) -> int:

@@ -28,7 +28,7 @@ def test_a_start_in_motion_is_told(before, push, told):
     records = {f"{volts:g}": _record(volts, before, push, k) for k, volts in enumerate((1.0, 3.0))}
     effects = ["static-force"] if push else []
     found = ident.fit(records, effects, device={"kind": "oscillator"}, start="rest", noise="0.05 V")
-    assert bool(found.begun_in_motion) is told
+    assert bool(found.begun_otherwise) is told
     assert any('write start = "unknown"' in sentence.text for sentence in sentences(found)) is told
     assert mostly_starts(found) is told
 

@@ -88,7 +88,7 @@ class Maker:
         )
         step_error = changed.pop("step_error", 0.02)
         fit = replace(fit, **changed)  # type: ignore[arg-type]
-        fit.__dict__.update(step_error=step_error, begun_in_motion=[])  # else they would be simulated
+        fit.__dict__.update(step_error=step_error, begun_otherwise=[])  # else they would be simulated
         return fit
 
 
