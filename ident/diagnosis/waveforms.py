@@ -9,6 +9,7 @@ import numpy as np
 
 from ..campaign.device import Device
 from ..campaign.record import Trace
+from .where_words import hertz
 
 Kind = Literal["sine", "biased", "burst", "multisine"]
 
@@ -50,14 +51,14 @@ class Waveform:
     @property
     def words(self) -> str:
         """As a technician would write it."""
-        volts, hertz = f"{self.volts:.3g} V", f"{self.hertz:.4g} Hz"
+        volts, at = f"{self.volts:.3g} V", f"{hertz(self.hertz)} Hz"
         if self.kind == "multisine":
-            return f"multisine {volts} peak, {self.lowest:.4g} to {hertz}, from rest"
+            return f"multisine {volts} peak, {hertz(self.lowest)} to {at}, from rest"
         if self.kind == "biased":
-            return f"sine {volts}, {hertz}, on {self.bias:.3g} V dc, from rest"
+            return f"sine {volts}, {at}, on {self.bias:.3g} V dc, from rest"
         if self.kind == "burst":
-            return f"sine {volts}, {hertz}, from rest, switched off after {1e3 * self.off:.4g} ms"
-        return f"sine {volts}, {hertz}, from rest"
+            return f"sine {volts}, {at}, from rest, switched off after {1e3 * self.off:.4g} ms"
+        return f"sine {volts}, {at}, from rest"
 
 
 class Limits(NamedTuple):

@@ -29,6 +29,11 @@ _ORDINALS = (
 )
 
 
+def hertz(value: float) -> str:
+    """A frequency in four digits, without a power of ten."""
+    return np.format_float_positional(value, 4, fractional=False, trim="-")
+
+
 def statements(where: Where) -> list[Statement]:
     """What stands out, each backed by its probability; empty if the model is adequate or the misfit is even."""
     if not where.fails:
@@ -93,8 +98,8 @@ def _level(where: Where) -> Statement | None:
     questions = [
         (lambda r: r.level, lambda r: f"in records driven at {r.level:.3g} V or more"),
         (nearness, lambda r: f"in records within {100 * (np.exp(-nearness(r)) - 1):.0f} % of the resonance"),
-        (lambda r: -r.frequency / f0, lambda r: f"in records driven at or below {r.frequency:.4g} Hz"),
-        (lambda r: r.frequency / f0, lambda r: f"in records driven at or above {r.frequency:.4g} Hz"),
+        (lambda r: -r.frequency / f0, lambda r: f"in records driven at or below {hertz(r.frequency)} Hz"),
+        (lambda r: r.frequency / f0, lambda r: f"in records driven at or above {hertz(r.frequency)} Hz"),
     ]
     best: tuple[float, Statement] | None = None
     for key, words in questions:
@@ -203,4 +208,4 @@ def _tones(where: Where) -> list[Statement]:
     if share < _MOST or not len(bins) or bins[-1] - bins[0] >= len(bins) + 1:
         return []
     low, high = (where.spectrum.edges[i] * where.resonance for i in (bins[0], bins[-1] + 1))
-    return [Statement("frequency", f"between {low:.4g} and {high:.4g} Hz", share, p)]
+    return [Statement("frequency", f"between {hertz(float(low))} and {hertz(float(high))} Hz", share, p)]

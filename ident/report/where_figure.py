@@ -109,8 +109,10 @@ def _bands(axes: Axes, where: Where, loud: bool) -> None:
     axes.bar(place, np.nan_to_num(view.ratio), 0.9, color=np.where(chosen, RESIDUAL, DATA).tolist())
     _floor(axes, view.ratio)
     shown = place[:: max(len(place) // 8, 1)]
-    axes.set_xticks(shown - 0.5, [f"{view.edges[i] * where.resonance:.3g}" for i in shown])
-    label(axes, "frequency (Hz)", "÷ noise floor", "by frequency")
+    largest = float(view.edges[-1]) * where.resonance
+    size, unit = next((s, u) for s, u in ((1e6, "MHz"), (1e3, "kHz"), (0.0, "Hz")) if largest >= 2 * s)
+    axes.set_xticks(shown - 0.5, [f"{view.edges[i] * where.resonance / (size or 1.0):.3g}" for i in shown])
+    label(axes, f"frequency ({unit})", "÷ noise floor", "by frequency")
 
 
 def _correlation(axes: Axes, found: Correlation, unit: float, x: str, title: str) -> None:

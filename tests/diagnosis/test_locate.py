@@ -12,7 +12,7 @@ from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.diagnosis.bench import Bench, prepare
 from ident.diagnosis.locate import Where, locate
-from ident.diagnosis.where_words import statements, summary
+from ident.diagnosis.where_words import hertz, statements, summary
 from ident.diagnosis.whiteness import drive_correlation, lagged, whiteness
 from ident.fit import Fit, fit
 from ident.fit.reading import read
@@ -140,3 +140,7 @@ def test_the_figure_draws(bench: Bench) -> None:
     figure = where_figure(locate(bench))
     assert len(figure.axes) == 8
     assert "No part of the records stands out" in figure.texts[0].get_text()
+
+
+def test_a_frequency_has_no_power_of_ten() -> None:
+    assert [hertz(value) for value in (10090.3, 432.0, 0.33333, 1e6)] == ["10090", "432", "0.3333", "1000000"]
