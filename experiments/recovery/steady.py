@@ -14,11 +14,13 @@ neither start has the target. Fits of plays stop early, and their error bars mea
 from __future__ import annotations
 
 import argparse
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.integrate import solve_ivp
+from scipy.interpolate import interp1d
 
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
@@ -30,6 +32,7 @@ from ident.model import Model
 ONE = Channel("V", 1.0)
 SIGNAL = 300.0  # over noise, rms
 SAMPLES, PER_PERIOD = 500, 50  # of a record; of a natural period
+_FINE = 2000  # points of a period on which exact plays are followed
 LEFT = 14.0  # ln of what is left of the switching-on
 
 
@@ -39,7 +42,7 @@ class Law:
 
     **Arguments:** `effect`: its name in the library; `draw`: parameters from a generator and the scales (natural
     frequency rad/s, amplitude, drive V, gain); `hidden`: how many states; `push`: acceleration from (z, v, V, h, p);
-    `rates` of the states from (z, v, V, V̇, h, p).
+    `rates` of the states from (z, v, V, V̇, h, p); what is `held` back of a drive, by all that it was before.
     """
 
     effect: str
@@ -47,6 +50,7 @@ class Law:
     hidden: int = 0
     push: Callable[..., float] = lambda z, v, V, h, p: 0.0
     rates: Callable[..., Sequence[float]] = lambda z, v, V, dV, h, p: ()
+    held: Callable[[np.ndarray, dict[str, float]], np.ndarray] | None = None
 
 
 def _loop(h: float, rate: float, p: dict[str, float]) -> float:
@@ -54,18 +58,18 @@ def _loop(h: float, rate: float, p: dict[str, float]) -> float:
     return 1.0 - (loaded if h * rate > 0 else (1.0 - 2.0 * p["fullness"]) * loaded)
 
 
-def _plays(hidden: Sequence[float], V: float, rate: float, p: dict[str, float]) -> list[float]:
-    found = []
-    for j, q in enumerate(hidden):
-        part = (V - q) / (p["reach"] * (j + 0.5) / 6)
-        found.append(rate * min(abs(part), 1.5) ** 24 if part * rate > 0 else 0.0)
-    return found
+def _held(V: np.ndarray, p: dict[str, float]) -> np.ndarray:
+    """The force that six exact plays hold back, along a finely sampled voltage."""
+    held = np.zeros_like(V)
+    for j in range(6):
+        width, weight = p["reach"] * (j + 0.5) / 6, p["weight"] + p["tilt"] * (2 * j / 5 - 1)
+        held += weight / 6 * (V - _play(V, width))
+    return held
 
 
-def _held(hidden: Sequence[float], V: float, p: dict[str, float]) -> float:
-    widths = [p["reach"] * (j + 0.5) / 6 for j in range(6)]
-    weights = [p["weight"] + p["tilt"] * (2 * j / 5 - 1) for j in range(6)]
-    return sum(w * min(max(V - q, -r), r) for w, q, r in zip(weights, hidden, widths, strict=True)) / 6
+def _play(V: np.ndarray, width: float) -> np.ndarray:
+    behind = itertools.accumulate(V, lambda p, u: min(max(p, u - width), u + width), initial=0.0)
+    return np.fromiter(behind, float)[1:]
 
 
 LAWS = {
@@ -102,9 +106,7 @@ LAWS = {
         "prandtl-ishlinskii",
         lambda rng, w0, a, U, g: {"weight": rng.uniform(0.1, 0.3), "tilt": rng.uniform(-0.05, 0.05),
                                   "reach": rng.uniform(0.4, 0.8) * U},
-        6,
-        lambda z, v, V, h, p: -p["gain"] * _held(h, V, p),
-        lambda z, v, V, dV, h, p: _plays(h, V, dV, p),
+        held=_held,
     ),
 }  # fmt: skip
 
@@ -152,13 +154,15 @@ def _record(
     def rates(t: float, y: np.ndarray) -> list[float]:
         z, v, *h = y
         V = drive(t)
-        a = p["gain"] * V - w0**2 * z - w0 / p["quality"] * v + law.push(z, v, V, h, p)
+        a = p["gain"] * (V - kept(t)) - w0**2 * z - w0 / p["quality"] * v + law.push(z, v, V, h, p)
         return [v, a, *law.rates(z, v, V, rate(t), h, p)]
 
     lead = LEFT * 2 * p["quality"] / w0
     t = step * np.arange(SAMPLES)
     begin = [0.0] * (2 + law.hidden)
     finest = min(period, 2 * np.pi / w0) / 60
+    fine = np.arange(-lead, t[-1] + finest, period / _FINE) if law.held else np.zeros(1)
+    kept = (lambda t: 0.0) if law.held is None else interp1d(fine, law.held(np.asarray(drive(fine)), p))
     found = solve_ivp(rates, (-lead, t[-1]), begin, "LSODA", t, rtol=1e-8, atol=1e-10 * abs(drive(0)), max_step=finest)
     sigma = float(np.std(found.y[0])) / SIGNAL
     noisy = found.y[0] + sigma * rng.normal(size=SAMPLES)

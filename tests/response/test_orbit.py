@@ -108,8 +108,7 @@ def test_a_motion_left_to_itself_comes_to_the_orbit(name: str) -> None:
     assert np.max(np.abs(short - later)) < 3e-4 * np.ptp(later)
 
 
-# The tangents of plays are kept bounded (`effects.memory.dragged`), and those of their orbits are as rough.
-@pytest.mark.parametrize("name", [name for name in NAMES if name != "prandtl-ishlinskii"])
+@pytest.mark.parametrize("name", NAMES)
 def test_its_derivatives_are_those_of_differences(name: str) -> None:
     _, values, _, unit = made(name)
     directions = np.diag(np.where(values == 0, 1.0, values))
