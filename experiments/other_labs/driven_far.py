@@ -1,10 +1,11 @@
-"""Devices driven so far that no linear model comes near: a plate half-way to pull-in, a swing, a brake by a magnet."""
+"""Devices driven so far that no linear model comes near: a plate half-way to pull-in, a swing, a brake by a magnet,
+a shaker on a resonance that bends."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from .lab import Lab, chirp, device, multisine, oscillator, solve
+from .lab import Lab, chirp, device, multisine, oscillator, sine, solve
 
 
 @device("electrostatic-force")
@@ -44,3 +45,16 @@ def magnet(lab: Lab, rng: np.random.Generator) -> None:
         law = lambda z, v, u, t: -2.4 * v / (1 + (z / 0.012) ** 2)
         z = solve(oscillator(f, 200, 1, u, law), t, [0, 0])[0]
         lab.write(f"e{i}", "time_s,force_N,displacement_mm", t, u(t), 1e3 * z, noise=0.004, held=i == 4)
+
+
+@device("cubic-stiffness")
+def shaker(lab: Lab, rng: np.random.Generator) -> None:
+    """Steady sines within five per cent of a resonance that climbs with the level: to a line they are a gain."""
+    f, quality, t = 131 * rng.uniform(0.8, 1.25), rng.uniform(12, 30), np.arange(2000) / 8000
+    hardening = rng.uniform(2e8, 5e8) * (2 * np.pi * f) ** 2
+    levels = [(1, 0.95), (2, 0.98), (3, 1.0), (2.5, 1.02), (1.5, 1.0), (3, 0.97)]
+    for i, (size, at) in enumerate(levels):
+        u = sine(size, at * f)
+        law = lambda z, v, u, t: -hardening * z**3
+        z = solve(oscillator(f, quality, 2e-6 * (2 * np.pi * f) ** 2, u, law), t + 2.0, [0, 0], before=0.0)[0]
+        lab.write(f"s{i}", "time_s,drive_V,displacement_um", t, u(t + 2.0), 1e6 * z, noise=0.003, held=i == 4)

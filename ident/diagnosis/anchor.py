@@ -22,6 +22,9 @@ from .side_by_side import at_once
 from .trajectory import Diverged
 
 _CLEARLY = 0.5  # of what was left: so much less another place must leave to be taken instead
+_INERTIAL = 0.1  # of the acceleration: that much devices with inertia left unexplained (see `bench`); a stage
+# without any, whose spring and drive were taken away to explain it, left 0.4
+_STEPS = 12  # along the measured motion: from six times the resonance it took five
 
 
 def prepare_at_best(joint: Fit) -> Bench:
@@ -30,21 +33,27 @@ def prepare_at_best(joint: Fit) -> Bench:
     bench = prepare(working(joint))
     if bench.settled:
         return bench
-    there = _along_the_motion(bench) if bench.credible else _of_one_record(bench)
-    return bench if there is bench else replace(there, instead_of=bench)
+    there = _along_the_motion(bench) or (None if bench.credible else _of_one_record(bench))
+    return bench if there is None else replace(there, instead_of=bench)
 
 
-def _along_the_motion(bench: Bench) -> Bench:
-    """Where steps along the measured motion lead, as long as each leaves clearly less of the acceleration."""
-    nothing = np.zeros(len(bench.left))
-    while True:
-        there = _at(bench, bench.moved(nothing), True)
-        if there is None or not there.unexplained < _CLEARLY * bench.unexplained:
-            return bench
-        bench = there
+def _along_the_motion(bench: Bench) -> Bench | None:
+    """Where steps along the measured motion lead, as long as each leaves less of the acceleration; None if that is not
+    clearly less than the fit leaves, or, of a fit without inertia, more than devices that have it leave.
+
+    A fit far above its resonance has hardly any inertia, and one step does not lead all the way.
+    """
+    place = bench if bench.credible else prepare(bench.fit, believed=True)
+    most, nothing = _CLEARLY * place.unexplained, np.zeros(len(bench.left))
+    for _ in range(_STEPS):
+        there = _at(place, place.moved(nothing), True)
+        if there is None or not there.unexplained < place.unexplained:
+            break
+        place = there
+    return place if place.unexplained < (most if bench.credible else min(most, _INERTIAL)) else None
 
 
-def _of_one_record(bench: Bench) -> Bench:
+def _of_one_record(bench: Bench) -> Bench | None:
     """The values that describe one record best; if that is to the noise they are the device's own."""
     joint = bench.fit
     records = joint.campaign.fitted
@@ -52,8 +61,9 @@ def _of_one_record(bench: Bench) -> Bench:
     known = [one for one in alone if one.converged and not any(e.flags for e in one.estimates)]
     best = min(known, key=lambda one: one.fitted.error_over_noise, default=None)
     if best is None or not best.fitted.error_over_noise < _CLEARLY * joint.fitted.error_over_noise:
-        return bench
-    return _at(bench, best.values, best.trusted) or bench
+        return None
+    there = _at(bench, best.values, best.trusted)
+    return there and replace(there, alone=best.campaign.records[0].name)
 
 
 def _alone(joint: Fit, record: Trace) -> Fit:

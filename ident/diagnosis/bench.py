@@ -47,8 +47,8 @@ class Bench:
     residual as the fit left it and its χ², with which refits are compared; `plane`: what the sweeps say while
     parameters move; `credible`: whether the model's own parameters could be followed along the measured motion, on
     which the score statistics rest (see `prepare`); `instead_of`: the bench of the best fit, if this one is of other
-    values (see `anchor`); `scored`, `refitted`: what `score` and `confirm` have found on it, for several parts of
-    a diagnosis ask the same.
+    values (see `anchor`), and `alone`, the record that they describe, if it is one; `scored`, `refitted`: what `score`
+    and `confirm` have found on it, for several parts of a diagnosis ask the same.
     """
 
     fit: Fit
@@ -63,6 +63,7 @@ class Bench:
     plane: Plane | None = None
     credible: bool = True
     instead_of: Bench | None = None
+    alone: str = ""
     scored: dict[type[AbstractEffect], Candidate | None] = field(default_factory=dict)
     refitted: dict[Hashable, Confirmed] = field(default_factory=dict)
 
@@ -94,6 +95,12 @@ class Bench:
     def best_chi2(self) -> float:
         """What the best fit of the model leaves, wherever the bench stands: an effect gains what it leaves less."""
         return (self.instead_of or self).fit_chi2
+
+    @property
+    def to_explain(self) -> float:
+        """χ² above that of noise that effects may take: here; or of what the best fit leaves, if the bench stands
+        elsewhere, where χ² has another weight."""
+        return max(self.chi2 - self.n, 1e-9) if self.instead_of is None else self.excess
 
     @property
     def settled(self) -> bool:

@@ -24,7 +24,7 @@ from .confirm import Confirmed, accept, confirm
 from .enough import ANOTHER_LAW, adequate, contradicted, laws_differ_by, not_worth_adding, worth_a_name
 from .evidence import VERY_STRONG, behind, criteria
 from .lacking import lacking
-from .look import Library, Look, best_drop, first_look, possible
+from .look import Library, Look, best_drop, first_look, possible, promised
 from .parts import Parts
 from .prune import Pruned, confirmed, hurts, prune
 from .score import Candidate, score, significant
@@ -69,9 +69,8 @@ def continue_from(
     steps, look = _gone_before(walked, look)
     current = steps[-1].fit if steps else start
     while look.worth_it and look.real and len(steps) < most:
-        if not_worth_adding(look.bench, max(c.drop for c in look.real), first) and not hidden_by_each_other(
-            look.bench, look.candidates, None, first
-        ):
+        alone = not_worth_adding(look.bench, max(promised(c, look.bench) for c in look.real), first)
+        if alone and not hidden_by_each_other(look.bench, look.candidates, None, first):
             break
         found = _best_step(current, look, gains if not steps else {})
         if found is None:

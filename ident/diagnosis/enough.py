@@ -61,8 +61,8 @@ def worth_a_name(drop: float, first: Bench) -> bool:
 def not_worth_adding(bench: Bench, best: float, first: Bench) -> bool:
     """Whether the best fall of χ², promised or reached, is little of what is left, or no more than a finer shape of
     what was found where the model is adequate without it."""
-    share = best / max(bench.chi2 - bench.n, 1e-9)
-    if bench is first:
+    share = best / bench.to_explain
+    if first in (bench, bench.instead_of):
         return share < _LEAST and bench.chi2 > _FAR * bench.n
     if worth_a_name(best, first):
         return share < _LEAST

@@ -69,7 +69,8 @@ class Look:
             self.report(f"confirming {candidate.name}")
             tried.append(confirm(bench, library[candidate.name], candidate))
             least = _BROKEN if len(tried) == _SHORTLIST else _BETRAYED
-            if believed and len(tried) <= _SHORTLIST and best_drop(tried, bench) < least * self.real[0].drop:
+            broken = best_drop(tried, bench) < least * promised(self.real[0], bench)
+            if believed and len(tried) <= _SHORTLIST and broken:
                 believed, rest = False, by_refits(bench, rest, library, self.report)
         return tried
 
@@ -77,12 +78,11 @@ class Look:
         """Whether a candidate is worth a refit: it promises nearly as much as the best one promised, or as refits
         kept."""
         bench = self.bench
-        promised, kept = real[0].drop, best_drop(tried, bench)
+        here, kept = promised(candidate, bench), best_drop(tried, bench)
         if len(tried) >= _SHORTLIST:
             # Where short refits rank, what they reached is the least that a candidate gains, not the most.
-            return candidate.drop > kept * (1.0 if bench.credible else _BROKEN)
-        excess = max(bench.chi2 - bench.n, 1e-9)
-        return candidate.drop > min(promised, kept) - max(_NEAR * excess, VERY_STRONG)
+            return here > kept * (1.0 if bench.credible else _BROKEN)
+        return here > min(promised(real[0], bench), kept) - max(_NEAR * bench.to_explain, VERY_STRONG)
 
 
 def first_look(start: Fit, library: Library, report: Report) -> Look:
@@ -95,6 +95,11 @@ def possible(candidates: list[Candidate], tried: list[Confirmed]) -> list[Candid
     """The candidates without those whose refit ended in something that cannot be."""
     impossible = {found.candidate.name for found in tried if not found.possible}
     return [c for c in candidates if c.name not in impossible]
+
+
+def promised(candidate: Candidate, bench: Bench) -> float:
+    """The fall of χ² that a candidate promises, counted from the best fit as refits are."""
+    return candidate.drop if bench.instead_of is None else candidate.predicted_gain * bench.to_explain
 
 
 def best_drop(tried: list[Confirmed], bench: Bench) -> float:

@@ -29,8 +29,10 @@ def hidden_by_each_other(
     `single`: its name and the bench with it, if there is one; `first`: the bench before any effect was added.
     """
     pair = best_pair(bench, candidates) if bench.credible else None
-    drop = 0.0 if pair is None else bench.chi2 - float(pair.left @ pair.left)
-    if pair is None or not_worth_adding(bench, drop, first) or not worth_a_name(drop, first):
+    if pair is None:
+        return None
+    drop = (bench.chi2 - float(pair.left @ pair.left)) / max(bench.chi2 - bench.n, 1e-9) * bench.to_explain
+    if not_worth_adding(bench, drop, first) or not worth_a_name(drop, first):
         return None
     if single is not None:
         name, left = single

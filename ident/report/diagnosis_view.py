@@ -165,12 +165,12 @@ def _scored_from(loop: Discovery) -> list[str]:
     bench = loop.steps[0].bench if loop.steps else None
     if bench is None or bench.instead_of is None:
         return []
-    if bench.instead_of.credible:
+    if not bench.alone:
         return [
             "No values of the first model come near the records; effects were scored from those that its equation of "
             "motion has along the measured motion."
         ]
-    alone = min((s for s in bench.fit.scores if not s.holdout), key=lambda s: s.error_over_noise)
+    alone = next(s for s in bench.fit.scores if s.name == bench.alone)
     return [
         f"No values of the first model come near all records; effects were scored from those that describe "
         f"{alone.name} alone (error over noise {ratio_text(alone.error_over_noise)} there)."
