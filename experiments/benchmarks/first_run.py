@@ -8,9 +8,10 @@ effect has left. CPU seconds are user and system time of the whole process, read
 
 Reached, CPU seconds with an empty and with a filled cache, on a machine that others used: `fit` 4.7 and 3.4 (targets 6
 and 2); `discover` 18.7 and 11.1 (20 and 5), with friction 18.5 and 7.7 (30 and 10), where the state before took 6.0 and
-4.8, 18.7 and 13.0, 17.4 and 9.1 in the same run; 100,000 samples 68 and 49 with a filled cache (60). So `--check` fails
-until imports and figures take less than a second, and until no rival of the true effect has to be compiled. Before
-records came on one tape `discover` took 105 and 47 s.
+4.8, 18.7 and 13.0, 17.4 and 9.1 in the same run; 100,000 samples 68 and 49 with a filled cache (60). So `--check`
+fails, and `docs/speed.md` says why. On a busier machine, four times each in turn, ccb70fc: 5.2, 15.9 and 12.2 s with
+a filled cache (`fit`, `discover`, with friction), and its successor 5.1, 15.4 and 11.6. Before records came on one tape
+`discover` took 105 and 47 s.
 """
 
 from __future__ import annotations

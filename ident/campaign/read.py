@@ -17,6 +17,7 @@ import numpy as np
 from ident.errors import UserError
 from ident.units import looks_like_quantity, parse_quantity, to_si
 
+from ..threads import one_thread
 from .binary_table import READERS
 from .campaign import MOST_MODES, Campaign, Prior
 from .device import Device, Oscillator, Platform
@@ -38,6 +39,7 @@ PathLike = str | os.PathLike[str]
 DATA_SUFFIXES = (".csv", ".txt", ".tsv", ".dat", ".asc", ".lvm", *READERS, *INSTRUMENT_READERS)
 
 
+@one_thread
 def read_campaign(data: Any, columns: Mapping[str, str | int] | None = None, **told: Any) -> Campaign:
     """The campaign in a TOML file, in a folder with a `campaign.toml`, in one or more data files, or in memory.
 

@@ -153,7 +153,7 @@ def _prepare(debug: bool) -> None:
     # Our matrices are tall and thin; OpenBLAS's threads, which wait by spinning, made reading a campaign ten times
     # slower on a busy machine. JAX has threads of its own. It works because nothing has imported numpy yet.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    gc.set_threshold(200_000, 20, 100)  # tracing and drawing make many objects and few cycles: a tenth of the time
+    gc.set_threshold(1_000_000, 20, 100)  # a run makes 10⁵ objects that stay and 10³ that only this would find
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a console without "µ" prints "?" instead of failing

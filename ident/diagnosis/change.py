@@ -14,6 +14,7 @@ from ..fit.judge import Score
 from ..fit.rebuild import fit_at
 from ..fit.starts import starting_points
 from ..pulse import Report
+from ..threads import one_thread
 from .bench import prepare
 from .confirm import start_of, with_effect
 from .score import score
@@ -22,6 +23,7 @@ _FEW = 4  # steps after which the better of two starts is known
 ENOUGH = 25  # steps from the parent's values: a model that is as good without the effect, or with another, is near by
 
 
+@one_thread
 def add(parent: Fit, effect: str | type[AbstractEffect], report: Report = lambda _: None, others: int = 4) -> Fit:
     """The parent's model with one effect more, fitted from the parent's values and the size that the score predicts,
     and from so many `others` of its grids.
@@ -37,6 +39,7 @@ def add(parent: Fit, effect: str | type[AbstractEffect], report: Report = lambda
     return fit(model, parent.campaign, initial=[first, *grid], report=report)
 
 
+@one_thread
 def remove(parent: Fit, name: str, report: Report = lambda _: None) -> Fit:
     """The parent's model without one effect, fitted from the parent's values."""
     return fit(parent.model - name, parent.campaign, initial=values_without(parent, name), report=report)

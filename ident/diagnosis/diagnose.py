@@ -17,6 +17,7 @@ from ..fit.fit_data import Effects
 from ..fit.floors import sharpened
 from ..fit.start_score import mostly_starts
 from ..pulse import Report
+from ..threads import one_thread
 from .bench import Bench, prepare
 from .beyond import free_name, go_beyond
 from .discover import Keep, continue_from
@@ -92,6 +93,7 @@ class Diagnosis:
         return f"<p>{escape(repr(self))}</p><p>{escape(self.summary)}</p>{self.to_dataframe().to_html()}"
 
 
+@one_thread
 def discover(
     data: Any, effects: Effects = None, *, report: Report = lambda _: None, effect_file: Path | None = None, **told: Any
 ) -> Diagnosis:
@@ -102,6 +104,7 @@ def discover(
     return diagnose(fit_data(data, effects, report=report, **told), None, report, effect_file, keeps_walk=True)
 
 
+@one_thread
 def diagnose(
     fitted: Fit | Walked,
     library: Mapping[str, type[AbstractEffect]] | None = None,

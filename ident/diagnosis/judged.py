@@ -13,6 +13,7 @@ from ..fit import Fit
 from ..posterior import attribution, result
 from ..posterior import compare as comparison
 from ..posterior.sampler import Progress
+from ..threads import one_thread
 from .missing import missing
 
 
@@ -21,6 +22,7 @@ def doubts(fit: Fit) -> tuple[str, ...]:
     return missing(fit, registry(fit.campaign.effect_files))
 
 
+@one_thread
 def sample(
     fit: Fit,
     chain_file: Path | None = None,
@@ -42,6 +44,7 @@ def sample(
     )
 
 
+@one_thread
 def compare(fits: Sequence[tuple[str, Fit]]) -> comparison.Comparison:
     """Weigh named fits by evidence, by what they predict of left-out stretches, by held-out records.
 
@@ -50,6 +53,7 @@ def compare(fits: Sequence[tuple[str, Fit]]) -> comparison.Comparison:
     return comparison.compare(fits, doubts)
 
 
+@one_thread
 def attribute(
     fit: Fit, draws: np.ndarray | None = None, *, chain_file: Path | None = None, seed: int = 0
 ) -> attribution.Attribution:

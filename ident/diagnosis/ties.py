@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc  # not `scipy.stats`, whose import takes half a second
 
 from ..campaign.device import Platform
 from ..effects.effect import AbstractEffect
@@ -116,7 +116,7 @@ def tie_set(
 def _is_itself(part: Confirmed, whole: Confirmed, n: float) -> bool:
     """Whether a law that contains another has become that one: what its further numbers take is no more than chance."""
     more = whole.model.numbers - part.model.numbers
-    return bool(chi2.sf(n * np.log(part.chi2 / whole.chi2), more) > _CHANCE)
+    return bool(chdtrc(more, max(n * np.log(part.chi2 / whole.chi2), 0.0)) > _CHANCE)
 
 
 def left_after(bench: Bench, candidate: Candidate, refits: Mapping[str, Confirmed]) -> float:

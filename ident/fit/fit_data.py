@@ -13,6 +13,7 @@ from ..campaign.campaign import Campaign
 from ..campaign.read import read_campaign
 from ..effects.effect import AbstractEffect
 from ..model import Model, make_effect
+from ..threads import one_thread
 from .fit import fit
 from .floors import sharpened
 from .result import Fit, SigmaChoice
@@ -22,6 +23,7 @@ Effects = Model | Sequence[str | type[AbstractEffect]] | str | None
 """A model, or what `model_for` makes one of: names of effects, or classes of one's own."""
 
 
+@one_thread
 def fit_data(
     data: Any,
     effects: Effects = None,

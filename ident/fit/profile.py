@@ -19,6 +19,7 @@ import numpy as np
 from ..errors import UserError
 from ..model import QUALITY, Model, ModelParameter
 from ..response import lay_out
+from ..threads import one_thread
 from ..units import format_quantity
 from . import solve
 from .assemble import assemble, at_values, begin
@@ -121,6 +122,7 @@ class _Point(NamedTuple):
     converged: bool
 
 
+@one_thread
 def profile(fit: Fit, name: str, *, robust: bool = False, report: Callable[[str], None] = lambda _: None) -> Profile:
     """Profile one fitted parameter: ±3 standard errors around the optimum, or a decade if it is undetermined.
 

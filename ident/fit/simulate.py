@@ -14,6 +14,7 @@ from ..campaign.record import Trace
 from ..errors import UserError
 from ..model import Model
 from ..pulse import Report
+from ..threads import one_thread
 from .change_values import changed_values
 from .fit_data import Effects, model_for
 from .guess import data_scales, guess_linear
@@ -59,6 +60,7 @@ class Simulation(NamedTuple):
         return f"<Simulation of {len(self.records)} records by {effects}>"
 
 
+@one_thread
 def simulate(
     data: Any,
     effects: Effects = None,

@@ -12,6 +12,7 @@ from ..campaign.campaign import Campaign
 from ..campaign.read import read_campaign
 from ..campaign.suspect import Suspect, suspects_by_data
 from ..campaign.trust import is_trusted
+from ..threads import one_thread
 from .data_judgement import about, judgement_dict, judgement_sheet, remarks, what_the_records_tell
 from .sheet import Sheet, sheet_text
 from .sweep_words import run_sheet
@@ -84,6 +85,7 @@ class Check:
         return self.to_dataframe().to_html() + "".join(f"<p>{escape(sentence)}</p>" for sentence in said)
 
 
+@one_thread
 def check(data: Any, columns: Mapping[str, str | int] | None = None, **told: Any) -> Check:
     """Read and judge data without any model; `print(ident.check("a.csv"))` says what `ident check` says.
 

@@ -23,6 +23,7 @@ from ..campaign.opening import MOST_DATA, exists, read_bytes
 from ..errors import UserError
 from ..fit import Fit
 from ..model import Model
+from ..threads import one_thread
 from .html import Section, write_report
 from .new_folder import OWN, link_or_copy, new_folder
 from .parts import FILE as PARTS
@@ -37,6 +38,7 @@ _LONGEST_NAME = 255  # bytes, on every file system in use
 PathLike = str | os.PathLike[str]
 
 
+@one_thread
 def write_run(
     fit: Fit,
     folder: PathLike,
@@ -126,6 +128,7 @@ def read_run(folder: PathLike) -> dict[str, Any]:
     return document
 
 
+@one_thread
 def load_run(folder: PathLike) -> Fit:
     """The Fit that a run folder holds, rebuilt from the campaign's files without fitting again.
 
