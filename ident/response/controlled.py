@@ -5,7 +5,8 @@ infinite. The other way round there is one answer: at a given frequency and ampl
 move smoothly with every parameter. A point that was measured lies on no branch and beyond no fold; nothing jumps.
 
 It is the force of the actuator that is asked about, s times what the measured level gives, and not another level: an
-actuator that saturates may have none with which it reaches as far.
+actuator that saturates may have none with which it reaches as far. What the drive adds to the reading past the stage
+counts s times, too: beside a force alone it would leave two answers beyond an antiresonance, and none at it.
 
 The unknowns are the state y at the beginning of a period and the share s; the equations Φ(y; s) = y and |Y₁| = A are
 solved by Newton's method from the balance of the fundamental alone.

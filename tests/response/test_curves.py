@@ -63,6 +63,24 @@ def test_derivatives_are_those_of_differences() -> None:
         np.testing.assert_allclose(slope, (up - down) / (2e-6 * value), rtol=1e-5)
 
 
+def test_a_drive_that_reaches_the_sensor_past_the_stage_leaves_one_answer_at_an_antiresonance() -> None:
+    """Without the share, a reading beyond its least would be answered by two forces, and one below it by none."""
+    device, leak = Oscillator(), 9e-3
+    model = Model(device) + built_in()["sensor-crosstalk"](device)
+    frequency = np.linspace(36.0, 44.0, 33)
+    omega, own = 2 * np.pi * frequency, 2 * np.pi * FREQUENCY
+    exact = GAIN / (own**2 - omega**2 + 1j * own * omega / QUALITY) + leak
+    assert np.min(np.abs(exact)) < 0.2 * leak
+    there = Periodic(Equation(model), np.array([FREQUENCY, QUALITY, GAIN, leak, 0.0]), STEPS)
+    found = at_amplitude(there, points(frequency, np.abs(exact)))
+    assert found.converged.all()
+    np.testing.assert_allclose(found.share, 1.0, rtol=1e-4)
+    np.testing.assert_allclose(found.tone, exact, rtol=1e-4)
+    weaker = Periodic(Equation(model), np.array([FREQUENCY, QUALITY, GAIN, 0.7 * leak, 0.0]), STEPS)
+    far = at_amplitude(weaker, points(frequency, np.abs(exact)))
+    assert far.converged.all() and np.all(far.share > 0)
+
+
 def test_a_long_transient_of_an_independent_solver_ends_where_the_curve_is() -> None:
     level, frequency = 1.0, 42.0
     omega, own = 2 * np.pi * frequency, 2 * np.pi * FREQUENCY
