@@ -30,6 +30,7 @@ from ident import runtime
 
 runtime.configure()
 
+from experiments.hidden_effects.laws import INDEX, LAWS  # noqa: E402
 from ident.campaign import read_campaign  # noqa: E402  (JAX must be configured first)
 from ident.diagnosis.discover import discover  # noqa: E402
 from ident.effects.registry import built_in  # noqa: E402
@@ -122,9 +123,11 @@ def first_right(row: Row) -> bool:
 
 
 def in_tie_set(row: Row) -> bool:
-    """Whether the hidden effect itself, by its own name, is among what the first step leaves open."""
+    """Whether the hidden effect itself, or one that no record of any kind tells from it, is among what the first step
+    leaves open: the library's arch force is a part of residual stress, and alone it is a quadratic spring."""
     first = row["steps"][0] if row["steps"] else {"added": "", "ties": []}
-    return row["effects"][0] in {first["added"], *first["ties"]}
+    name = row["effects"][0]
+    return bool({name, *LAWS[INDEX[name]].alike} & {first["added"], *first["ties"]})
 
 
 def alarm(row: Row) -> bool:

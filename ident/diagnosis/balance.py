@@ -29,7 +29,11 @@ _REWEIGHED, _SETTLED = 3, 0.01  # times that weights are renewed, at most; fall 
 
 class Balanced(NamedTuple):
     """`step` (k + q,) of the model's own parameters and of the amplitudes; what is `left` (n,), white; `slopes` (k + q,
-    n) of what the readings do there."""
+    n) of what the readings do there.
+
+    An amplitude that acts by its square alone has no slope at zero that would lead a refit away from there: where the
+    search leaves it, it steps as far as its square moves the numbers by one noise floor in all.
+    """
 
     step: np.ndarray
     left: np.ndarray
@@ -80,7 +84,12 @@ def balanced(bench: Bench, samples: np.ndarray, moves: Moves) -> Balanced:
         if not other.cost() < best.cost() * (1 - _SETTLED):
             break
         best = other
-    return Balanced(best.x * scale, best.left, best.slopes)
+    with np.errstate(all="ignore"):
+        drives, given = needed[0] + best.x @ both.drives + best.x**2 @ both.bends, 1.0 + best.x @ both.shares
+        squares = best.plane.slopes(drives, given, both._replace(drives=both.bends, shares=np.zeros_like(both.shares)))
+        faint = 1.0 / np.sqrt(np.linalg.norm(squares, axis=1))
+    unseen = np.isfinite(faint) & (np.abs(best.x) < faint)
+    return Balanced(np.where(unseen, np.copysign(faint, best.x), best.x) * scale, best.left, best.slopes)
 
 
 class _End(NamedTuple):
