@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ident.campaign.campaign import Campaign
@@ -13,7 +15,7 @@ from ident.diagnosis.score import score
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.model import Model
-from tests.fit.test_curves import FREQUENCY, GAIN, METRE, QUALITY, VOLT
+from tests.fit.test_curves import FREQUENCY, GAIN, METRE, QUALITY, VOLT, sweep
 
 STEPS, PERIODS, PER_VOLT, SIGMA = 48, 400, 14000.0, 3e-6
 
@@ -55,3 +57,15 @@ def test_a_stiffness_that_follows_the_voltage_is_refitted_from_where_it_acts() -
     assert refitted.chi2 < 1.3 * bench.n
     values = dict(zip((p.name for p in refitted.model.parameters), refitted.values, strict=True))
     np.testing.assert_allclose(abs(values["voltage-stiffness.per_volt"]), PER_VOLT, rtol=0.1)
+
+
+def test_a_turn_of_the_drive_that_amplitudes_hardly_show_is_not_refitted_from_zero() -> None:
+    """A drive that saturates; that its loss is zero is no place to start from, as amplitudes know its square alone."""
+    device = Oscillator(output="m")
+    whole = [(level, sweep(level, 0.0, False, k)) for k, level in enumerate((0.2, 0.35, 0.5))]
+    less = [replace(one, amplitude=(1 - 0.4 * level**2) * one.amplitude) for level, one in whole]
+    bench = prepare(fit(Model(device), Campaign("", tuple(less), device)))
+    effect = built_in()["pzt-hysteresis"]
+    (found,) = score(bench, {effect.name: effect})
+    assert abs(found.values["zeta"]) > 1e-3 * abs(found.values["eta"]) > 0
+    assert confirm(bench, effect, found).chi2 < 1.3 * bench.n
