@@ -30,6 +30,8 @@ from ident import runtime
 
 runtime.configure()
 
+from experiments.hidden_effects.laws import INDEX, LAWS  # noqa: E402
+from experiments.hidden_effects.tables import FAILS  # noqa: E402
 from ident.campaign import read_campaign  # noqa: E402  (JAX must be configured first)
 from ident.diagnosis.discover import discover  # noqa: E402
 from ident.effects.registry import built_in  # noqa: E402
@@ -122,9 +124,11 @@ def first_right(row: Row) -> bool:
 
 
 def in_tie_set(row: Row) -> bool:
-    """Whether the hidden effect itself, by its own name, is among what the first step leaves open."""
+    """Whether the hidden effect itself, or one that no record of any kind tells from it, is among what the first step
+    leaves open: the library's arch force is a part of residual stress, and alone it is a quadratic spring."""
     first = row["steps"][0] if row["steps"] else {"added": "", "ties": []}
-    return row["effects"][0] in {first["added"], *first["ties"]}
+    name = row["effects"][0]
+    return bool({name, *LAWS[INDEX[name]].alike} & {first["added"], *first["ties"]})
 
 
 def alarm(row: Row) -> bool:
@@ -137,8 +141,9 @@ def share(rows: Sequence[Row], holds: Callable[[Row], bool]) -> float:
 
 def show(part: Part, rows: Sequence[Row]) -> None:
     """Print the table of a part, and every case that went wrong."""
-    seen = [row for row in rows if row["visible"]]
-    print(f"\n{part}: {len(seen)} cases; {len(rows) - len(seen)} effects could not be made as large as asked")
+    seen, small = to_be_seen(rows), sum(not row["visible"] for row in rows)
+    print(f"\n{part}: {len(seen)} cases; {small} effects could not be made as large as asked, and the linear model "
+          f"describes {len(rows) - small - len(seen)}")  # fmt: skip
     if not seen:
         return
     ratios = [row["sigma_ratio"] for row in seen]
@@ -171,9 +176,14 @@ def told(row: Row) -> str:
             f"error over noise {row['before']} -> {row['after']}")  # fmt: skip
 
 
+def to_be_seen(rows: Sequence[Row]) -> list[Row]:
+    """The cases in which the linear model fails: of a lag, say, nearly all is phase, and amplitudes do not show it."""
+    return [row for row in rows if row["visible"] and (row["part"] == "nulls" or row["before"] > FAILS)]
+
+
 def check(part: Part, rows: Sequence[Row]) -> None:
     """Assert that a part meets its targets."""
-    seen = [row for row in rows if row["visible"]]
+    seen = to_be_seen(rows)
     if part == "nulls":
         assert share(seen, alarm) <= 0.01, share(seen, alarm)
     elif part == "phase":

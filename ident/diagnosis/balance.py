@@ -23,13 +23,18 @@ if TYPE_CHECKING:
 
 _ROUNDS = 60
 _STARTS = (0.0, 0.3, -0.3)  # of the drive that was there, as size of the effect
+_TRIED = 0.01  # of the drive that was there: by so much an amplitude moves to tell its square from its slope
 _SMALL = 1e-9  # fall of χ², as a share, that ends a search
 _REWEIGHED, _SETTLED = 3, 0.01  # times that weights are renewed, at most; fall of χ² by that, as a share, that ends it
 
 
 class Balanced(NamedTuple):
     """`step` (k + q,) of the model's own parameters and of the amplitudes; what is `left` (n,), white; `slopes` (k + q,
-    n) of what the readings do there."""
+    n) of what the readings do there.
+
+    An amplitude that acts by its square alone, as an even force does, or a turn of the drive where phases were not
+    measured, has no slope at zero that would lead a refit away from there: where the search leaves it, it steps off.
+    """
 
     step: np.ndarray
     left: np.ndarray
@@ -80,7 +85,10 @@ def balanced(bench: Bench, samples: np.ndarray, moves: Moves) -> Balanced:
         if not other.cost() < best.cost() * (1 - _SETTLED):
             break
         best = other
-    return Balanced(best.x * scale, best.left, best.slopes)
+    step = best.x.copy()
+    for i in range(own, len(step)):
+        step[i] = _off_zero(best, lambda x: at(x, best.plane)[0], i)
+    return Balanced(step * scale, best.left, best.slopes)
 
 
 class _End(NamedTuple):
@@ -95,6 +103,18 @@ class _End(NamedTuple):
         """χ²; infinite where it is no number."""
         cost = float(self.left @ self.left)
         return cost if np.isfinite(cost) else np.inf
+
+
+def _off_zero(end: _End, left: Callable[[np.ndarray], np.ndarray], i: int) -> float:
+    """Number i of a search's end; where it acts by its square rather than its slope, not nearer to zero than where its
+    square moves all numbers together by one noise floor."""
+    tried, slope = end.x.copy(), end.slopes[i]
+    tried[i] += _TRIED
+    with np.errstate(all="ignore"):
+        square = np.linalg.norm(left(tried) - end.left + _TRIED * slope) / _TRIED**2
+    faint = 1.0 / np.sqrt(square) if np.isfinite(square) and square > 0 else 0.0
+    by_square = np.linalg.norm(slope) * faint < 1.0
+    return float(np.copysign(max(abs(end.x[i]), faint), end.x[i])) if by_square else float(end.x[i])
 
 
 def samples_of(bench: Bench) -> int:

@@ -3,10 +3,11 @@
 At a measured point the stage moves, to first order, as Re(a e^{iωt}) with the a that was measured. A force of which the
 model knows nothing is one that the drive need not bring along, and what a sensor adds is no motion:
 
-    Û → (Û − δF₁/G + Û (ε Re ρ + i Im ρ))/(1 + δD₁/(G U)),  ρ = −δs₁/Y₁,  ε = d ln Û/d ln A
+    Û → (Û − δF₁/G − (ε − 1) Û Re ρ)/(1 + δD₁/(G U) + s ρ),  ρ = δs₁/Y₁,  ε = d ln Û/d ln A
 
 with the fundamentals of forces on the stage F₁, of what the actuator adds to the drive D₁ and of what the sensor adds
-s₁. That holds however large an effect is.
+s₁, and the share s that the model needs. That holds however large an effect is; what a sensor adds, as long as the
+stage is linear (ε = 1): it then reads s times the sum of what the drive does to stage and sensor.
 
 An even force (z², V z) has no fundamental on such a motion. It shifts the mean and makes overtones, and on the motion
 with these it has one, which grows with its square:
@@ -160,11 +161,10 @@ def _columns(
             found.append((said,))
         (real,) = joined(found, len(points.level))
         push, driven, shown, bent = real[::2] + 1j * real[1::2]
-        offset = -shown / steady.tone
-        change = -push / (gain * steady.share * points.level) + stretch * offset.real + 1j * offset.imag
-        drives.append(steady.needed * change)
+        past = shown / steady.tone
+        drives.append(steady.needed * (-push / (gain * steady.share * points.level) - (stretch - 1.0) * past.real))
         bends.append(np.where(push == 0, steady.needed * -bent / (gain * steady.share * points.level), 0.0))
-        shares.append(driven / (gain * points.level))
+        shares.append(driven / (gain * points.level) + steady.share * past)
     return np.array(drives), np.array(bends), np.array(shares)
 
 

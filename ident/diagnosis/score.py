@@ -124,6 +124,9 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
         own = None if moves is None else moves.rows(rows)
         if own is not None and (basis.shape[1] or np.any(own.bends)):
             tried.append(_balanced_point(bench, names, amplitudes, point, one_sided, raw[rows], own, rows))
+            even = np.any(own.bends, axis=1)
+            if np.any(even) and not np.all(even):  # with the others it may be left at zero, where it has no slope
+                tried.append(_balanced_point(bench, names, amplitudes, point, one_sided, raw[rows], own, rows, even))
         elif basis.shape[1]:
             found = _estimate(bench, names, amplitudes, point, projected[rows])
             sizes = [found[name] for name in one_sided]
@@ -166,9 +169,13 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
 
 def _balanced_point(
     bench: Bench, names: list[str], amplitudes: list[int], point: np.ndarray, one_sided: list[str], raw: np.ndarray,
-    moves: Moves, rows: slice,
+    moves: Moves, rows: slice, some: np.ndarray | None = None,
 ) -> _Point:  # fmt: skip
-    """One point of an effect's grid where there are sweeps: amplitudes by the balance of the fundamental."""
+    """One point of an effect's grid where there are sweeps: amplitudes, or `some` (q,) of them with the others at zero,
+    by the balance of the fundamental."""
+    if some is not None:
+        raw, moves = raw[some], moves.rows(np.flatnonzero(some))
+        amplitudes = [a for a, kept in zip(amplitudes, some, strict=True) if kept]
     found: Balanced = balanced(bench, raw[:, : samples_of(bench)], moves)
     own = len(bench.directions)
     values = dict(zip(names, (float(x) for x in point), strict=True))

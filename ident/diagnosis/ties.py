@@ -72,11 +72,12 @@ def tie_set(
 
     as long as it explains nearly as much, so that a misfit of the laws themselves widens the set. A parameter counts
     what chance gives it, 1, and not the ln n that selects a model: an effect that explains the data with one number
-    more is still an explanation. Only a law that contains the best one as a part pays the full price for its other
-    parts, and is that one itself where they take no more than chance. n counts the independent samples in what the best
-    one leaves. Refits replace predictions where there are any; where there are none, an effect whose signature is
-    nearly the same, or is known to pass for the other, stays in. Where noise is small against the misfit, laws of one
-    kind differ by more than noise: a refit within that stays in, unless it needs several numbers more to come as close.
+    more is still an explanation. Only a law that contains the best one as a part pays, where there are traces, the full
+    price for its other parts, and is that one itself where they take no more than chance. n counts the independent
+    samples in what the best one leaves. Refits replace predictions where there are any; where there are none, an effect
+    whose signature is nearly the same, or is known to pass for the other, stays in. Where noise is small against the
+    misfit, laws of one kind differ by more than noise: a refit within that stays in, unless it needs several numbers
+    more to come as close.
 
     **Arguments:** `candidates`: as scored on the same bench; `confirmed`: refits of some of them.
     """
@@ -89,7 +90,8 @@ def tie_set(
         both = best.name in refits and other.name in refits
         chosen = refits if both else {}
         least, left = left_after(bench, best, chosen), left_after(bench, other, chosen)
-        wider = best.name in library[other.name].contains
+        # Its further parts would show in traces; on curves a mean and overtones are not seen, and say nothing.
+        wider = best.name in library[other.name].contains and bool(bench.fit.campaign.fitted)
         price = float(np.log(bench.n)) if wider else 1.0
         behind = n * float(np.log(left / least)) + price * (other.dof - best.dof)
         as_much = left - least < max(VERY_STRONG, (1.0 - AS_MUCH) * (bench.excess + bench.n - least))

@@ -5,7 +5,8 @@ infinite. The other way round there is one answer: at a given frequency and ampl
 move smoothly with every parameter. A point that was measured lies on no branch and beyond no fold; nothing jumps.
 
 It is the force of the actuator that is asked about, s times what the measured level gives, and not another level: an
-actuator that saturates may have none with which it reaches as far.
+actuator that saturates may have none with which it reaches as far. What the drive adds to the reading past the stage
+counts s times, too: beside a force alone it would leave two answers beyond an antiresonance, and none at it.
 
 The unknowns are the state y at the beginning of a period and the share s; the equations Φ(y; s) = y and |Y₁| = A are
 solved by Newton's method from the balance of the fundamental alone.
@@ -147,7 +148,8 @@ def at_amplitude(model: Periodic, points: Points, start: np.ndarray | None = Non
         first[new] = begin(model, points.some(new))
     hidden = np.max(np.abs(first[:, 2:n]), axis=0, initial=0.0)
     omega = 2 * np.pi * points.frequency
-    scale = np.column_stack([points.amplitude, omega * points.amplitude,
+    size = points.amplitude + np.abs(_past(model, points))  # near an antiresonance the stage moves more than is read
+    scale = np.column_stack([size, omega * size,
                              np.broadcast_to(np.where(hidden > 0, hidden, 1.0), (len(first), n - 2)),
                              np.ones(len(first)), 1e-3 * points.frequency])  # fmt: skip
     seat = Seat(points.level, points.load, scale)
@@ -215,11 +217,20 @@ def begin(model: Periodic, points: Points) -> np.ndarray:
     """Unknowns by the balance of the fundamental alone, (points, n + 2)."""
     still = ride(model, points.level, points.frequency, points.load, points.amplitude + 0j)
     needed = still.force / np.where(still.given == 0, np.inf, still.given)  # if the stage moves as A cos ωt
-    motion = points.amplitude * np.exp(-1j * np.angle(needed))
+    motion, share = points.amplitude * np.exp(-1j * np.angle(needed)), np.maximum(np.abs(needed), 1e-6)
+    # Beside what the drive adds to the reading the stage moves more than is read, or less.
+    less = points.amplitude / np.maximum(np.abs(motion + share * _past(model, points)), 1e-3 * points.amplitude)
+    motion, share = less * motion, less * share
     moved = ride(model, points.level, points.frequency, points.load, motion)
     velocity = np.real(2j * np.pi * points.frequency * motion)
-    share = np.maximum(np.abs(needed), 1e-6)
     return np.column_stack([np.real(motion), velocity, moved.hidden, share, points.frequency])
+
+
+def _past(model: Periodic, points: Points) -> np.ndarray:
+    """(points,) complex fundamental of what the drive adds to the reading past the stage, m."""
+    if not any(effect.overrides("sensor") for effect in model.equation.model.effects):
+        return np.zeros(len(points.level), complex)
+    return ride(model, points.level, points.frequency, points.load, np.zeros(len(points.level), complex)).added
 
 
 def _equations(seen: Look, seat: Seat, points: Points) -> tuple[np.ndarray, np.ndarray]:

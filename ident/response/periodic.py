@@ -33,7 +33,7 @@ from .system import Equation, System, assemble, derivative, reading, slices, tan
 
 SHARE, FREQUENCY = -2, -1  # places of s and f in the unknowns w = (y, s, f) of a point
 POINTS = 32  # looked at side by side: one program for any number of them
-_WIDTHS = (4, 8, 12, 16)  # directions of one look
+_WIDTHS = (4, 8, 12, 16)  # directions of one look along values; along unknowns as many as a search takes
 _STEPS = (64, 96, 128, 256)  # of the solver per period
 
 
@@ -126,17 +126,19 @@ class Periodic:
     def look(self, unknowns: np.ndarray, seat: Seat, along: np.ndarray) -> Look:
         """One period from `unknowns` (points, n + 2), and how it changes along directions (d, n + 2) of them, in units
         of the seat's scale."""
-        return self._seen(by_unknowns, unknowns, seat, along)
+        return self._seen(by_unknowns, unknowns, seat, along, (min(self.size + 1, _WIDTHS[-1]),))
 
     def look_by_values(self, unknowns: np.ndarray, seat: Seat, directions: np.ndarray) -> Look:
         """The same along directions (d, m) of the values."""
-        return self._seen(by_values, unknowns, seat, directions)
+        return self._seen(by_values, unknowns, seat, directions, _WIDTHS)
 
-    def _seen(self, program: Program, unknowns: np.ndarray, seat: Seat, along: np.ndarray) -> Look:
+    def _seen(
+        self, program: Program, unknowns: np.ndarray, seat: Seat, along: np.ndarray, widths: tuple[int, ...]
+    ) -> Look:
         d = len(along)
-        width = next((w for w in _WIDTHS if w >= d), _WIDTHS[-1])
+        width = next((w for w in widths if w >= d), widths[-1])
         if d > width:  # more directions than one program takes
-            parts = [self._seen(program, unknowns, seat, part) for part in (along[:width], along[width:])]
+            parts = [self._seen(program, unknowns, seat, part, widths) for part in (along[:width], along[width:])]
             return Look(*parts[0][:3], *(np.concatenate([part[k] for part in parts]) for k in range(3, 6)))
         along = np.concatenate([along, np.zeros((width - d, along.shape[1]))])
         found = []
@@ -270,11 +272,13 @@ def _all_points(
 
 class Ride(NamedTuple):
     """Hidden states at the beginning of a period; complex fundamentals of the `force` that the stage needs to move
-    along a given motion, and of the force that the actuator has `given`, N, relative to the drive; per point."""
+    along a given motion, of the force that the actuator has `given`, N, and of what the sensor has `added`, m, relative
+    to the drive; per point."""
 
     hidden: np.ndarray
     force: np.ndarray
     given: np.ndarray
+    added: np.ndarray
 
 
 def ride(model: Periodic, level: np.ndarray, frequency: np.ndarray, load: np.ndarray, motion: np.ndarray) -> Ride:
@@ -289,8 +293,8 @@ def ride(model: Periodic, level: np.ndarray, frequency: np.ndarray, load: np.nda
     for rows in batches(len(level)):
         arrays = (level[rows], frequency[rows], load[rows], np.real(motion)[rows], np.imag(motion)[rows], model.circle)
         found.append(along_motion(model.equation, model.equation.constants, model.values, *arrays))
-    hidden, real, imaginary, push, turn = joined(found, len(level))
-    return Ride(hidden.T, real + 1j * imaginary, push + 1j * turn)
+    hidden, real, imaginary, push, turn, shown, across = joined(found, len(level))
+    return Ride(hidden.T, real + 1j * imaginary, push + 1j * turn, shown + 1j * across)
 
 
 @program
@@ -308,7 +312,7 @@ def along_motion(
         v = -omega * (real * sine + imaginary * cosine)
         voltage, rate, still = level * cosine, -level * omega * sine, 0.0 * cosine
         seen = Seen(z, v, voltage, rate, still, step, omega, system.gain, 0.0)
-        hidden, acting, given = [], 0.0 * z, system.gain * voltage
+        hidden, acting, given, added = [], 0.0 * z, system.gain * voltage, 0.0 * z
         for effect, own in zip(system.effects, slices(equation), strict=True):
             if own is None:
                 given = given + _given(
@@ -323,11 +327,17 @@ def along_motion(
                 off = system.drive(0.0, 0.0)
                 one = lambda z, v, h, effect=effect, off=off: effect.force(State(z, v, tuple(h)), off, 0.0)
                 acting = acting + jax.vmap(one, in_axes=(0, 0, 1 if len(path) else None))(z, v, path)
+            if effect.overrides("sensor"):
+                shown = lambda z, v, h, u, r, effect=effect: effect.sensor(
+                    State(z, v, tuple(h)), system.drive(u, r), 0.0
+                )
+                axes = (0, 0, 1 if len(path) else None, 0, 0)
+                added = added + jax.vmap(shown, in_axes=axes)(z, v, path, voltage, rate)
         n = circle.shape[1] - 1
         line = lambda x: (2 / n * jnp.sum(x * cosine[:-1]), -2 / n * jnp.sum(x * sine[:-1]))
         (push, turn), spring = line(acting[:-1]), system.stiffness - system.mass * omega**2
         needed = (spring * real - omega * system.damping * imaginary - push,
                   spring * imaginary + omega * system.damping * real - turn)  # fmt: skip
-        return jnp.stack(hidden) if hidden else jnp.zeros(0), *needed, *line(given[:-1])
+        return jnp.stack(hidden) if hidden else jnp.zeros(0), *needed, *line(given[:-1]), *line(added[:-1])
 
     return jax.vmap(point, out_axes=-1)(level, frequency, load, real, imaginary)

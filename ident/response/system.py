@@ -105,11 +105,19 @@ class System(NamedTuple):
     omega: Any = 0.0
     moving: Any = 0.0
     order: Any = 0.0
-    share: Any = 1.0  # of what the actuator gives, that acts on the stage
+    share: Any = 1.0  # of what the actuator gives, that acts on the stage; of the drive, that the sensor sees past it
 
     def drive(self, voltage: Any, rate: Any) -> Drive:
         """The drive as the effects see it."""
         return Drive(voltage, rate, self.omega, self.gain, self.moving, self.order)
+
+    def drive_of(self, effect: AbstractEffect, voltage: Any, rate: Any) -> Drive:
+        """The same as an effect sees it with the actuator's share: one that adds to the reading adds that share, too.
+
+        Past an antiresonance a reading would else be answered by two shares, or by none.
+        """
+        past = effect.overrides("sensor") and not effect.overrides("force")
+        return self.drive(self.share * voltage, self.share * rate) if past else self.drive(voltage, rate)
 
     def at(self, block: Block) -> System:
         """The same in a block of a record."""
@@ -155,13 +163,12 @@ def derivative(
     """(ż, v̇, hidden rates) of the state `y` at `at` = (V, V̇, t), and the remembered force if there is one."""
     voltage, rate, t, *remembered = at
     z, v, *hidden = y
-    drive = system.drive(voltage, rate)
     given, force, rates = sum(remembered, system.gain * voltage), -system.damping * v - system.stiffness * z, []
     for effect, own in zip(system.effects, parts, strict=True):
         if own is None:
             continue
         memory = tuple(hidden[own])
-        state = State(z, v, memory)
+        state, drive = State(z, v, memory), system.drive_of(effect, voltage, rate)
         if effect.overrides("force"):
             force = force + effect.force(state, drive, t)
         if effect.overrides("drive"):
@@ -180,7 +187,7 @@ def reading(
     shown = jnp.where(system.order > 1, acceleration, jnp.where(system.order > 0, v, z))
     for effect, own in zip(system.effects, parts, strict=True):
         if own is not None and effect.overrides("sensor"):
-            shown = shown + effect.sensor(State(z, v, tuple(hidden[own])), system.drive(voltage, rate), t)
+            shown = shown + effect.sensor(State(z, v, tuple(hidden[own])), system.drive_of(effect, voltage, rate), t)
     return shown
 
 

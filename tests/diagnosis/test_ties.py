@@ -21,6 +21,7 @@ from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.fit.reading import read
 from ident.model import Model
+from tests.fit.test_curves import sweep
 
 LIBRARY = built_in()
 N = 600
@@ -96,6 +97,17 @@ def test_a_law_that_contains_another_is_that_one_where_its_further_numbers_say_n
     library = {name: LIBRARY[name] for name in ("electrostriction", "electrostatic-force", "coulomb-friction")}
     found = discover(Model(campaign.device), campaign, library)
     assert [step.tie_set for step in found.steps] == [(hidden,)] and found.verdict == "identified"
+
+
+def test_on_curves_a_law_that_contains_another_stays_beside_it(bench: Bench) -> None:
+    """What would tell it, a mean and overtones, is in traces and not in curves."""
+    sweeps = Campaign("", (sweep(0.2, 0.0, False),), Oscillator(output="m"))
+    for where, tied in ((bench, False), (prepare(fit(Model(Oscillator(output="m")), sweeps)), True)):
+        line = np.random.default_rng(8).standard_normal(where.n)
+        disturbed = with_misfit(where, 2.0 * line)
+        best = candidate(disturbed, "cubic-stiffness", line)
+        other = candidate(disturbed, "residual-stress", line)._replace(dof=4)
+        assert ("residual-stress" in tie_set(disturbed, best, [best, other], LIBRARY).names) is tied
 
 
 def test_an_effect_without_a_score_is_reported_as_unseen(bench: Bench, lines: tuple[np.ndarray, np.ndarray]) -> None:

@@ -63,6 +63,25 @@ def test_derivatives_are_those_of_differences() -> None:
         np.testing.assert_allclose(slope, (up - down) / (2e-6 * value), rtol=1e-5)
 
 
+@pytest.mark.parametrize("quality", [50.0, 2000.0])
+def test_a_drive_that_reaches_the_sensor_past_the_stage_leaves_one_answer_at_an_antiresonance(quality: float) -> None:
+    """Without the share, a reading beyond its least would be answered by two forces, and one below it by none. The
+    stage may move many times as far as is read there."""
+    device, leak, frequency = Oscillator(), 9e-3, np.linspace(41.5, 44.5, 61)
+    model = Model(device) + built_in()["sensor-crosstalk"](device)
+    omega, own = 2 * np.pi * frequency, 2 * np.pi * FREQUENCY
+    exact = GAIN / (own**2 - omega**2 + 1j * own * omega / quality) + leak
+    assert np.min(np.abs(exact)) < (0.2 if quality < 100 else 0.02) * leak
+    there = Periodic(Equation(model), np.array([FREQUENCY, quality, GAIN, leak, 0.0]), STEPS)
+    found = at_amplitude(there, points(frequency, np.abs(exact)))
+    assert found.converged.all()
+    np.testing.assert_allclose(found.share, 1.0, rtol=2e-3)
+    np.testing.assert_allclose(found.tone, exact, rtol=2e-3)
+    weaker = Periodic(Equation(model), np.array([FREQUENCY, quality, GAIN, 0.7 * leak, 0.0]), STEPS)
+    far = at_amplitude(weaker, points(frequency, np.abs(exact)))
+    assert far.converged.all() and np.all(far.share > 0)
+
+
 def test_a_long_transient_of_an_independent_solver_ends_where_the_curve_is() -> None:
     level, frequency = 1.0, 42.0
     omega, own = 2 * np.pi * frequency, 2 * np.pi * FREQUENCY
