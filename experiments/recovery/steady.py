@@ -8,9 +8,9 @@ parameters must have a standard deviation within 0.9–1.1, and the error bars o
 Found, steady and (unknown): cubic stiffness 1.01 (1.00) on 40 devices and 0.77 (0.78) on 24 others, viscoelastic
 support 1.12 (1.13) on 24, Bouc-Wen 0.87 (0.91) on 30, that of the drive 0.74 (0.79) on 30; error bars 0.97–0.99 of
 those with an unknown start, every record on its orbit. The shapes of a loop hang together along curved valleys, where
-neither start has the target. Plays (exact ones in the simulator): 3.5 (4.7) on 12 devices from seed 300, from one fit that
-ended beyond a ridge, with its widest play far outside the drive (largest 22); with slopes that were kept bounded, and
-not those of the law, 8.6 (9.6).
+neither start has the target. Plays (exact ones in the simulator): 3.5 (4.7) on 12 devices from seed 300, from fits that
+ended beyond a ridge, with the widest play far outside the drive (largest error 22); with slopes that were kept bounded,
+and not those of the law, 8.6 (9.6).
 """
 
 from __future__ import annotations

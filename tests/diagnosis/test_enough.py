@@ -22,7 +22,10 @@ def bench(error: float, reached: float | None = None, doubt: float = 0.03, freed
     records = [SimpleNamespace(noise=SimpleNamespace(relative_error=doubt))]
     fit = SimpleNamespace(campaign=SimpleNamespace(fitted=records, fitted_sweeps=()), freedom=freedom)
     residual = error * WHITE
-    return SimpleNamespace(chi2=N * error**2, fit_chi2=N * (reached or error) ** 2, n=N, fit=fit, residual=residual)
+    return SimpleNamespace(
+        chi2=N * error**2, fit_chi2=N * (reached or error) ** 2, n=N, fit=fit, residual=residual, instead_of=None,
+        to_explain=max(N * (error**2 - 1), 1e-9),
+    )  # fmt: skip
 
 
 def test_the_doubt_of_a_noise_floor_excuses_what_no_effect_explains() -> None:
