@@ -46,7 +46,7 @@ class Where(NamedTuple):
       chance.
     - `time`, `phase`, `displacement`, `velocity`, `spectrum`: pooled over the fitted records; `harmonics`: of the
       drive, 0 is the constant part, and alone where no record is periodic; `phase` is then None. Of sweeps both are.
-    - `whiteness`: autocorrelation of the residual; `drive`: its cross-correlation with the drive.
+    - `whiteness`: autocorrelation of the residual; `drive`: its cross-correlation with the drive, if there is one.
     """
 
     records: tuple[RecordView, ...]
@@ -59,13 +59,14 @@ class Where(NamedTuple):
     harmonics: View | None
     spectrum: View
     whiteness: Correlation
-    drive: Correlation
+    drive: Correlation | None
     resonance: float
 
     @property
     def fails(self) -> bool:
         """Whether anything beyond noise is left at all."""
-        return min(self.p_value, self.whiteness.p_value, self.drive.p_value) < ALARMS
+        drive = 1.0 if self.drive is None else self.drive.p_value
+        return min(self.p_value, self.whiteness.p_value, drive) < ALARMS
 
 
 _BINS = 12

@@ -45,25 +45,30 @@ def statements(where: Where) -> list[Statement]:
 def summary(where: Where) -> str:
     """One paragraph."""
     if not where.fails:
-        return "No part of the records stands out: what is left is noise, white and unrelated to the drive."
+        unrelated = "" if where.drive is None else " and unrelated to the drive"
+        return f"No part of the records stands out: what is left is noise, white{unrelated}."
     found = statements(where)
     total = np.sqrt(np.mean([r.ratio**2 for r in where.records if not r.holdout]))
-    first = f"The error is {total:.2f} times the noise floor"
-    colour = where.whiteness.p_value < ALARMS
-    driven = where.drive.p_value < ALARMS
-    nature = {
-        (True, True): "; what is left has a colour of its own and follows the drive",
-        (True, False): "; what is left has a colour of its own but does not follow the drive",
-        (False, True): "; what is left follows the drive",
-        (False, False): "; what is left is white and unrelated to the drive, as a noise floor stated too low would be",
-    }[colour, driven]
+    first = f"The error is {total:.2f} times the noise floor; what is left {_nature(where)}."
     if not found:
-        return f"{first}{nature}. No part of the records stands out."
+        return f"{first} No part of the records stands out."
     places = sorted((s for s in found if s.axis not in ("record", "level")), key=lambda s: -s.share)
     amounts = [s.words for s in found if s.axis in ("record", "level")]
     middle = f" The misfit sits {_listed([s.words for s in places])}." if places else ""
     last = f" Of the misfit, {_listed(amounts)}." if amounts else ""
-    return f"{first}{nature}.{middle}{last}"
+    return f"{first}{middle}{last}"
+
+
+def _nature(where: Where) -> str:
+    """What is left: its colour, and whether it has to do with the drive, if there is one."""
+    driven = None if where.drive is None else where.drive.p_value < ALARMS
+    if where.whiteness.p_value < ALARMS:
+        drive = {None: "", True: " and follows the drive", False: " but does not follow the drive"}[driven]
+        return f"has a colour of its own{drive}"
+    if driven:
+        return "follows the drive"
+    unrelated = "" if driven is None else " and unrelated to the drive"
+    return f"is white{unrelated}, as a noise floor stated too low would be"
 
 
 def _listed(words: list[str]) -> str:

@@ -52,8 +52,8 @@ def whiteness(white: Sequence[np.ndarray], orders: Sequence[int]) -> Correlation
 
 def drive_correlation(
     white: Sequence[np.ndarray], drives: Sequence[np.ndarray], steps: Sequence[float], lags: np.ndarray
-) -> Correlation:
-    """Cross-correlation of the residuals with the drive `lags` seconds before, and its test.
+) -> Correlation | None:
+    """Cross-correlation of the residuals with the drive `lags` seconds before, and its test; None if no drive changes.
 
     The residual is regressed on the lagged drives; the χ² they explain counts as many degrees of freedom as they have
     independent directions (two for a sine). Correlation at negative lags: the drive follows the residual.
@@ -72,8 +72,9 @@ def drive_correlation(
         chi2 += float(np.sum((turn[:, kept].T @ (rows @ e)) ** 2 / powers[kept]))
         freedom += int(kept.sum())
         n_all += n
-    p = float(chdtrc(freedom, chi2)) if freedom else 1.0
-    return Correlation(lags, values / max(n_all, 1), 2.58 / np.sqrt(max(n_all, 1)), p)
+    if not n_all:
+        return None
+    return Correlation(lags, values / n_all, 2.58 / np.sqrt(n_all), float(chdtrc(freedom, chi2)))
 
 
 def lagged(signal: np.ndarray, shifts: np.ndarray) -> np.ndarray:

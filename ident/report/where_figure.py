@@ -1,4 +1,4 @@
-"""One figure of where a model fails: eight small panels, the ones that stand out in colour, the rest in grey."""
+"""One figure of where a model fails: small panels, the ones that stand out in colour, the rest in grey."""
 
 from __future__ import annotations
 
@@ -44,8 +44,9 @@ def where_figure(where: Where) -> Figure:
         _harmonics(new_axes(figure, 0.305, low, _WIDTH, height), where.harmonics, "harmonic" in said)
     _correlation(new_axes(figure, 0.555, low, _WIDTH, height), where.whiteness, 1.0, "lag (samples)",
                  "with itself: noise stays in the band")  # fmt: skip
-    _correlation(new_axes(figure, 0.805, low, _WIDTH, height), where.drive, where.resonance,
-                 "drive earlier by (periods)", "with the drive")  # fmt: skip
+    if where.drive is not None:
+        _correlation(new_axes(figure, 0.805, low, _WIDTH, height), where.drive, where.resonance,
+                     "drive earlier by (periods)", "with the drive")  # fmt: skip
     key(figure, 0.99, 0.80, ("stands out", RESIDUAL), ("does not", DATA), ("held out", HELDOUT))
     return figure
 

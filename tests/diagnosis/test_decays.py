@@ -7,10 +7,14 @@ import numpy as np
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.diagnosis.bench import prepare
 from ident.diagnosis.faults import common_delay
+from ident.diagnosis.locate import locate
 from ident.diagnosis.nuisance import nuisances
+from ident.diagnosis.where_words import summary
 from ident.fit import fit
 from ident.model import Model
+from ident.report.where_figure import where_figure
 
 
 def decay(size: float) -> Trace:
@@ -26,3 +30,12 @@ def test_no_decay_is_late():
     assert common_delay(fit(Model(Oscillator()), campaign, initial=np.array([2.0, 20.0, 0.0]))) is None
     kinds = [(one.kind, one.unit) for one in nuisances(decay(0.9), decay(0.5).response)]
     assert ("delay", "samples") not in kinds and len(kinds) == 3
+
+
+def test_what_a_decay_leaves_is_not_compared_with_a_drive_that_is_not_there():
+    fitted = fit(Model(Oscillator()), Campaign("decays", (decay(0.9),), Oscillator()))
+    where = locate(prepare(fitted))
+    assert where.drive is None and where.fails
+    assert "has a colour of its own. The misfit sits" in summary(where)
+    titles = [axes.get_title(loc="left") for axes in where_figure(where).axes]
+    assert "by velocity" in titles and "with the drive" not in titles
