@@ -46,7 +46,7 @@ def _trace(made: Made, unit: str) -> Trace:
     floor = noise_floor(made.time, made.drive, made.response, period)
     volts, response = Channel("V", 1.0), Channel(unit, 1.0)
     return Trace(f"{made.name}.csv", made.time, made.drive, made.response, volts, response, floor,
-                 start=made.start, holdout=made.holdout, period=period)  # fmt: skip
+                 start=made.start, holdout=made.holdout, period=period, measures=made.measures)  # fmt: skip
 
 
 def _end_of(made: Made) -> Made:

@@ -87,6 +87,7 @@ class Made:
     sigma: float
     start: Literal["rest", "steady", "unknown"]
     holdout: bool
+    measures: Literal["displacement", "velocity", "acceleration"] = "displacement"
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,8 +181,10 @@ def _coefficient(plans: list[Plan], device: Device, name: str, s: np.ndarray, si
     return min(tried)[1:]
 
 
-def _device(rng: np.random.Generator, kind: Literal["platform", "oscillator"], length: int) -> Device:
-    quality = rng.uniform(20, 60)
+def _device(
+    rng: np.random.Generator, kind: Literal["platform", "oscillator"], length: int, within: tuple[float, float] | None
+) -> Device:
+    quality = rng.uniform(20, 60) if within is None else float(np.exp(rng.uniform(*np.log(within))))
     if kind == "platform":
         frequency, unit, volts = rng.uniform(450, 550), rng.uniform(8e-6, 30e-6), 9.0
     else:
@@ -202,6 +205,7 @@ def draw(
     detail: Literal["own", "plain"] = "own",
     records: int = 6,
     length: int = 1600,
+    quality: tuple[float, float] | None = None,
     shapes: Mapping[str, tuple[float, float, float]] | None = None,
 ) -> Case:
     """One device with hidden effects, simulated.
@@ -216,12 +220,13 @@ def draw(
       cut out of a motion that has settled.
     - `detail`: force laws of the study's own, or those of the textbook.
     - `records`: fitted sines (at least 4); `length`: samples in each, at 80 per natural period.
+    - `quality`: between which two it is drawn, all powers of ten alike, instead of 20 and 60.
     - `shapes`: fixed shape numbers of an effect instead of drawn ones.
     """
     if device == "oscillator" and {"residual-stress", "arch-force"} & set(effects):
         raise ValueError("Stressed beams belong to a platform.")
     rng = np.random.default_rng([seed, 7])
-    thing = _device(rng, device, length)
+    thing = _device(rng, device, length, quality)
     plans = plan_records(rng, thing, records, starts, length)
     c, s = np.zeros(len(LAWS)), np.zeros((len(LAWS), 3))
     linear = max(np.max(np.abs(respond(p, thing, c, s, 2)[1])) for p in plans if not p.holdout)

@@ -21,14 +21,16 @@ from ident.diagnosis.steps import Discovery
 from ident.diagnosis.unknown import find_unknown
 from ident.effects.registry import built_in
 from ident.fit import Fit
+from ident.fit.start_model import start_model
 from ident.model import Model
 
 from .campaigns import campaign_of, poor_case, rounded, sigma_ratios
+from .circumstances import CIRCUMSTANCES, can_show
 from .generator import Case, NoiseKind, Starts, draw, measure_again
 from .laws import INDEX, LAWS
 from .mimics import left_by
 
-Part = Literal["single", "pairs", "nulls", "outside", "poor", "cut", "steady"]
+Part = Literal["single", "pairs", "nulls", "outside", "poor", "cut", "steady", "circumstances"]
 
 INSIDE = tuple(law.name for law in LAWS if law.in_library)
 OUTSIDE = tuple(law.name for law in LAWS if not law.in_library)
@@ -54,6 +56,7 @@ class Task:
     noise: float
     noise_kind: NoiseKind = "white"
     starts: Starts = "rest"
+    circumstance: str = ""
 
     @property
     def key(self) -> str:
@@ -64,6 +67,8 @@ class Task:
         """The case."""
         if self.part == "poor":
             return poor_case(self.seed, self.effects, self.size, self.noise)
+        if self.circumstance:
+            return CIRCUMSTANCES[self.circumstance](self.seed, self.effects, size=self.size, noise=self.noise)
         return draw(self.seed, self.effects, size=self.size, noise=self.noise, noise_kind=self.noise_kind,
                     starts=self.starts)  # fmt: skip
 
@@ -123,9 +128,17 @@ def _steady(seeds: Sequence[int], effects: Any, levels: Any) -> Iterator[Task]:
         yield Task("steady", seed, (name,) if name else (), size, noise, starts="steady")
 
 
+def _circumstances(seeds: Sequence[int], effects: Any, levels: Any) -> Iterator[Task]:
+    """Every circumstance with as many effects as there are seeds, drawn among those that exist there."""
+    for seed, (size, noise), where in itertools.product(seeds, levels or ((0.04, 0.003),), CIRCUMSTANCES):
+        there = [name for name in effects or INSIDE if can_show(where, name)]
+        name = there[int(np.random.default_rng([seed, 29, len(where)]).integers(len(there)))]
+        yield Task("circumstances", seed, (name,), size, noise, circumstance=where)
+
+
 _MAKERS: dict[Part, Callable[..., Iterator[Task]]] = {
     "single": _single, "pairs": _pairs, "nulls": _nulls, "outside": _outside, "poor": _poor,
-    "cut": _cut, "steady": _steady,
+    "cut": _cut, "steady": _steady, "circumstances": _circumstances,
 }  # fmt: skip
 
 
@@ -134,7 +147,7 @@ def run(task: Task) -> dict[str, Any]:
     case = task.draw()
     campaign = campaign_of(case)
     began = time.process_time(), time.perf_counter()
-    found = discover(Model(campaign.device), campaign, built_in())
+    found = discover(start_model(campaign), campaign, built_in())
     spent = time.process_time() - began[0], time.perf_counter() - began[1]
     row: dict[str, Any] = {
         "key": task.key,

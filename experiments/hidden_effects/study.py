@@ -39,6 +39,7 @@ PARTS: dict[Part, range] = {
     "poor": range(5000, 5002),
     "cut": range(5000, 5002),
     "steady": range(5000, 5002),
+    "circumstances": range(5000, 5012),
 }
 """Parts and the seeds of the report."""
 

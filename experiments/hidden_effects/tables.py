@@ -145,6 +145,13 @@ def told(row: Row) -> str:
             f"noise floors {min(row['sigma_ratio']):.2f}-{max(row['sigma_ratio']):.2f} of the true ones")  # fmt: skip
 
 
+def _circumstances(rows: Sequence[Row]) -> None:
+    for where in dict.fromkeys(row["circumstance"] for row in rows):
+        print(f"{where:14} " + _score_line([row for row in visible(rows) if row["circumstance"] == where]))
+    _errors(visible(rows))
+    _list(visible(rows), lambda row: top(row, 1))
+
+
 def _pairs(rows: Sequence[Row]) -> None:
     print(f"both found {share(rows, both_found):.3f}, exact set {share(rows, exact_set):.3f}")
     _errors(rows)
@@ -243,7 +250,7 @@ def _list(rows: Sequence[Row], fine: Callable[[Row], bool]) -> None:
 _SHOWN: dict[str, Callable[[Sequence[Row]], None]] = {
     "single": _single, "pairs": _pairs, "nulls": _nulls, "outside": _outside, "poor": _poor,
     "cut": _single,
-    "steady": _single,
+    "steady": _single, "circumstances": _circumstances,
 }  # fmt: skip
 
 Target = tuple[str, float, str, float]
@@ -265,6 +272,7 @@ _TARGETS: dict[str, Callable[[Sequence[Row]], list[Target]]] = {
         ("class top-3", share(visible(rows), lambda row: top(row, 3)), ">=", 0.99),
         *_median_and_p90(visible(rows)),
     ],
+    "circumstances": lambda rows: [("class top-1", share(visible(rows), lambda row: top(row, 1)), ">=", 0.95)],
     "cut": lambda rows: [
         ("class top-1", share(visible(rows), lambda row: top(row, 1)), ">=", 0.95),
         *_median_and_p90(visible(rows)),

@@ -86,8 +86,9 @@ class LinearChoice:
 def choose_linear(records: Sequence[Trace], told: str = "auto", *, modes: int | None = None) -> LinearChoice:
     """The linear model with which to start on these records.
 
-    A constant is looked for only where no record starts from rest, for there the first sample says where the zero is,
-    and not in decays, whose displacements are counted from where they come to rest.
+    Where a record starts from rest the first sample says where the zero is: a constant is then looked for only if gain
+    and offset, or an offset alone, leave less than every form without one. Decays need none: their displacements are
+    counted from where they come to rest.
 
     **Arguments:** `told`: "auto", or the form that the campaign asks for; `modes`: how many an oscillator has, None if
     the records decide.
@@ -103,13 +104,12 @@ def choose_linear(records: Sequence[Trace], told: str = "auto", *, modes: int | 
         for name in get_args(FormName)
         if told == "auto" or told in (name, FORMS[name].family if name in FORMS else name)
     ]
-    for name in (name for name in names if name in FORMS):
-        form = FORMS[name]
-        if name == "no-spring" and not driven:
-            continue
-        start = (guess.frequency, guess.quality) if name == "oscillator" and guess is not None else None
-        for constant in (False, True) if level else (False,):
-            found.append(_searched(pieces, form, constant, start))
+    forms = [FORMS[name] for name in names if name in FORMS and (driven or name != "no-spring")]
+    starts = {} if guess is None else {"oscillator": (guess.frequency, guess.quality)}
+    searched = lambda constant: [_searched(pieces, form, constant, starts.get(form.name)) for form in forms]
+    found += [*searched(False), *(searched(True) if level else [])]
+    if driven and not level and min(found, key=lambda c: c.left).level:
+        found += searched(True)
     found, price = _weighed(pieces, found)
     moved = all(record.order == 0 for record in records)  # a rate has no gain to a steady drive
     allowed = [c for c in found if c.form in names and (moved or c.form != "quasi-static")]

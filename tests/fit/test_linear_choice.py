@@ -50,6 +50,14 @@ def test_the_form_is_found_with_its_numbers(form):
         np.testing.assert_allclose([choice.chosen.first, choice.chosen.second], [1.5, wanted], rtol=0.02)
 
 
+@pytest.mark.parametrize(("level", "wanted"), [(0.0, False), (0.01, False), (5.0, True)])
+def test_at_rest_a_constant_is_added_where_without_it_gain_and_offset_would_win(level, wanted):
+    """A sensor's zero far off: no oscillator came near, and an axis without inertia was taken for the start."""
+    choice = choose_linear([record(SYSTEMS["oscillator"], level, start="rest")])
+    assert (choice.chosen.form, choice.chosen.level) == ("oscillator", wanted)
+    assert choice.chosen.first == pytest.approx(1.5, rel=0.05)
+
+
 @pytest.mark.parametrize(("level", "wanted"), [(0.0, False), (0.7, True)])
 def test_a_constant_is_added_only_where_the_records_need_it(level, wanted):
     choice = choose_linear([record(SYSTEMS["oscillator"], level)])
