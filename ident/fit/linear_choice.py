@@ -121,7 +121,9 @@ def choose_linear(records: Sequence[Trace], told: str = "auto", *, modes: int | 
         what = 'linear = "quasi-static" needs a drive that was measured, and a displacement that answers it'
         raise UserError(what, do="remove it, and let the records choose")
     chosen = min(allowed, key=lambda c: c.criterion)
-    more = _with_modes(records, pieces, chosen, modes) if chosen.form == "oscillator" and driven else []
+    # Two modes together may resemble no single one: whichever form has won, more are looked for.
+    alone = [c for c in allowed if c.form == "oscillator"]
+    more = _with_modes(records, pieces, min(alone, key=lambda c: c.criterion), modes) if alone and driven else []
     more = [candidate._replace(criterion=price(candidate)) for candidate in more]
     if modes is not None and modes > 1 and more:
         chosen = more[-1]

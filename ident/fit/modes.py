@@ -46,9 +46,9 @@ class Mode(NamedTuple):
 
 
 class Modes(NamedTuple):
-    """The modes, that with the largest share of the signal first; `constant` (SI), 0 without one; `left`: rms of what
-    they leave over that of the signal; `predicted`, the same on samples that were left out of the search, a constant
-    allowed, and `alone`, the free motions of the further modes without their gains."""
+    """The modes, that which moves most first, for effects act in that; `constant` (SI), 0 without one; `left`: rms of
+    what they leave over that of the signal; `predicted`, the same on samples that were left out of the search, a
+    constant allowed, and `alone`, the free motions of the further modes without their gains."""
 
     modes: tuple[Mode, ...]
     constant: float
@@ -199,7 +199,8 @@ def _described(
     rows, target = _rows(pieces, points, level)
     found, left = solved(rows, target)
     modes = [Mode(math.exp(f), math.exp(q), float(gain)) for (f, q), gain in zip(points, found, strict=False)]
-    order = np.argsort(-np.linalg.norm(rows[:, : len(points)], axis=0) * np.abs(found[: len(points)]))
+    sizes = np.concatenate([np.full(len(piece.response), piece.size) for piece in pieces])[:, None]
+    order = np.argsort(-np.linalg.norm(sizes * rows[:, : len(points)] * found[: len(points)], axis=0))
     constant = float(found[-1]) if level else 0.0
     left = math.sqrt(float(left @ left) / sum(piece.power for piece in pieces))
     return Modes(tuple(modes[i] for i in order), constant, left, *_predicted(pieces, points, folds))

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.signal import lsim
 
 from experiments.hidden_effects.generator import draw, write
 from ident.campaign.campaign import Campaign
@@ -117,3 +118,25 @@ def test_errors_stand_in_the_unit_of_what_was_read():
     campaign = Campaign("wing", (record(1, FOUR[1:2]),), Oscillator(output="m"))
     told = record_sheet(fit(start_model(campaign), campaign))
     assert [column.name for column in told.columns][3] == "rms error (1e-3 m/s²)"
+
+
+def test_two_modes_are_found_where_none_alone_resembles_the_device():
+    """Below its second mode, which answers the other way, a device does not even look like an oscillator: gain and
+    offset won. The mode that moves is the first, however many records lie far from it."""
+    campaign = Campaign("two", tuple(_sine_of_two(ratio) for ratio in (0.4, 0.5, 0.6, 1.0, 1.1)), Oscillator())
+    choice = linear_choice(campaign)
+    assert choice is not None and choice.chosen.form == "oscillator" and choice.chosen.further
+    assert choice.chosen.first == pytest.approx(7.0, rel=0.01)
+    assert choice.chosen.left < 0.02
+
+
+def _sine_of_two(ratio: float) -> Trace:
+    """From rest, under a sine at a ratio of the first of two modes, of 7 and 34 Hz."""
+    t, one = STEP * np.arange(N) / 2, Channel("m", 1.0)
+    drive, answer = np.sin(2 * np.pi * 7.0 * ratio * t), np.zeros(N)
+    for f, q, slope in ((7.0, 22.0, 1.0), (34.0, 30.0, -5.0)):
+        w = 2 * np.pi * f
+        answer = answer + slope * lsim(([w**2], [1.0, w / q, w**2]), drive, t)[1]
+    sigma = NOISE * float(np.std(answer))
+    noise = np.random.default_rng(int(100 * ratio)).normal(size=N)
+    return Trace(f"{ratio}.csv", t, drive, answer + sigma * noise, one, one, NoiseFloor(sigma), "rest")
