@@ -26,6 +26,17 @@ def without_gaps(column: Column, signal: np.ndarray, notes: list[str], drive: bo
     return filled
 
 
+def crossed_by_drive(column: Column, there: np.ndarray) -> bool:
+    """Whether a smooth curve says what a drive did where samples are not `there` (n,), of which the column has the
+    others."""
+    known = column.numbers(missing=True)
+    if np.any(np.isnan(known)):
+        return False
+    signal = np.full(len(there), np.nan)
+    signal[there] = known
+    return _error(_crossed(signal, ~there), ~there) < _HARMLESS
+
+
 def _crossed(signal: np.ndarray, gone: np.ndarray) -> np.ndarray:
     known, index = ~gone, np.arange(len(gone))
     return across_gaps(np.where(gone, np.interp(index, index[known], signal[known]), signal), gone)
