@@ -167,7 +167,7 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
             ratio = noise_floor(time, drive, response, period, masked).sigma / before
             noise = replace(noise, sigma=noise.sigma * ratio, method=f"{noise.method}, less what the filter takes away")
     else:
-        noise = noise_floor(time, drive, response, period, masked)
+        noise = noise_floor(time, drive, response, period, masked, lost=stuck == 0)
     if not spec.start:
         notes.append(f"{spec.file}: start is not given; the initial state is fitted.")
     trace = Trace(

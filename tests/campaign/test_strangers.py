@@ -249,7 +249,8 @@ def _without(text, lost):
 def test_frames_that_a_camera_lost_are_not_counted(tmp_path):
     """Their numbers and times jump by whole intervals, printed to a millisecond; the frame is no drive."""
     time, lost = np.arange(400) / 30.0, {7, 50, 51, 333}
-    angle = np.round(40 * np.exp(-time / 8) * np.cos(5.0 * time), 2)
+    noise = 0.05 * np.random.default_rng(5).standard_normal(400)
+    angle = np.round(40 * np.exp(-time / 8) * np.cos(5.0 * time) + noise, 2)
     cells = "".join(f"{k},{t:.3f},{z:.2f}\n" for k, (t, z) in enumerate(zip(time, angle, strict=True)))
     campaign = _campaign(tmp_path, a_csv=_without("frame,t_s,angle_deg\n" + cells, lost))
     (record,) = campaign.traces
@@ -257,6 +258,7 @@ def test_frames_that_a_camera_lost_are_not_counted(tmp_path):
     assert record.masked is not None and set(np.flatnonzero(record.masked)) == lost
     np.testing.assert_allclose(np.diff(record.time), 1 / 30, rtol=1e-4)
     assert any("line 9" in note and "4 samples" in note for note in campaign.notes)
+    assert abs(record.noise.sigma / np.radians(0.05) - 1) < 0.15 and record.noise.relative_error < 0.2
     assert not suspects_by_data(campaign)  # to have lost some is no fault of the others
 
 
