@@ -22,7 +22,7 @@ from .bench import Bench, prepare
 from .beyond import free_name, go_beyond
 from .discover import Keep, continue_from
 from .effect_file import write_effect
-from .enough import adequate
+from .enough import adequate, worth_a_name
 from .experiments import NextExperiment, next_experiments, rank_experiments
 from .locate import Where, locate
 from .look import BROKEN, first_look
@@ -164,8 +164,9 @@ def diagnose(
     beyond = go_beyond(last, base, unknown, effect_file, report)
     before, after = (one.fitted.error_over_noise for one in (last, beyond.fit))
     gain = 1 - (after**2 - 1) / max(before**2 - 1, 1e-9)
-    if gain < BROKEN * beyond.unknown.share and not found.steps and not found.remaining:
-        beyond.path.unlink()  # no effect stands out of the colour of what is left, and this one is none
+    helped = any(worth_a_name(kept * bench.excess, bench) for kept in found.confirmed.values())
+    if gain < BROKEN * beyond.unknown.share and not found.steps and not helped:
+        beyond.path.unlink()  # neither an effect of the library nor this one is there, once it is simulated
         nothing = replace(found, verdict="ambiguous", lacking=0.0)
         return replace(answer(followed_noise(beyond.unknown, gain)), discovery=nothing)
     better = after < found.final.fitted.error_over_noise
