@@ -42,7 +42,7 @@ def noise_floor(
 
     **Arguments:** `time` (n,) s, `drive` (n,) V, `response` (n,) m, `period`: samples per period of the drive or None,
     `masked` (n,): samples that say nothing; a smooth curve takes their place, which is counted as without noise. It may
-    miss what a limit cut off, and nobody knows by how much; `lost`: they are missing instead, and curves across gaps like
+    miss what a limit cut off, nobody knows by how much; `lost`: they are missing instead, and curves across gaps like
     these elsewhere tell.
     """
     if masked is not None:

@@ -119,6 +119,12 @@ def begin(data: Data, static: Static) -> Unknowns:
     return Unknowns(np.zeros(len(static.free)), np.where(data.start_scale > 0, found / scale, 0.0))
 
 
+def begin_at(data: Data, static: Static, begun: np.ndarray) -> Unknowns:
+    """The same with initial states (records, s) SI that are known."""
+    scale = np.where(data.start_scale > 0, data.start_scale, 1.0)
+    return Unknowns(np.zeros(len(static.free)), np.where(data.start_scale > 0, begun / scale, 0.0))
+
+
 def _measured_start(response: np.ndarray, step: float, order: int, omega: float) -> np.ndarray:
     """Displacement and velocity read off the first samples; where a derivative of the displacement of some `order` was
     measured, those of a free motion that begins so."""

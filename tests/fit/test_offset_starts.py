@@ -40,3 +40,19 @@ def test_a_stage_far_from_its_sensor_does_not_begin_beyond_the_hilltop():
     found = fit(model, campaign, initial=true)
     assert found.fitted.error_over_noise < 1.1  # a start at 50 mm has no bound, and nothing leads back from there
     assert abs(found.value("quadratic-stiffness.k2") / _SOFTER - 1) < 0.01
+
+
+def test_a_search_goes_on_from_the_starts_that_it_had_found():
+    """A record that begins just before the hilltop, read with noise: what is read off its first samples lies beyond."""
+    unit, time = Channel("m", 1.0), np.arange(800) / 400.0
+    law = lambda t, y: (y[1], -_OMEGA / _QUALITY * y[1] - _OMEGA**2 * y[0] - _SOFTER * y[0] ** 2)
+    z = solve_ivp(law, (0, 2), (-3.9e-3, 0.0), t_eval=time, rtol=1e-9, atol=1e-12).y[0]
+    reading = z.copy()
+    reading[:5] -= 3e-4
+    record = Trace("a.csv", time, np.zeros(800), reading, unit, unit, NoiseFloor(1e-4), start="unknown")
+    campaign = Campaign("test", (record,), Oscillator("m", "m/s^2"), ("quadratic-stiffness",), linear="oscillator")
+    model = build_model(campaign)
+    true = np.array([_OMEGA / 2 / np.pi, _QUALITY, 0.0, _SOFTER])
+    assert not fit(model, campaign, initial=true).fitted.error_over_noise < 100
+    found = fit(model, campaign, initial=true, begun=np.array([[-3.9e-3, 0.0]]))
+    assert found.fitted.error_over_noise < 1.0
