@@ -100,7 +100,7 @@ def _as_read(campaign: Campaign) -> Campaign:
         masked = clipped_mask(trace.response)
         if masked is not None:
             noise = noise_floor(trace.time, trace.drive, trace.response, trace.period, masked)
-            trace = replace(trace, masked=masked, noise=noise)
+            trace = replace(trace, masked=masked, stuck=float(np.mean(masked)), noise=noise)
         outliers = find_outliers(trace.response)
         if len(outliers):
             response = without_outliers(trace.response, outliers)

@@ -17,7 +17,7 @@ from ident.errors import UserError
 
 from .opening import check_unfolded
 from .preamble import Told, step_of
-from .sampling import with_time, without_repeats
+from .sampling import with_time, without_counter, without_repeats
 from .table import Column, Table, split_header, with_unit_row
 
 Pair = tuple[str, np.ndarray, str]
@@ -79,7 +79,7 @@ def table_of(name: str, pairs: list[Pair], step: float | None = None) -> Table:
             )
             column = Column(name, header, stem, own, len(columns) + 1, values.astype(float), (), ".", doubtful)
             columns.append(with_unit_row(column, unit))
-    return without_repeats(with_time(Table(name, tuple(columns)), Told(step=step)))
+    return without_counter(without_repeats(with_time(Table(name, tuple(columns)), Told(step=step))))
 
 
 def read_mat(path: Path, name: str) -> Table:

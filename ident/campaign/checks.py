@@ -15,6 +15,7 @@ from .device import Device, Oscillator
 from .table import Column
 
 _LASTS = 0.97  # of a free motion's first quarter in its last: its quality would be 77 times its periods
+MOST_JITTER = 0.2  # of an interval: what is sampled less evenly has no grid
 _STILL_UNIFORM = 0.01  # of an interval: a sine of 20 samples a period is then read 0.3 % wrong at most
 
 
@@ -66,7 +67,7 @@ def uniform_time(column: Column, factor: float, notes: list[str]) -> np.ndarray:
             f"a gap of {size} in a record sampled every {step * factor:.6g} s{more}", where=column.place(row), do=do
         )
     jitter = worst / slope if slope > 0 else math.inf
-    if jitter > 0.2:
+    if jitter > MOST_JITTER:
         row = int(np.argmax(np.abs(printed - (origin + slope * index))))
         do = "resample the record on uniform times (for example with scipy.interpolate.CubicSpline)"
         what = f"sampling is not uniform: a sample is {jitter:.0%} of an interval off the uniform grid"

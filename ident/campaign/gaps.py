@@ -26,16 +26,39 @@ def without_gaps(column: Column, signal: np.ndarray, notes: list[str], drive: bo
     return filled
 
 
+def crossed_by_drive(column: Column, there: np.ndarray) -> bool:
+    """Whether a smooth curve says what a drive did where samples are not `there` (n,), of which the column has the
+    others."""
+    known = column.numbers(missing=True)
+    if np.any(np.isnan(known)):
+        return False
+    signal = np.full(len(there), np.nan)
+    signal[there] = known
+    return _error(_crossed(signal, ~there), ~there) < _HARMLESS
+
+
 def _crossed(signal: np.ndarray, gone: np.ndarray) -> np.ndarray:
     known, index = ~gone, np.arange(len(gone))
     return across_gaps(np.where(gone, np.interp(index, index[known], signal[known]), signal), gone)
 
 
+def missed_across(signal: np.ndarray, gone: np.ndarray) -> float:
+    """Root mean square of what curves across gaps like these, made where the signal is known, miss of it."""
+    missed = np.concatenate(_misses(signal, gone))
+    return float(np.sqrt(np.mean(missed**2))) if len(missed) else 0.0
+
+
 def _error(filled: np.ndarray, gone: np.ndarray) -> float:
-    """The largest error of a curve across gaps as long as these, made where the signal is known, in rms of it."""
-    n, worst = len(gone), 0.0
+    """The largest of those errors, in rms of the signal."""
+    worst = float(np.max(np.abs(np.concatenate(_misses(filled, gone))), initial=0.0))
+    return worst / max(float(np.std(filled)), 1e-300)
+
+
+def _misses(filled: np.ndarray, gone: np.ndarray) -> list[np.ndarray]:
+    """What curves across the same gaps, moved to several other places, miss of a signal; one array a place."""
+    n, found = len(gone), [np.zeros(0)]
     for place in range(1, _PLACES + 1):
         made = np.roll(gone, place * n // (_PLACES + 1)) & ~gone
         if np.any(made):
-            worst = max(worst, float(np.max(np.abs(_crossed(np.where(made, np.nan, filled), made) - filled)[made])))
-    return worst / max(float(np.std(filled)), 1e-300)
+            found.append((_crossed(np.where(made, np.nan, filled), made) - filled)[made])
+    return found

@@ -24,6 +24,7 @@ from .gaps import without_gaps
 from .guess import guess_kind, match_any
 from .instrument_files import INSTRUMENT_READERS
 from .load_sweep import load_sweep
+from .lost_samples import with_lost_samples
 from .noise import noise_floor
 from .outliers import find_outliers, without_outliers
 from .record import MEASURES, Channel, NoiseFloor, Record, Trace
@@ -105,6 +106,7 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
     columns = match_columns(table, without if undriven else roles, given, units, where=spec.where)
     for column in columns.values():
         _no_peak_unit(column)
+    columns = with_lost_samples(columns)
     response_channel, response = _signal(
         columns["response"], response_unit, spec.scale.get("response"), notes, "response"
     )
@@ -129,6 +131,7 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
     check_plausible(time, drive, moved, columns, device, notes)
     check_response(columns["response"], response, notes)
     masked = clipped_mask(response)
+    stuck = 0.0 if masked is None else float(np.mean(masked))
     if np.any(gone):
         masked = gone if masked is None else masked | gone
     outliers = find_outliers(response)
@@ -164,7 +167,7 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
             ratio = noise_floor(time, drive, response, period, masked).sigma / before
             noise = replace(noise, sigma=noise.sigma * ratio, method=f"{noise.method}, less what the filter takes away")
     else:
-        noise = noise_floor(time, drive, response, period, masked)
+        noise = noise_floor(time, drive, response, period, masked, lost=stuck == 0)
     if not spec.start:
         notes.append(f"{spec.file}: start is not given; the initial state is fitted.")
     trace = Trace(
@@ -183,6 +186,7 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         outliers=tuple(int(k) // every for k in outliers),
         measures=spec.measures,
         masked=masked,
+        stuck=stuck,
     )
     return trace, notes
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from .autoregression import Autoregression, fit_autoregression, leverage_of
 from .clipping import across_gaps
+from .gaps import missed_across
 from .hum import MAINS, told_apart, with_hum
 from .record import NoiseFloor
 from .signal_basis import Pole, beside, find_transient, harmonic_columns, orthonormal, transient_columns
@@ -31,6 +32,7 @@ def noise_floor(
     response: np.ndarray,
     period: float | None = None,
     masked: np.ndarray | None = None,
+    lost: bool = False,
 ) -> NoiseFloor:
     """Standard deviation and colour of the measurement noise of a record.
 
@@ -39,11 +41,17 @@ def noise_floor(
     where these are in doubt: the frequencies that the signal leaves free.
 
     **Arguments:** `time` (n,) s, `drive` (n,) V, `response` (n,) m, `period`: samples per period of the drive or None,
-    `masked` (n,): samples that say nothing; a smooth curve takes their place, which is counted as without noise.
+    `masked` (n,): samples that say nothing; a smooth curve takes their place, which is counted as without noise. It may
+    miss what a limit cut off, nobody knows by how much; `lost`: they are missing instead, and curves across gaps like
+    these elsewhere tell.
     """
     if masked is not None:
         floor = noise_floor(time, drive, across_gaps(response, masked), period)
         sigma = floor.sigma / math.sqrt(1.0 - float(np.mean(masked)))
+        if lost:  # what the curve misses adds to the variance as often as a sample is missing
+            added = 0.5 * float(np.mean(masked)) * (missed_across(response, masked) / sigma) ** 2
+            error = max(floor.relative_error, min(added, 1.0))
+            return replace(floor, sigma=sigma, relative_error=error)
         method = f"{floor.method}; rather too high, for the curve beyond the limit is not known"
         return replace(floor, sigma=sigma, method=method, relative_error=max(floor.relative_error, _CLIPPED_ERROR))
     response = response - np.mean(response)

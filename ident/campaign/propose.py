@@ -197,15 +197,17 @@ def _columns_by_content(table: Table) -> tuple[dict[str, str | int], str]:
     if len(found) == 3:
         return {}, ""
     time = found.get("time") or next((c for c in table.columns if _is_time(c)), None)
-    drive = match_any(table, (roles[1],)).get("drive")
-    same = drive is not None and time is not None and drive.position == time.position  # "Source" heads a time
-    drive = drive if len(table.columns) > 2 and not same else None
-    taken = [c.position for c in (time, drive) if c is not None]
+    told = [match_any(table, (role,)).get(role.name) for role in roles[1:]] if len(table.columns) > 2 else [None, None]
+    # "Source" heads a time.
+    drive, response = (None if c is None or time is None or c.position == time.position else c for c in told)
+    taken = [c.position for c in (time, drive, response) if c is not None]
     others = [c for c in table.columns if c.position not in taken and _varies(c)]
-    if time is None or len(others) != (2 if drive is None else 1):
+    if time is None or len(others) != 2 - sum(c is not None for c in (drive, response)):
         return {}, ""
     why = ""
-    if drive is None:
+    if drive is None and response is not None:
+        drive, others = others[0], [response]
+    elif drive is None:
         others.sort(key=lambda c: (not _switches(c.numbers(missing=True)), _roughness(c.numbers(missing=True))))
         drive = others.pop(0)
         by = "the one that switches" if _switches(drive.numbers(missing=True)) else "the smoother"

@@ -73,5 +73,13 @@ def without_repeats(table: Table) -> Table:
     return replace(table, columns=tuple(c for c in table.columns if all(c is not one for one in again)))
 
 
+def without_counter(table: Table) -> Table:
+    """The table without a column that only counts the samples (frames, points), where times stand beside it: it is no
+    signal."""
+    if not any(is_time(c) for c in table.columns):
+        return table
+    return replace(table, columns=tuple(c for c in table.columns if c.unit is not None or is_time(c) or not c.counts))
+
+
 def _same(one: Sequence[str] | np.ndarray, other: Sequence[str] | np.ndarray) -> bool:
     return len(one) == len(other) and bool(np.array_equal(np.asarray(one), np.asarray(other)))

@@ -73,10 +73,9 @@ def suspects_by_data(campaign: Campaign) -> tuple[Suspect, ...]:
         if twin is not None:
             says = f"the response is sample by sample that of {twin.name}"
             found.append(Suspect(record.name, "duplicate", 1.0, "records", 1.0, says))
-        clipped = 0.0 if record.masked is None else float(np.mean(record.masked))
-        if clipped > CLIPPED:
-            says = f"{clipped:.1%} of the response sticks to a limit or is missing; those samples have no weight"
-            found.append(Suspect(record.name, "clipping", 100 * clipped, "%", 0.99, says))
+        if record.stuck > CLIPPED:
+            says = f"{record.stuck:.1%} of the response sticks to a limit; those samples have no weight"
+            found.append(Suspect(record.name, "clipping", 100 * record.stuck, "%", 0.99, says))
         if record.outliers:
             count = len(record.outliers)
             says = f"{count} sample{'s leave' if count > 1 else ' leaves'} the curve"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import re
 from collections.abc import Sequence
@@ -79,11 +78,12 @@ class Column:
 
     @property
     def counts(self) -> bool:
-        """Whether the column only counts the samples."""
+        """Whether the column only counts the samples; those that were lost it counts, too."""
         first = [str(cell) for cell in self.cells[:50]]
         if len(first) < 3 or not all(is_number(cell) for cell in first):
             return False
-        return all(float(after) - float(before) == 1.0 for before, after in itertools.pairwise(first))
+        steps = np.diff([float(cell) for cell in first])
+        return bool(np.median(steps) == 1.0 and np.min(steps) >= 1.0 and np.all(steps == np.round(steps)))
 
     def _bad_cell(self, row: int, count: int = 1) -> UserError:
         cell = str(self.cells[row]).strip()

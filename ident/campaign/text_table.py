@@ -18,7 +18,7 @@ from .header import header_of
 from .opening import MOST_DATA, MOST_TEXT, check_file, read_bytes
 from .preamble import Told, preamble_words
 from .row_format import RowFormat, table_in
-from .sampling import is_time, runs_by, with_time, without_repeats
+from .sampling import is_time, runs_by, with_time, without_counter, without_repeats
 from .table import Column, Table, split_header, with_unit_row
 from .table_body import Cells, by_hand, by_pandas
 
@@ -83,7 +83,7 @@ def parse_text_table(text: str, name: str, own_unit: str = "") -> Table:
     if told.sensitivity:
         notes += (_SENSITIVITY.format(name, told.sensitivity),)
     table = Table(name, tuple(columns), (*notes, *cells.notes))
-    return without_repeats(with_time(table, told))
+    return without_counter(without_repeats(with_time(table, told)))
 
 
 def _names(given: Sequence[str], form: RowFormat, told: Told, timed: bool) -> list[str]:

@@ -30,7 +30,7 @@ class Confirmed(NamedTuple):
     **Arguments:** `model` and `values` (SI) of the refit; `chi2`: whitened, comparable with the bench's; `gain`: share
     of the bench's excess over noise that it removed; `left` (n,): the whitened residual, and `numbers`, the fitted
     parameters (see `evidence`); `possible`: whether the effect ended with a sign that it can have and a motion that
-    has a bound.
+    has a bound; `begun`: the initial states there, (records, s) SI, which samples alone do not always tell.
     """
 
     candidate: Candidate
@@ -41,6 +41,7 @@ class Confirmed(NamedTuple):
     left: np.ndarray
     numbers: int
     possible: bool
+    begun: np.ndarray | None = None
 
 
 _MOST_STARTS = 6
@@ -159,7 +160,9 @@ def _weighed(bench: Bench, model: Model, candidate: Candidate, start: np.ndarray
     gain = 1.0 - (chi2 - bench.n) / bench.excess
     values = found.values
     possible = np.isfinite(chi2) and is_possible(model, values, model.effects[-1], bench.fit.scales)
-    return Confirmed(candidate, model, values, chi2, gain, left, len(found.static.free), bool(possible))
+    return Confirmed(
+        candidate, model, values, chi2, gain, left, len(found.static.free), bool(possible), found.best.found.starts
+    )
 
 
 def is_possible(model: Model, values: np.ndarray, effect: AbstractEffect, scales: DataScales) -> bool:
@@ -188,7 +191,7 @@ def accept(confirmed: Confirmed, before: Fit) -> Fit:
     """
     model, campaign, values = confirmed.model, before.campaign, confirmed.values
     if not is_long(campaign):
-        return fit(model, campaign, initial=values)
+        return fit(model, campaign, initial=values, begun=confirmed.begun)
     return fit_at(model, campaign, minimise(model, campaign, initial=values, most=_RACE).values)
 
 

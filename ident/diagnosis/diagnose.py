@@ -22,16 +22,16 @@ from .bench import Bench, prepare
 from .beyond import free_name, go_beyond
 from .discover import Keep, continue_from
 from .effect_file import write_effect
-from .enough import adequate
+from .enough import adequate, worth_a_name
 from .experiments import NextExperiment, next_experiments, rank_experiments
 from .locate import Where, locate
-from .look import first_look
+from .look import BROKEN, first_look
 from .prune import hurts
 from .shorten import is_long, working
 from .steps import Discovery, Step, Verdict, Walked
 from .suspects import BY_OTHERS, find_suspects, judged_again
 from .ties import Unseen, unseen
-from .unknown import Unknown, find_unknown
+from .unknown import Unknown, find_unknown, followed_noise
 from .where_words import summary
 
 if TYPE_CHECKING:
@@ -162,10 +162,16 @@ def diagnose(
         write_effect(unknown, effect_file, free_name(last))
         return answer(unknown, effect_file)
     beyond = go_beyond(last, base, unknown, effect_file, report)
-    better = beyond.fit.fitted.error_over_noise < found.final.fitted.error_over_noise
+    before, after = (one.fitted.error_over_noise for one in (last, beyond.fit))
+    gain = 1 - (after**2 - 1) / max(before**2 - 1, 1e-9)
+    helped = any(worth_a_name(kept * bench.excess, bench) for kept in found.confirmed.values())
+    if gain < BROKEN * beyond.unknown.share and not found.steps and not helped:
+        beyond.path.unlink()  # neither an effect of the library nor this one is there, once it is simulated
+        nothing = replace(found, verdict="ambiguous", lacking=0.0)
+        return replace(answer(followed_noise(beyond.unknown, gain)), discovery=nothing)
+    better = after < found.final.fitted.error_over_noise
     if better and not hurts(last, beyond.fit):  # what bends to the fitted records alone is written, but not kept
         name = beyond.fit.model.names[-1]
-        gain = 1 - (beyond.fit.fitted.error_over_noise**2 - 1) / max(last.fitted.error_over_noise**2 - 1, 1e-9)
         step = Step(name, beyond.unknown.share, gain, (name,), "effect", beyond.fit)
         found = replace(found, steps=(*found.steps, step) if kept else (step,))
     return replace(answer(beyond.unknown, beyond.path), discovery=found)

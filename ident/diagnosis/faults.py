@@ -31,7 +31,7 @@ _DELAYS = (-10, -6, -4, -2.5, -1.5, -0.7, 0, 0.7, 1.5, 2.5, 4, 6, 10)  # samples
 _TRIED = 3  # explanations of a record that are fitted together with the others, the best first
 _ROUNDS = 3  # of the fault's number and the device's in turn
 _BETTER = 0.99  # of the error: less is not worth another round
-_LITTLE = 2.0
+_LITTLE = 2.0  # times the error that is left
 _STEPS = 40
 _FEW = 4  # from a neighbouring delay: enough to tell which one is near
 OF_FREQUENCY = "% of frequency"
@@ -134,7 +134,22 @@ def faults_of(fitted: Fit, i: int, rest: Rest, floor: float = np.inf) -> list[Fa
         numbers = rest.numbers + len(own.static.free)
         worst = max(rest.worst, at_own)
         found.append(Fault(i, told, rest.campaign, rest.values, rest.left, numbers, worst, apart))
-    return found
+    return [fault for fault in found if not rings_by_itself(model, fault)]
+
+
+def rings_by_itself(model: Model, fault: Fault) -> bool:
+    """Whether the device with which a fault goes would follow the records as well if nothing drove it.
+
+    Read so, all records may have one frequency; a resonance there that hardly dies away follows any of them from the
+    start that suits it, whatever its drive: that they agree is then no evidence.
+    """
+    records = fault.campaign.fitted
+    if any(record.start != "unknown" for record in records) or not any(record.driven for record in records):
+        return False
+    still = {id(record): replace(record, drive=np.zeros_like(record.drive)) for record in records}
+    silent = replace(fault.campaign, records=tuple(still.get(id(r), r) for r in fault.campaign.records))
+    found = _minimum(model, silent, fault.values, _FEW)
+    return found is not None and rms(residual_of(found, silent)[0], 1.0) < _LITTLE * rms(fault.left, 1.0)
 
 
 def common_delay(fitted: Fit) -> Fault | None:

@@ -25,7 +25,7 @@ from .score import Candidate, score, significant
 Library = Mapping[str, type[AbstractEffect]]
 
 _SHORTLIST = 3  # twice as many if refits keep less than the scores promised
-_BROKEN = 0.5  # of what the scores promised: if the refits of the shortlist keep less, refits rank the rest
+BROKEN = 0.5  # of what the scores promised: if the refits of the shortlist keep less, refits rank the rest
 _BETRAYED = 0.1  # the same for any of them: then at once
 _NEAR = 0.1  # of the excess: candidates this near the best are confirmed too
 
@@ -68,7 +68,7 @@ class Look:
             candidate = rest.pop(0)
             self.report(f"confirming {candidate.name}")
             tried.append(confirm(bench, library[candidate.name], candidate))
-            least = _BROKEN if len(tried) == _SHORTLIST else _BETRAYED
+            least = BROKEN if len(tried) == _SHORTLIST else _BETRAYED
             broken = best_drop(tried, bench) < least * promised(self.real[0], bench)
             if believed and len(tried) <= _SHORTLIST and broken:
                 believed, rest = False, by_refits(bench, rest, library, self.report)
@@ -81,7 +81,7 @@ class Look:
         here, kept = promised(candidate, bench), best_drop(tried, bench)
         if len(tried) >= _SHORTLIST:
             # Where short refits rank, what they reached is the least that a candidate gains, not the most.
-            return here > kept * (1.0 if bench.credible else _BROKEN)
+            return here > kept * (1.0 if bench.credible else BROKEN)
         return here > min(promised(real[0], bench), kept) - max(_NEAR * bench.to_explain, VERY_STRONG)
 
 

@@ -20,7 +20,7 @@ from .formula import Formula, dictionary, long_formula, write_formula
 from .picture import Picture, draw
 from .stage import Stage, rows_of, set_stage
 from .subsets import TRIED, Ranked, dimension, rank, regress, smallest_sufficient, spline_rows
-from .unknown_words import describe
+from .unknown_words import describe, noise_followed
 from .whiten import whiten
 
 _LACKING = 0.1  # of what the splines leave: a formula that lacks no more says as much as the splines of all rivals
@@ -103,6 +103,12 @@ def find_unknown(bench: Bench) -> Unknown:
     found = Unknown(side, coordinates, chosen.drop, chosen.dof, chosen.share, before, chosen.chi2_per_sample, p, alike,
                     others, picture, formula, written, ())  # fmt: skip
     return replace(found, sentences=describe(found))
+
+
+def followed_noise(found: Unknown, kept: float) -> Unknown:
+    """What was estimated, with the word that its simulation keeps only a share `kept` of what it explains along the
+    measured motion: slow noise that no floor holds moves that too, and is then read as its own cause."""
+    return replace(found, sentences=(*found.sentences, noise_followed(kept)))
 
 
 def _settle(bench: Bench, stage: Stage, enough: Sequence[Ranked]) -> tuple[Ranked, Formula | None]:

@@ -57,6 +57,14 @@ def describe(found: Unknown) -> tuple[str, ...]:
     return tuple(sentences)
 
 
+def noise_followed(kept: float) -> str:
+    """What it means that an estimated law explains nothing once it is simulated."""
+    return (
+        f"Simulated, it lowers the error by {percent(kept)} only: it follows what was measured, noise included, and is "
+        "no law. Slow noise may be more than its floor says: record some periods at rest, or one drive twice."
+    )
+
+
 def _formula(found: Unknown) -> list[str]:
     if found.formula is None or found.written is None:
         return ["No simple term describes it."]

@@ -10,7 +10,7 @@ import numpy as np
 from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
 from ..model import FREQUENCY, Model, ModelParameter
-from ..response import Equation, Tape
+from ..response import Equation, Tape, at_rest
 from ..units import exponents
 from .coordinates import to_coordinates
 from .curves import Curves
@@ -105,14 +105,24 @@ def at_values(data: Data, static: Static, values: np.ndarray) -> Data:
 
 
 def begin(data: Data, static: Static) -> Unknowns:
-    """Unknowns to start from: x = 0, initial states read off the first samples."""
+    """Unknowns to start from: x = 0, initial states read off the first samples, above what the sensor shows at rest.
+
+    A laser reads its distance, tens of times the motion: a stage that began there would leave the well of its spring.
+    """
     omega = 2 * np.pi * float(data.template[0])
-    starts = [_measured_start(data.response[own], lane.step * span.substeps, int(lane.order), omega)
+    zero = at_rest(static.equation, data.template)
+    starts = [_measured_start(data.response[own] - zero, lane.step * span.substeps, int(lane.order), omega)
               for own, lane, span in zip(data.tape.slices, data.tape.lanes, data.tape.spans, strict=True)]  # fmt: skip
     found = np.zeros_like(data.start_scale)
     found[:, :2] = np.array(starts).reshape(-1, 2)
     scale = np.where(data.start_scale > 0, data.start_scale, 1.0)
     return Unknowns(np.zeros(len(static.free)), np.where(data.start_scale > 0, found / scale, 0.0))
+
+
+def begin_at(data: Data, static: Static, begun: np.ndarray) -> Unknowns:
+    """The same with initial states (records, s) SI that are known."""
+    scale = np.where(data.start_scale > 0, data.start_scale, 1.0)
+    return Unknowns(np.zeros(len(static.free)), np.where(data.start_scale > 0, begun / scale, 0.0))
 
 
 def _measured_start(response: np.ndarray, step: float, order: int, omega: float) -> np.ndarray:

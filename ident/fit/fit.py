@@ -16,7 +16,7 @@ from ..model import Model
 from ..pulse import Pulse, Report
 from ..response import lay_out
 from . import solve
-from .assemble import assemble, at_values, begin
+from .assemble import assemble, at_values, begin, begin_at
 from .curves import lay_curves
 from .finish import Minimum, finish
 from .fit_starts import fit_starts
@@ -45,6 +45,7 @@ def fit(
     starts: int = 0,
     seed: int = 0,
     initial: np.ndarray | Sequence[np.ndarray] | None = None,
+    begun: np.ndarray | None = None,
     report: Report = lambda _: None,
     until: float = np.inf,
 ) -> Fit:
@@ -52,9 +53,10 @@ def fit(
 
     Minimises Σ ((measured − model)/σ)² over the fitted parameters and the initial states of the records that do not
     start at rest, from the records' own linear guess, from the effects' grids, and from `starts` random points
-    around the first; or from `initial` alone, one point or several (SI, all parameters). The grids are tried until
-    one start ends at the noise floor. A quality factor that steady sines of one frequency do not determine is held, at
-    the value with which the model reaches the noise floor if there is one.
+    around the first; or from `initial` alone, one point or several (SI, all parameters), with the initial states
+    `begun` (records, s) SI that an earlier search found there, if they are known. The grids are tried until one start
+    ends at the noise floor. A quality factor that steady sines of one frequency do not determine is held, at the value
+    with which the model reaches the noise floor if there is one.
 
     **Arguments:** `sigma`: "known" (noise floors as given or estimated), "scaled" (error bars times the error over
     noise), "fitted" (each record's own residual); `robust`: large residuals count linearly; `report`: called with
@@ -66,7 +68,7 @@ def fit(
         model = hold_quality(hold_gain(model, campaign.fitted), campaign.fitted)
     all_else = replace(model, undetermined=model.undetermined & {gain_of(model)})
     search = partial(minimise, robust=robust, until=until)
-    found = search(model, campaign, starts=starts, seed=seed, initial=initial, report=report)
+    found = search(model, campaign, starts=starts, seed=seed, initial=initial, begun=begun, report=report)
     if model.undetermined != all_else.undetermined and found.error > _AT_THE_FLOOR:
         # What is left of the record's beginning may tell the quality factor after all.
         other = search(all_else, campaign, initial=found.values)
@@ -92,6 +94,7 @@ def minimise(
     starts: int = 0,
     seed: int = 0,
     initial: np.ndarray | Sequence[np.ndarray] | None = None,
+    begun: np.ndarray | None = None,
     report: Report = lambda _: None,
     most: int = solve.MAX_STEPS,
     compared: bool = False,
@@ -118,20 +121,20 @@ def minimise(
     points = told or starting_points(model, base, scales)
     if not told and starts:
         points = [base, *random_points(model, base, starts, _SPREAD, seed)]
-    candidates = _first_errors(static, data, points, bool(told))[: None if starts or told else _KEPT_STARTS]
+    candidates = _first_errors(static, data, points, bool(told), begun)[: None if starts or told else _KEPT_STARTS]
     per_sample = lambda cost: float(np.sqrt(cost / data.count))
     solutions = []
-    for number, (first, there, begin_at, begun) in enumerate(candidates, 1):
+    for number, (first, there, at, known) in enumerate(candidates, 1):
         stage = f"least squares, start {number} of {len(candidates)}"
         report(stage)
         pulse = Pulse(report, stage)
         watch = lambda cost, pulse=pulse: pulse.beat(f"error over noise {per_sample(cost):.3g}")
         if told:  # else the first search says which of several orbits a steady record shows
-            own, there, begin_at = on_orbits(static, there, records, begin_at)
-            begun = None if there.steady else begun
+            own, there, at = on_orbits(static, there, records, at)
+            known = None if there.steady else known
         else:
             own = static
-        found = solve.least_squares(own, there, begin_at, robust, most, begun, watch, compared, until)
+        found = solve.least_squares(own, there, at, robust, most, known, watch, compared, until)
         solutions.append((per_sample(first), own, *found))
         if time.monotonic() > until or (not starts and not told and per_sample(solutions[-1][3].cost) < _AT_THE_FLOOR):
             break
@@ -177,17 +180,18 @@ def _reweighed(
 
 
 def _first_errors(
-    static: Static, data: Data, points: list[np.ndarray], known: bool
+    static: Static, data: Data, points: list[np.ndarray], known: bool, begun: np.ndarray | None = None
 ) -> list[tuple[float, Data, Unknowns, Evaluation]]:
     """Starting points with Σ r², the unknowns and the model at each, best first.
 
     Initial states as they were read; where the parameters are `known` nearly, fitted first: a start read off a few
-    samples is wrong by many noise floors, which a search mends by moving parameters away from where they belong.
+    samples is wrong by many noise floors, which a search mends by moving parameters away from where they belong. Near a
+    hilltop of the spring it may have no bound at all, so that those that were `begun` with before are taken instead.
     """
     judged = []
     for point in points:
         there = at_values(data, static, point)
-        unknowns = begin(there, static)
+        unknowns = begin(there, static) if begun is None else begin_at(there, static, begun)
         if known and static.starts_free:
             unknowns, found = fit_starts(static, there, unknowns, _ROUNDS)
         else:

@@ -35,7 +35,7 @@ def _lowered(record: Trace, reading: np.ndarray) -> Trace:
         return record
     later = slice(record.skip, None)
     masked = None if record.masked is None else record.masked[later]
-    floor = noise_floor(record.time[later], record.drive[later], left[later], record.period, masked)
+    floor = noise_floor(record.time[later], record.drive[later], left[later], record.period, masked, record.stuck == 0)
     if not floor.sigma < _LOWER * told.sigma:
         return record
     return replace(record, noise=replace(floor, method=f"{floor.method}, in what the model leaves"))

@@ -55,6 +55,10 @@ def _verdict_words(found: Diagnosis) -> str:
     was, them, s = ("was", "it", "s") if one else ("were", "them", "")
     refine = "refines its shape" if len(shaped) == 1 else "refine its shape"
     refined = f" ({' and '.join(shaped)} only {refine})" if shaped else ""
+    if loop.verdict == "ambiguous" and not named:
+        return (
+            f"Nothing is named, {error}: no law explains what the model leaves; it may be noise, or how records begin."
+        )
     if loop.verdict == "ambiguous" and not loop.lacking and not any(len(s.tie_set) > 1 for s in named):
         return f"On the fitted records {names}{refined} {'is' if one else 'are'} what was missing, {error}."
     if loop.verdict == "identified" and adequate(loop.bench):

@@ -4,6 +4,7 @@ from .ensemble import respond_many as respond_many
 from .substeps import divided as divided
 from .substeps import lay_out as lay_out
 from .system import Equation as Equation
+from .system import at_rest as at_rest
 from .tape import Tape as Tape
 from .transient import Response as Response
 from .transient import respond as respond

@@ -191,6 +191,15 @@ def reading(
     return shown
 
 
+def at_rest(equation: Equation, values: Numbers) -> float:
+    """What the sensor shows of a stage at rest without a drive, at `values` (m,) SI; 0 where that is no number."""
+    system = assemble(equation, equation.constants, values)
+    parts = slices(equation)
+    still = begun(system, parts, equation.histories, (0.0, 0.0), 0.0, 0.0)
+    shown = float(reading(system, parts, still, (0.0, 0.0, 0.0), 0.0))
+    return shown if np.isfinite(shown) else 0.0
+
+
 def begun(
     system: System, parts: tuple[slice | None, ...], histories: tuple[slice, ...], start: Any, voltage: Any, rate: Any
 ) -> tuple[Any, ...]:

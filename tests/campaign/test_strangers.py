@@ -13,6 +13,7 @@ from ident.campaign.header import header_of
 from ident.campaign.load import read_table
 from ident.campaign.preamble import preamble_words, step_of
 from ident.campaign.propose import propose
+from ident.campaign.suspect import suspects_by_data
 from tests.campaign.strangers import (
     COUNT,
     DRIVE,
@@ -237,3 +238,45 @@ def test_times_of_day():
     assert clock_seconds(["00:00:01.5", "00:00:02"]) == ["1.5", "2"]
     assert clock_seconds(["12:00:00 AM", "12:00:00 PM"]) == ["0", "43200"]
     assert clock_seconds(["05:33.5", "noon"]) is None
+
+
+def _without(text, lost):
+    """A table without some of its rows, counted from the first below the header."""
+    lines = text.splitlines()
+    return "\n".join(line for k, line in enumerate(lines) if k - 1 not in lost) + "\n"
+
+
+def test_frames_that_a_camera_lost_are_not_counted(tmp_path):
+    """Their numbers and times jump by whole intervals, printed to a millisecond; the frame is no drive."""
+    time, lost = np.arange(400) / 30.0, {7, 50, 51, 333}
+    noise = 0.05 * np.random.default_rng(5).standard_normal(400)
+    angle = np.round(40 * np.exp(-time / 8) * np.cos(5.0 * time) + noise, 2)
+    cells = "".join(f"{k},{t:.3f},{z:.2f}\n" for k, (t, z) in enumerate(zip(time, angle, strict=True)))
+    campaign = _campaign(tmp_path, a_csv=_without("frame,t_s,angle_deg\n" + cells, lost))
+    (record,) = campaign.traces
+    assert not record.driven and len(record.time) == 400
+    assert record.masked is not None and set(np.flatnonzero(record.masked)) == lost
+    np.testing.assert_allclose(np.diff(record.time), 1 / 30, rtol=1e-4)
+    assert any("line 9" in note and "4 samples" in note for note in campaign.notes)
+    assert abs(record.noise.sigma / np.radians(0.05) - 1) < 0.15 and record.noise.relative_error < 0.2
+    assert not suspects_by_data(campaign)  # to have lost some is no fault of the others
+
+
+def test_a_drive_is_drawn_across_lost_samples_only_where_that_is_harmless(tmp_path):
+    text = HEADER + rows(TIME, DRIVE, RESPONSE)
+    (record,) = _campaign(tmp_path, a_csv=_without(text, {100, 101, 102})).traces
+    assert record.masked is not None and list(np.flatnonzero(record.masked)) == [100, 101, 102]
+    np.testing.assert_allclose(record.drive, DRIVE, atol=0.01 * float(np.std(DRIVE)))
+    (tmp_path / "a.csv").write_text(_without(text, set(range(100, 140))), encoding="utf-8")
+    assert_one_line(ident("check", tmp_path), "line 102", "a gap of")
+
+
+def test_beside_a_response_that_is_named_the_other_signal_is_the_drive(tmp_path):
+    """A device smooths what drives it: of two signals the smoother need not be the drive."""
+    rng = np.random.default_rng(3)
+    drive = rng.standard_normal(COUNT)
+    output = np.convolve(drive, np.exp(-np.arange(40) / 8.0))[:COUNT]
+    text = "t [s],table acceleration [mm/s2],output [mV]\n" + rows(TIME, drive, output)
+    campaign = _campaign(tmp_path, a_csv=text)
+    assert isinstance(campaign.device, Oscillator) and campaign.device.output == "V"
+    np.testing.assert_allclose(campaign.traces[0].drive, 1e-3 * drive, rtol=1e-4, atol=1e-7)

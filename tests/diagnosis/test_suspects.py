@@ -97,7 +97,10 @@ def test_what_the_data_alone_tell(clean):
     assert [(s.file, s.kind) for s in suspects_by_data(twice)] == [("again.csv", "duplicate")]
     limit = 0.6 * np.max(np.abs(first.response))
     response = np.clip(first.response, -limit, limit)
-    clipped = spoiled(clean, first.name, response=lambda _: response, masked=lambda _: clipped_mask(response))
+    masked = clipped_mask(response)
+    assert masked is not None
+    changes = {"response": lambda _: response, "masked": lambda _: masked, "stuck": lambda _: float(np.mean(masked))}
+    clipped = spoiled(clean, first.name, **changes)
     assert [(s.file, s.kind) for s in suspects_by_data(clipped)] == [(first.name, "clipping")]
     assert suspects_by_data(clean) == ()
 

@@ -199,7 +199,9 @@ def test_a_record_that_is_clipped_is_named_beside_the_fit(make_fit):
     first, *others = found.campaign.traces
     limit = 0.7 * float(np.max(np.abs(first.response)))
     response = np.clip(first.response, -limit, limit)
-    clipped = replace(first, response=response, masked=clipped_mask(response))  # as reading it finds
+    masked = clipped_mask(response)
+    assert masked is not None
+    clipped = replace(first, response=response, masked=masked, stuck=float(np.mean(masked)))  # as reading it finds
     spoilt = make_fit(campaign=replace(found.campaign, records=(clipped, *others)))
     assert "sticks to a limit" in _warned(spoilt) and first.name in _warned(spoilt)
     assert "Suspect" not in _said(found)

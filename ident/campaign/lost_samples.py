@@ -1,0 +1,57 @@
+"""Samples that a recorder lost: a frame that was dropped leaves a gap of whole intervals in the column of times."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from .checks import MOST_JITTER
+from .gaps import crossed_by_drive
+from .table import Column
+
+_ROUNDS = 3  # of the interval, which printed times tell to a digit only, and of the number of samples in each step
+
+
+def with_lost_samples(columns: Mapping[str, Column]) -> dict[str, Column]:
+    """The columns of a record with the rows that are missing in its times put in, their cells as if they had been
+    empty; as they are, if no step in time is of several whole intervals, or what is lost of the drive nobody knows.
+
+    **Arguments:** `columns`: of each role; without one of times nothing is known to be lost.
+    """
+    if "time" not in columns:
+        return dict(columns)
+    printed = columns["time"].numbers()
+    index = _whole_intervals(printed)
+    if index is None or index[-1] + 1 >= 2 * len(index):
+        return dict(columns)
+    there = np.zeros(index[-1] + 1, dtype=bool)
+    there[index] = True
+    if "drive" in columns and not crossed_by_drive(columns["drive"], there):
+        return dict(columns)
+    after = np.searchsorted(index, np.arange(len(there)))  # the row of a sample, or the next that there is
+    times = np.interp(np.arange(len(there)), index, printed)
+    found = {}
+    for role, column in columns.items():
+        values = times if role == "time" else np.where(there, column.numbers(missing=True)[after], np.nan)
+        lines = [column.lines[row] for row in after] if len(column.lines) else ()
+        texts = column.printed or (column.cells if not isinstance(column.cells, np.ndarray) else ())
+        found[role] = replace(column, cells=values, lines=lines, printed=texts)
+    return found
+
+
+def _whole_intervals(printed: np.ndarray) -> np.ndarray | None:
+    """(n,) which sample of a uniform grid each time is, if they are such samples and some are missing."""
+    steps = np.diff(printed)
+    step = float(np.median(steps)) if len(steps) else 0.0
+    if not step > 0:
+        return None
+    for _ in range(_ROUNDS):
+        counts = np.round(steps / step)
+        if not (np.min(counts) >= 1 and 1 < np.max(counts) < len(printed)):
+            return None
+        index = np.concatenate([[0.0], np.cumsum(counts)])
+        step, origin = np.polyfit(index, printed, 1)
+    off = np.max(np.abs(printed - origin - step * index))
+    return index.astype(int) if off < MOST_JITTER * step else None
