@@ -6,13 +6,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.special import ndtri
 
 from .jump import jump_of, loop_runs_backwards
 from .record import Record, Run, Sweep
 from .repeatability import with_repeatability
 from .sweep_noise import sweep_noise
 
-_AGREE = 2.5  # standard errors by which a file's own noise may leave the common one, and still be called the same
+_BY_CHANCE = 0.0124  # that the noise of one of the files leaves the common one so far: 2.5 standard errors, were it one
 
 
 def seen_together(records: Sequence[Record], notes: list[str]) -> list[Record]:
@@ -75,12 +76,13 @@ def _share_noise(records: list[Record], group: list[int]) -> None:
     if len(own) < 2:
         return
     common = sweep_noise(_joined([record for _, record in own]))
+    farthest = -ndtri(_BY_CHANCE / (2 * len(own)))
     for k, record in own:
         shared = replace(
             record, noise=common.noise, relative_noise=common.relative_noise, phase_noise=common.phase_noise
         )
         apart = abs(float(np.log(np.median(shared.deviation) / np.median(record.deviation))))
-        if apart < _AGREE * float(np.hypot(record.noise.relative_error, common.noise.relative_error)):
+        if apart < farthest * float(np.hypot(record.noise.relative_error, common.noise.relative_error)):
             records[k] = shared
 
 

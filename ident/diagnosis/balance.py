@@ -1,10 +1,11 @@
 """How far a model and a possible effect together could describe sweeps: the balance of the fundamental, refitted.
 
-The drive that is needed is linear in the amplitudes, but its modulus is not: where phases were not measured, a spring
-that turns the drive by a right angle changes nothing to first order and much to second. The few numbers are therefore
-searched, which takes milliseconds. Weights are those of the model where a search ends, as in a fit: a drive that does
-not depend on the amplitude agrees with any that was measured at one level, and says nothing. Traces beside the sweeps
-count as linear.
+The drive that is needed is linear in the amplitudes, or of second order, but its modulus is not: where phases were not
+measured, a spring that turns the drive by a right angle changes nothing to first order and much to second. The few
+numbers are therefore searched, which takes milliseconds. Along a parabola each answer has a second one, on the other
+side of its vertex: of an amplitude that cannot be negative it may be the only one that can be. Weights are those of the
+model where a search ends, as in a fit: a drive that does not depend on the amplitude agrees with any that was measured
+at one level, and says nothing. Traces beside the sweeps count as linear.
 
 Source: G. A. F. Seber, C. J. Wild, Nonlinear Regression, 1989, §14.2 (Levenberg and Marquardt).
 """
@@ -41,20 +42,20 @@ class Balanced(NamedTuple):
     slopes: np.ndarray
 
 
-def balanced(bench: Bench, samples: np.ndarray, moves: Moves) -> Balanced:
+def balanced(bench: Bench, samples: np.ndarray, moves: Moves, positive: np.ndarray | bool = False) -> Balanced:
     """The best of a model and q amplitudes.
 
     **Arguments:** `samples`, (q, samples) white: what a unit of each does to the traces; `moves`, of q: to the points
-    of the sweeps.
+    of the sweeps; `positive`, (q,): which of them cannot be negative.
     """
     plane, own = bench.plane, len(bench.directions)
     assert plane is not None  # there are sweeps
     first = samples.shape[1]
-    both = Moves(*(np.concatenate(pair) for pair in zip(plane.own, moves, strict=True)))
+    both = moves.beside_others(plane.own)
     rows = np.concatenate([bench.known[:, :first], samples])
     typical = np.median(plane.curves.points.level)
     largest = np.max(np.abs(both.drives), axis=1) / typical + np.max(np.abs(both.shares), axis=1)
-    largest = largest + np.sqrt(np.max(np.abs(both.bends), axis=1) / typical)
+    largest[own:] += np.sqrt(np.max(np.abs(np.einsum("ddp->dp", moves.bends)), axis=1, initial=0.0) / typical)
     usable = np.isfinite(largest) & ((largest > 0) | (np.abs(rows).max(axis=1, initial=0.0) > 0))
     scale = np.where(usable, 1.0 / np.where(largest > 0, largest, 1.0), 0.0)
     both = both.scaled(scale)
@@ -62,26 +63,31 @@ def balanced(bench: Bench, samples: np.ndarray, moves: Moves) -> Balanced:
     needed = np.stack([one.needed for one in plane.steady])
 
     def at(x: np.ndarray, plane: Plane) -> tuple[np.ndarray, np.ndarray]:
-        drives, given = needed[0] + x @ both.drives + x**2 @ both.bends, 1.0 + x @ both.shares
+        bent = np.einsum("d,dqp->qp", x, both.bends)
+        drives, given = needed[0] + x @ both.drives + x[own:] @ bent, 1.0 + x @ both.shares
         left = np.concatenate([bench.left[:first] - x @ rows, plane.left(drives, given)])
-        along = both._replace(drives=both.drives + 2 * x[:, None] * both.bends)
+        steeper = both.drives + np.einsum("dqp,q->dp", both.bends, x[own:])
+        steeper[own:] += bent
+        along = both._replace(drives=steeper)
         return left, np.concatenate([rows, -plane.slopes(drives, given, along)], axis=1)
 
     def weighed(x: np.ndarray) -> _End:
         """With the noise carried through the model as it is there."""
         with np.errstate(all="ignore"):
-            beside = np.einsum("d,dsp->sp", x, both.beside) + np.einsum("d,dsp->sp", x**2, both.beside_bends)
-            there = plane.weighed(needed[0] + x @ both.drives + x**2 @ both.bends, needed[1:] + beside)
+            bent = np.einsum("d,dqp,q->p", x, both.bends, x[own:])
+            beside = np.einsum("d,dsp->sp", x, both.beside) + np.einsum("d,dqsp,q->sp", x, both.beside_bends, x[own:])
+            there = plane.weighed(needed[0] + x @ both.drives + bent, needed[1:] + beside)
             return _End(x, there, *at(x, there))
 
+    above = np.concatenate([np.zeros(own, bool), np.broadcast_to(positive, len(moves.drives))])
     ends = []
-    for size in _STARTS[: 1 if not len(moves.drives) else None]:
-        x = np.zeros(len(both.drives))
-        x[own:] = size
-        ends.append(weighed(_searched(lambda x: at(x, plane), x)))
+    for sizes in _starts(both.drives[own:], both.bends[own:]):
+        x = np.concatenate([np.zeros(own), sizes])
+        x = np.where(above, np.maximum(np.abs(x), _TRIED), x)
+        ends.append(weighed(_searched(lambda x: at(x, plane), x, above)))
     best = min(ends, key=_End.cost)
     for _ in range(_REWEIGHED):
-        other = weighed(_searched(lambda x, there=best.plane: at(x, there), best.x))
+        other = weighed(_searched(lambda x, there=best.plane: at(x, there), best.x, above))
         if not other.cost() < best.cost() * (1 - _SETTLED):
             break
         best = other
@@ -89,6 +95,20 @@ def balanced(bench: Bench, samples: np.ndarray, moves: Moves) -> Balanced:
     for i in range(own, len(step)):
         step[i] = _off_zero(best, lambda x: at(x, best.plane)[0], i)
     return Balanced(step * scale, best.left, best.slopes)
+
+
+def _starts(drives: np.ndarray, bends: np.ndarray) -> list[np.ndarray]:
+    """Sizes of q amplitudes from where to search: all at once, and each where its square takes away what its slope
+    does, so that the search begins on the other side of the vertex."""
+    if not len(drives):
+        return [np.zeros(0)]
+    found = [np.full(len(drives), size) for size in _STARTS]
+    for i, (slope, square) in enumerate(zip(drives, np.einsum("ddp->dp", bends), strict=True)):
+        power = float(np.sum(np.abs(square) ** 2))
+        if power > 0 and np.any(slope):
+            found.append(np.zeros(len(drives)))
+            found[-1][i] = -float(np.real(np.vdot(square, slope))) / power
+    return found
 
 
 class _End(NamedTuple):
@@ -122,16 +142,20 @@ def samples_of(bench: Bench) -> int:
     return len(bench.left) - (0 if bench.plane is None else len(bench.plane.order))
 
 
-def _searched(at: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]], x: np.ndarray) -> np.ndarray:
-    """Where Levenberg's and Marquardt's search from x ends."""
+def _searched(
+    at: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]], x: np.ndarray, above: np.ndarray
+) -> np.ndarray:
+    """Where Levenberg's and Marquardt's search from x ends; numbers that stay `above` zero by their logarithms."""
     left, slopes = at(x)
     damping, cost = 1e-3, float(left @ left)
     for _ in range(_ROUNDS):
+        slopes = slopes * np.where(above, x, 1.0)[:, None]
         gram = slopes @ slopes.T
         units = np.maximum(np.diag(gram), 1e-300)
         move = np.linalg.lstsq(gram + damping * np.diag(units), slopes @ left, rcond=1e-14)[0]
         with np.errstate(all="ignore"):
-            tried = at(x + move)
+            there = np.where(above, x * np.exp(np.where(above, move, 0.0)), x + move)
+            tried = at(there)
         new = float(tried[0] @ tried[0])
         if not new < cost:
             damping *= 8
@@ -139,7 +163,7 @@ def _searched(at: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]], x: np.n
                 break
             continue
         small = cost - new < _SMALL * cost
-        x, (left, slopes), cost, damping = x + move, tried, new, damping / 5
+        x, (left, slopes), cost, damping = there, tried, new, damping / 5
         if small:
             break
     return x

@@ -9,12 +9,14 @@ with the fundamentals of forces on the stage F₁, of what the actuator adds to 
 s₁, and the share s that the model needs. That holds however large an effect is; what a sensor adds, as long as the
 stage is linear (ε = 1): it then reads s times the sum of what the drive does to stage and sensor.
 
-An even force (z², V z) has no fundamental on such a motion. It shifts the mean and makes overtones, and on the motion
-with these it has one, which grows with its square:
+The mean and the overtones of a force move the stage too, and on that motion the force has a further fundamental, which
+grows with the square of its size. Of an even force (z², V z), which has no other, it is all that curves show; beside an
+odd part it may be the greater (stressed beams that soften):
 
     δF₁ = ½ ∂²/∂x² [F(x, z + x δz)]₁,   δz = Σ_{k ≠ 1} Y(kω) [∂F/∂x]_k
 
-with the linear part's answer Y. That is the leading term; the refit knows the rest.
+with the linear part's answer Y. Of an effect with several amplitudes each pair has such a term: the mean of one moves
+the stage to where another acts. That is the leading term; the refit knows the rest.
 
 Source: as of `columns`; W. Krack, J. Gross, Harmonic Balance for Nonlinear Vibration Problems, 2019, §2.4; A. H.
 Nayfeh, D. T. Mook, Nonlinear Oscillations, 1979, §2.3.1 (the frequency that a quadratic spring shifts).
@@ -55,9 +57,10 @@ def curve_order(solved: Solved) -> np.ndarray:
 
 
 class Moves(NamedTuple):
-    """What units of some parameters do, complex: to the `drives` that are needed, (d, points) V, with `bends`, (d,
-    points), what their squares do; to the `shares` of the drive that the actuator gives; `beside`, `beside_bends`, (d,
-    2, points): as `drives` and `bends`, at amplitudes larger and smaller by the noise."""
+    """What units of some parameters do, complex: to the `drives` that are needed, (d, points) V, with `bends`, (d, q,
+    points), what a product with each of the q amplitudes of the same effect does; to the `shares` of the drive that the
+    actuator gives; `beside`, (d, 2, points), and `beside_bends`, (d, q, 2, points): as `drives` and `bends`, at
+    amplitudes larger and smaller by the noise."""
 
     drives: np.ndarray
     bends: np.ndarray
@@ -66,22 +69,36 @@ class Moves(NamedTuple):
     beside_bends: np.ndarray
 
     def scaled(self, units: np.ndarray) -> Moves:
-        """The same per so many units (d,) of each parameter; what is no number counts as nothing."""
-        turned = lambda part, by: np.nan_to_num(part) * by.reshape(-1, *[1] * (part.ndim - 1))
-        powers = (units, units**2, units, units, units**2)
+        """The same per so many units (d,) of each parameter, the last of which are the q amplitudes; what is no number
+        counts as nothing."""
+        pairs = units[:, None] * units[len(units) - self.bends.shape[1] :]
+        turned = lambda part, by: np.nan_to_num(part) * by.reshape(*by.shape, *[1] * (part.ndim - by.ndim))
+        powers = (units, pairs, units, units, pairs)
         return Moves(*(turned(part, by) for part, by in zip(self, powers, strict=True)))
 
     def rows(self, which: slice | np.ndarray) -> Moves:
         """Those of some of the parameters."""
         return Moves(*(part[which] for part in self))
 
+    def among(self, some: np.ndarray) -> Moves:
+        """Those of some of the amplitudes of one effect, the others at zero."""
+        few = self.rows(some)
+        return few._replace(bends=few.bends[:, some], beside_bends=few.beside_bends[:, some])
+
+    def beside_others(self, own: Moves) -> Moves:
+        """These after those of other parameters, which move the drives along straight lines."""
+        q = self.bends.shape[1]
+        straight = lambda part: np.zeros((len(part), q, *part.shape[2:]), complex)
+        own = own._replace(bends=straight(own.bends), beside_bends=straight(own.beside_bends))
+        return Moves(*(np.concatenate(pair) for pair in zip(own, self, strict=True)))
+
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """The numbers of the sweeps while parameters move: the drives that the model needs move along straight lines, or
-    along parabolas where a force is even.
+    """The numbers of the sweeps while parameters move: the drives that the model needs move along straight lines, with
+    the amplitudes of an effect along parabolas.
 
-        numbers = rows(ln((Û + Σ x_j Û_j + x_j² Û_jj)/(1 + Σ x_j κ_j)/U))
+        numbers = rows(ln((Û + Σ x_j Û_j + Σ x_j x_k Û_jk)/(1 + Σ x_j κ_j)/U))
 
     What the noise does to them moves too: a drive that did not depend on the amplitude would say nothing of it, however
     well it agreed with the one that was measured.
@@ -125,13 +142,14 @@ def plane_of(solved: Solved, directions: np.ndarray) -> Plane:
     three = (steady, *curves.beside(steady))
     drives, *beside = (one.slopes(directions) for one in three)
     none, around = np.zeros_like(drives), np.stack(beside, axis=1)
-    own = Moves(drives, none, none, around, np.zeros_like(around))
+    own = Moves(drives, none[:, None][:, :0], none, around, around[:, None][:, :0])
     return Plane(curves, curve_order(solved), three, own)
 
 
 def curve_columns(plane: Plane, equation: Equation, values: np.ndarray, directions: np.ndarray) -> Moves:
-    """What the terms of a model do to the points of a fit; `values` and `directions` (d, m) of each row, along
-    amplitudes: what is remembered is that of the given shapes.
+    """What the terms of a model do to the points of a fit: at each of several `values` (p, m) along the same
+    `directions` (q, m) of amplitudes, what is remembered being that of the given shapes; p q rows, those of one place
+    one after another.
 
     At the smaller amplitudes they do what a straight line through the two others says, which the noise is small for.
     """
@@ -140,7 +158,7 @@ def curve_columns(plane: Plane, equation: Equation, values: np.ndarray, directio
     more, more_bends, _ = _columns(above, equation, values, directions)
     size, up, down = (one.points.amplitude for one in plane.steady)
     ratio = (size - down) / (up - size)
-    around, bent = (np.stack([b, a - ratio * (b - a)], axis=1) for a, b in ((drives, more), (bends, more_bends)))
+    around, bent = (np.stack([b, a - ratio * (b - a)], axis=-2) for a, b in ((drives, more), (bends, more_bends)))
     return Moves(drives, bends, shares, around, bent)
 
 
@@ -151,31 +169,31 @@ def _columns(
     points = steady.points
     gain = float(steady.model.values[GAIN] * steady.model.equation.constants[1])
     stretch = steady.by_amplitude * points.amplitude / steady.needed
-    around = circle(_STEPS)
+    around, q = circle(_STEPS), len(directions)
     at = (points.level, points.frequency, points.load, np.real(steady.tone), np.imag(steady.tone))
     drives, bends, shares = [], [], []
-    for value, direction in zip(values, directions, strict=True):
+    for value in values:
         found = []
         for own in batches(len(points.level)):
-            said = terms_along(equation, equation.constants, value, direction, *(x[own] for x in at), around)
+            said = terms_along(equation, equation.constants, value, directions, *(x[own] for x in at), around)
             found.append((said,))
         (real,) = joined(found, len(points.level))
-        push, driven, shown, bent = real[::2] + 1j * real[1::2]
-        past = shown / steady.tone
-        drives.append(steady.needed * (-push / (gain * steady.share * points.level) - (stretch - 1.0) * past.real))
-        bends.append(np.where(push == 0, steady.needed * -bent / (gain * steady.share * points.level), 0.0))
+        push, driven, shown, bent = np.split(real[::2] + 1j * real[1::2], [q, 2 * q, 3 * q])
+        past, by_force = shown / steady.tone, -steady.needed / (gain * steady.share * points.level)
+        drives.append(by_force * push - steady.needed * (stretch - 1.0) * past.real)
+        bends.append(by_force * bent.reshape(q, q, -1))
         shares.append(driven / (gain * points.level) + steady.share * past)
-    return np.array(drives), np.array(bends), np.array(shares)
+    return np.concatenate(drives), np.concatenate(bends), np.concatenate(shares)
 
 
 @program
 def terms_along(
-    equation: Equation, constants: Numbers, values: Numbers, direction: Numbers, level: Numbers,
+    equation: Equation, constants: Numbers, values: Numbers, directions: Numbers, level: Numbers,
     frequency: Numbers, load: Numbers, real: Numbers, imaginary: Numbers, circle: Numbers,
 ) -> Any:  # fmt: skip
     """Fundamentals of the forces on the stage and of those through the actuator, N, and of what the sensor adds, m, per
-    unit of the direction, and of the forces on the stage per square of it: (8, points), real and imaginary part of
-    each, relative to cos ωt."""
+    unit of each of q directions, and of the forces on the stage per product of each two: (2 (3 q + q²), points), real
+    and imaginary part of each, relative to cos ωt."""
 
     def point(level: Any, frequency: Any, load: Any, real: Any, imaginary: Any) -> Any:
         cosine, sine = circle
@@ -184,8 +202,8 @@ def terms_along(
         z = real * cosine - imaginary * sine
         v = -omega * (real * sine + imaginary * cosine)
 
-        def acting(values: Any, off: Any, drift: Any) -> Any:
-            system = bound(equation, constants, values, load, frequency)
+        def acting(x: Any, off: Any, drift: Any) -> Any:
+            system = bound(equation, constants, values + x @ directions, load, frequency)
             voltage, rate, still = level * cosine, -level * omega * sine, 0.0 * cosine
             seen = Seen(z, v, voltage, rate, still, step, omega, jax.lax.stop_gradient(system.gain), 0.0)
             found = (0.0 * z + 0.0 * system.gain,) * 3
@@ -201,11 +219,15 @@ def terms_along(
                 found = tuple(a + b for a, b in zip(found, said, strict=True))
             return found
 
-        along = lambda off, drift: jax.jvp(lambda x: acting(x, off, drift), (values,), (direction,))[1]
-        still = jnp.zeros_like(z)
-        changed, further = jax.linearize(along, still, still)  # what remembers is followed once
-        bent = further(*_overtones(changed[0] + changed[1], system))[0]
-        return jnp.stack([part for x in (*changed, bent) for part in _fundamental(x, circle)])
+        still, axes = jnp.zeros_like(z), jnp.eye(len(directions))
+        one = lambda axis, x, off, drift: jax.jvp(lambda x: acting(x, off, drift), (x,), (axis,))[1]
+        along = lambda *at: jax.vmap(lambda axis: one(axis, *at))(axes)
+        changed, further = jax.linearize(along, 0.0 * axes[0], still, still)  # what remembers is followed once
+        force = changed[0] + changed[1]
+        answers = jax.vmap(lambda force: _overtones(force, system))(force)
+        bent = jax.vmap(lambda axis, z, v: further(0.5 * axis, z, v)[0])(axes, *answers)
+        told = jnp.concatenate([*changed, bent.reshape(-1, len(z))])
+        return jax.vmap(lambda x: jnp.stack(_fundamental(x, circle)))(told).reshape(-1)
 
     return jax.vmap(point, out_axes=-1)(level, frequency, load, real, imaginary)
 

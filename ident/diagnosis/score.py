@@ -102,7 +102,9 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     points = _grid(instance, bench)
     values = np.array([np.concatenate([known, point]) for point in points for _ in amplitudes])
     directions = np.array([np.eye(values.shape[1])[first + a] for _ in points for a in amplitudes])
-    moves = None if bench.plane is None else curve_columns(bench.plane, Equation(model), values, directions)
+    moves, q = None, len(amplitudes)
+    if bench.plane is not None:
+        moves = curve_columns(bench.plane, Equation(model), values[::q], directions[:q])
     raw = stack(bench, model, values, directions, moves=moves)
     apart, begun = begun_apart(bench, model, len(values)), None
     if apart is not None:
@@ -115,7 +117,7 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
     one_sided = [p.name for p in instance.declared() if p.one_sided]
     tried = []
     for k, point in enumerate(points):
-        rows = slice(k * len(amplitudes), (k + 1) * len(amplitudes))
+        rows = slice(k * q, (k + 1) * q)
         price, seen = 0.0, raw[rows].copy()
         if begun is not None:
             raw[rows], price = begun.fitted(bench, seen, rows)
@@ -123,10 +125,10 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
         basis = orthonormal(projected[rows], raw[rows])
         own = None if moves is None else moves.rows(rows)
         if own is not None and (basis.shape[1] or np.any(own.bends)):
-            tried.append(_balanced_point(bench, names, amplitudes, point, one_sided, raw[rows], own, rows))
-            even = np.any(own.bends, axis=1)
+            tried.append(_balanced_point(bench, instance, amplitudes, point, raw[rows], own, rows))
+            even = np.any(np.einsum("ddp->dp", own.bends), axis=1) & ~np.any(own.drives, axis=1)
             if np.any(even) and not np.all(even):  # with the others it may be left at zero, where it has no slope
-                tried.append(_balanced_point(bench, names, amplitudes, point, one_sided, raw[rows], own, rows, even))
+                tried.append(_balanced_point(bench, instance, amplitudes, point, raw[rows], own, rows, even))
         elif basis.shape[1]:
             found = _estimate(bench, names, amplitudes, point, projected[rows])
             sizes = [found[name] for name in one_sided]
@@ -168,19 +170,21 @@ def _score_one(bench: Bench, effect: type[AbstractEffect]) -> Candidate | None:
 
 
 def _balanced_point(
-    bench: Bench, names: list[str], amplitudes: list[int], point: np.ndarray, one_sided: list[str], raw: np.ndarray,
-    moves: Moves, rows: slice, some: np.ndarray | None = None,
+    bench: Bench, effect: AbstractEffect, amplitudes: list[int], point: np.ndarray, raw: np.ndarray, moves: Moves,
+    rows: slice, some: np.ndarray | None = None,
 ) -> _Point:  # fmt: skip
     """One point of an effect's grid where there are sweeps: amplitudes, or `some` (q,) of them with the others at zero,
     by the balance of the fundamental."""
     if some is not None:
-        raw, moves = raw[some], moves.rows(np.flatnonzero(some))
+        raw, moves = raw[some], moves.among(some)
         amplitudes = [a for a, kept in zip(amplitudes, some, strict=True) if kept]
-    found: Balanced = balanced(bench, raw[:, : samples_of(bench)], moves)
+    declared = effect.declared()
+    positive = np.array([declared[a].positive for a in amplitudes])
+    found: Balanced = balanced(bench, raw[:, : samples_of(bench)], moves, positive)
     own = len(bench.directions)
-    values = dict(zip(names, (float(x) for x in point), strict=True))
-    values |= {names[a]: float(x) for a, x in zip(amplitudes, found.step[own:], strict=True)}
-    sizes = [values[name] for name in one_sided]
+    values = {p.name: float(x) for p, x in zip(declared, point, strict=True)}
+    values |= {declared[a].name: float(x) for a, x in zip(amplitudes, found.step[own:], strict=True)}
+    sizes = [values[p.name] for p in declared if p.one_sided]
     impossible = max(sizes, default=0.0) <= 0 > min(sizes, default=0.0)
     drop = 0.0 if impossible else max(bench.chi2 - float(found.left @ found.left), 0.0)
     explained = (bench.residual - found.left)[None]  # where the effect is small, its own projected column

@@ -4,8 +4,7 @@ At the frequency and the amplitude (and phase) of a measured point the model nee
 the measured level that gives another. The logarithm of their ratio, in units of what the noise of the amplitude does to
 it, is the residual of the point. Away from folds that is (model − measured)/σ to first order. At a fold, where the
 amplitude has no finite slope, it is finite and smooth: no point has to be assigned a branch, and a fit that begins
-where the model jumps elsewhere finds its way. Points beside a jump, which may not have settled (`campaign.settled`), do
-not count.
+where the model jumps elsewhere finds its way. Points that may not have settled (`campaign.settled`) do not count.
 
     r = −L⁻¹ ln(Û(f, A) e^{iφ}/U),   L Lᵀ = ½ Σ_± d dᵀ + diag(0, σ_φ²),   d = ln(Û(f, A ± σ)/Û(f, A))
 
@@ -162,7 +161,7 @@ class Curves:
 def lay_curves(sweeps: Sequence[Sweep], finest: int) -> Curves:
     """The points of sweeps, their noise carried through a linear model; `finest`: solver steps per period that the
     model needs."""
-    kept = tuple(map(settled, sweeps))
+    kept = tuple(settled(sweep, sweeps) for sweep in sweeps)
     own = lambda parts: (np.asarray(part, float)[rows] for part, rows in zip(parts, kept, strict=True))
     join = lambda parts: np.concatenate(list(own(parts)))
     unknown = lambda s: np.full(len(s.frequency), np.nan)

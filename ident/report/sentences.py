@@ -214,8 +214,9 @@ def _curves(fit: Fit) -> list[Sentence]:
     beside = sum(int(np.count_nonzero(~curve.settled)) for curve in fit.curves)
     if beside:
         text = (
-            f"{beside} points of the sweeps lie beside a jump and do not count: near the end of a branch a motion "
-            "settles as slowly as one likes."
+            f"{beside} points of the sweeps lie beside a jump, or differ on the ways up and down where nothing jumps, "
+            "and do not count: where a branch ends, or a curve is about to fold, a motion settles as slowly as one "
+            "likes."
         )
         found.append(Sentence(text))
     for curve in fit.curves:

@@ -9,7 +9,7 @@ actuator that saturates may have none with which it reaches as far. What the dri
 counts s times, too: beside a force alone it would leave two answers beyond an antiresonance, and none at it.
 
 The unknowns are the state y at the beginning of a period and the share s; the equations Φ(y; s) = y and |Y₁| = A are
-solved by Newton's method from the balance of the fundamental alone.
+solved by Newton's method from the balance of the fundamental alone, or from the next point.
 
 Source: D. A. W. Barton, J. Sieber, Systematic experimental exploration of bifurcations with noninvasive control, Phys.
 Rev. E 87 (2013) 052916 (the same idea in the laboratory); W. Krack, J. Gross, Harmonic Balance for Nonlinear Vibration
@@ -140,7 +140,7 @@ class Moved(NamedTuple):
 def at_amplitude(model: Periodic, points: Points, start: np.ndarray | None = None) -> Controlled:
     """The steady responses of a model with the amplitudes of the points; `start`, (points, n + 2), from where the
     search begins if they are known nearly. Points that are not found from there, or of which nothing is known (NaN),
-    are searched from the balance."""
+    are searched from the balance, and those that it leads astray from their neighbours."""
     n = model.size
     first = np.full((len(points.level), n + 2), np.nan) if start is None else start.copy()
     new = ~np.all(np.isfinite(first), axis=1)
@@ -159,6 +159,7 @@ def at_amplitude(model: Periodic, points: Points, start: np.ndarray | None = Non
         few = points.some(lost)
         first[lost] = begin(model, few)
         search.put(lost, _newton(model, few, first[lost], seat.some(lost)))
+    _lead_on(model, points, seat, search)
     w, seen, found = search
     lost = ~found
     if np.any(lost):
@@ -211,6 +212,22 @@ def _newton(model: Periodic, points: Points, start: np.ndarray, seat: Seat) -> _
         if not len(left):
             break
     return search
+
+
+def _lead_on(model: Periodic, points: Points, seat: Seat, search: _Search) -> None:
+    """Search what was not found from the points beside it that were, as long as that finds more: where forces move the
+    mean of a motion far, the balance of its fundamental is no place to begin."""
+    while True:
+        known = np.concatenate([[False], search.found, [False]])
+        edge = np.flatnonzero(~search.found & (known[:-2] | known[2:]))
+        if not len(edge):
+            return
+        first = search.unknowns[np.where(known[edge], edge - 1, edge + 1)]
+        first[:, FREQUENCY] = points.frequency[edge]
+        there = _newton(model, points.some(edge), first, seat.some(edge))
+        search.put(edge, there)
+        if not np.any(there.found):
+            return
 
 
 def begin(model: Periodic, points: Points) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from ident.campaign.jump import find_jump, loop_runs_backwards
 from ident.campaign.record import Channel, NoiseFloor, Sweep
 from ident.campaign.sweep_noise import sweep_noise
+from ident.campaign.sweeps_together import seen_together
 from tests.campaign.curves import QUALITY, RESONANCE, both_ways, duffing
 
 # 40 frequencies, 4.5 of them within the half-power width near resonance, as in experiments/curves
@@ -17,6 +19,7 @@ FREQUENCY = RESONANCE * (
     1 + np.concatenate([np.linspace(-10, -2.5, 8), np.linspace(-2.2, 3.5, 26), np.linspace(4, 12, 6)]) / QUALITY
 )
 LEVELS = (1 / 3, 5 / 9, 7 / 9, 1.0)
+_COLUMNS = ("frequency", "level", "amplitude", "up")
 
 
 @cache
@@ -61,6 +64,21 @@ def test_the_noise_of_curves(noise, cubic, phase):
     assert 0.88 < everywhere < 1.12
     assert 0.85 < top < (1.25 if cubic == 0.0 else 1.8 if phase or cubic < 0.1 else 2.3)
     assert not phase or 0.88 < turned < 1.12
+
+
+def test_files_of_one_device_share_their_noise_however_many_they_are():
+    """One of eight estimates lies far off by chance; alone it would make a floor that the device does not keep."""
+    alone = 0
+    for seed in range(6, 12):
+        whole, *_ = _sweep(0.0, False, (1e-3, 1e-2, 1e-2), seed)
+        files = [
+            replace(whole, name=f"{k}.csv", **{name: getattr(whole, name)[run.rows] for name in _COLUMNS})
+            for k, run in enumerate(whole.runs)
+        ]
+        assert len(files) == 8
+        found = seen_together([sweep_noise(file) for file in files], [])
+        alone += len({one.noise.sigma for one in found if isinstance(one, Sweep)}) - 1
+    assert alone == 0
 
 
 def test_curves_without_noise_or_with_few_points():

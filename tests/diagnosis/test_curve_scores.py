@@ -10,6 +10,7 @@ from ident.campaign.device import Oscillator
 from ident.diagnosis.bench import prepare
 from ident.diagnosis.locate import locate
 from ident.diagnosis.score import score
+from ident.effects.effect import AbstractEffect, Drive, Scalar, State, amplitude
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.model import Model
@@ -68,3 +69,27 @@ def test_an_even_spring_is_scored_by_what_its_mean_and_its_overtone_do(phase: bo
     assert even.predicted_gain > 0.95 and odd.predicted_gain > 0.95
     equal = np.sqrt(0.9 * (2 * np.pi * FREQUENCY) ** 2 * abs(odd.values["k3"]))
     assert abs(even.values["k2"]) == pytest.approx(equal, rel=0.03)
+
+
+class Bent(AbstractEffect):
+    """A spring that hardens by a cubic part and softens by a quadratic one, more the larger it is."""
+
+    name = "bent"
+    equation = "F = −s (k z³ + q z²)"
+    source = "this test"
+
+    share = amplitude("1", "its size", positive=True)
+    EVEN = np.sqrt(0.75 * 0.9 * (2 * np.pi * FREQUENCY) ** 2 * CUBIC)  # at s = 2 as a cubic spring of −k together
+
+    def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
+        return -self.share * (CUBIC * state.z + self.EVEN) * state.z**2
+
+
+@pytest.mark.parametrize("phase", [True, False])
+def test_an_odd_part_does_not_hide_what_an_even_one_does(phase: bool) -> None:
+    """To first order it hardens, and a device that softens would ask for a size that cannot be."""
+    device = Oscillator(output="m")
+    campaign = Campaign("", (sweep(0.1, -CUBIC, phase, 3, 3e-5), sweep(0.3, -CUBIC, phase, 1, 3e-5)), device)
+    (found,) = score(prepare(fit(Model(device), campaign)), {"bent": Bent})
+    assert found.predicted_gain > 0.95
+    assert found.values["share"] == pytest.approx(2.0, rel=0.03)

@@ -10,6 +10,7 @@ import pytest
 
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
+from ident.campaign.jump import jump_of
 from ident.campaign.record import Channel, NoiseFloor, Sweep
 from ident.campaign.settled import settled
 from ident.effects.registry import built_in
@@ -144,6 +145,29 @@ def test_points_that_had_not_settled_beside_a_jump_do_not_bend_the_fit() -> None
     off = np.abs(fast.amplitude - reading.reading) / fast.deviation
     assert np.max(off[~still]) > 20  # they would have
     assert np.all(np.isnan(reading.residual[~still])) and np.all(np.isfinite(reading.residual[still]))
+
+
+def test_points_that_creep_where_a_curve_is_about_to_fold_do_not_bend_the_fit() -> None:
+    device = Oscillator()
+    model = Model(device) + built_in()["cubic-stiffness"](device)
+    fast = stepped(0.36, CUBIC, 100, 1, 3e-4)
+    assert all(jump_of(fast, run.rows) is None for run in fast.runs)
+    still = settled(fast)
+    assert 2 <= np.count_nonzero(~still) <= 4
+    up, down = (part_of(fast, fast.up == way) for way in (True, False))
+    for one, other in ((up, down), (down, up)):
+        np.testing.assert_array_equal(settled(one, [up, down]), still[fast.up == one.up[0]])  # each in its own file
+        assert settled(one).all() and settled(one, [replace(other, load=1.0)]).all()
+    found = fit(model, Campaign("", (fast,), device))
+    assert found.fitted.error_over_noise < 1.15
+    off = np.abs(fast.amplitude - found.curves[0].reading) / fast.deviation
+    assert np.max(off[~still]) > 8  # they would have
+
+
+def part_of(sweep: Sweep, rows: np.ndarray) -> Sweep:
+    assert sweep.phase is not None
+    return replace(sweep, frequency=sweep.frequency[rows], level=sweep.level[rows], up=sweep.up[rows],
+                   amplitude=sweep.amplitude[rows], phase=sweep.phase[rows])  # fmt: skip
 
 
 def test_a_fit_from_a_motion_without_bound_ends() -> None:

@@ -16,6 +16,7 @@ from ident.response.controlled import Points, at_amplitude
 from ident.response.memory import Seen, memory_along
 from ident.response.periodic import Periodic
 from ident.response.sweep import run_along
+from tests.fit.test_curves import closed_form
 
 FREQUENCY, QUALITY, GAIN, CUBIC = 40.0, 50.0, 100.0, 3e6
 STEPS = 128
@@ -80,6 +81,18 @@ def test_a_drive_that_reaches_the_sensor_past_the_stage_leaves_one_answer_at_an_
     weaker = Periodic(Equation(model), np.array([FREQUENCY, quality, GAIN, 0.7 * leak, 0.0]), STEPS)
     far = at_amplitude(weaker, points(frequency, np.abs(exact)))
     assert far.converged.all() and np.all(far.share > 0)
+
+
+def test_a_motion_whose_mean_moves_far_is_found_from_the_next_point() -> None:
+    """Of an even spring the balance of the fundamental knows nothing, and begins with a phase that is far off."""
+    device, frequency = Oscillator(), np.linspace(38.0, 41.0, 25)
+    model = Model(device) + built_in()["quadratic-stiffness"](device)
+    cubic = -1e7  # as soft by a quadratic one: Nayfeh & Mook, Nonlinear Oscillations, 1979, §2.3.1
+    values = np.array([FREQUENCY, QUALITY, GAIN, np.sqrt(-0.9 * cubic) * 2 * np.pi * FREQUENCY])
+    amplitude = np.abs(closed_form(0.5, frequency, False, cubic))
+    found = at_amplitude(Periodic(Equation(model), values, STEPS), points(frequency, amplitude))
+    assert found.converged.all()
+    assert np.all((found.share > 0.4) & (found.share < 0.7))  # of one volt: first-order theory is not far off
 
 
 def test_a_long_transient_of_an_independent_solver_ends_where_the_curve_is() -> None:
