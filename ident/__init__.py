@@ -22,13 +22,13 @@ if TYPE_CHECKING:
     from .campaign import Platform as Platform
     from .campaign import read_campaign as read_campaign
     from .campaign.trust import trust as trust
-    from .diagnosis.change import add as add
-    from .diagnosis.change import remove as remove
     from .diagnosis.diagnose import diagnose as diagnose
     from .diagnosis.diagnose import discover as discover
     from .diagnosis.judged import attribute as attribute
     from .diagnosis.judged import compare as compare
     from .diagnosis.judged import sample as sample
+    from .diagnosis.search.change import add as add
+    from .diagnosis.search.change import remove as remove
     from .effects import AbstractEffect as AbstractEffect
     from .effects import amplitude as amplitude
     from .effects import choice as choice
@@ -49,8 +49,8 @@ _STORY = {
     "check": ("report.check", "check"),
     "fit": ("fit.fit_data", "fit_data"),
     "diagnose": ("diagnosis.diagnose", "diagnose"),
-    "add": ("diagnosis.change", "add"),
-    "remove": ("diagnosis.change", "remove"),
+    "add": ("diagnosis.search.change", "add"),
+    "remove": ("diagnosis.search.change", "remove"),
     "discover": ("diagnosis.diagnose", "discover"),
     "sample": ("diagnosis.judged", "sample"),
     "compare": ("diagnosis.judged", "compare"),

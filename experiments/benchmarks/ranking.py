@@ -25,10 +25,10 @@ runtime.configure()
 from experiments.hidden_effects.campaigns import campaign_of  # noqa: E402  (JAX must be configured first)
 from experiments.hidden_effects.generator import draw  # noqa: E402
 from ident.campaign.campaign import Campaign  # noqa: E402
-from ident.diagnosis.bench import prepare  # noqa: E402
-from ident.diagnosis.confirm import confirm  # noqa: E402
-from ident.diagnosis.discover import discover  # noqa: E402
-from ident.diagnosis.score import score  # noqa: E402
+from ident.diagnosis.linearised.regression import prepare  # noqa: E402
+from ident.diagnosis.ranking.confirm import confirm  # noqa: E402
+from ident.diagnosis.ranking.score import score  # noqa: E402
+from ident.diagnosis.search.discover import discover  # noqa: E402
 from ident.effects.registry import built_in  # noqa: E402
 from ident.fit import fit  # noqa: E402
 from ident.model import Model  # noqa: E402
@@ -53,9 +53,9 @@ def measure(campaign: Campaign) -> Times:
     fitted = fit(start, campaign)
     ranking = _seconds(lambda: score(prepare(fitted), library))
     discovery = _seconds(lambda: discover(start, campaign, library))
-    bench = prepare(fitted)
-    candidates = score(bench, library)
-    refits = _seconds(lambda: [confirm(bench, library[one.name], one) for one in candidates])
+    regression = prepare(fitted)
+    candidates = score(regression, library)
+    refits = _seconds(lambda: [confirm(regression, library[one.name], one) for one in candidates])
     return Times(ranking, discovery, refits)
 
 

@@ -9,6 +9,7 @@ against 24fa412 that is `bouc-wen`, and all others agree.
 from __future__ import annotations
 
 import argparse
+import importlib
 import json
 import os
 import subprocess
@@ -26,23 +27,25 @@ def scores(path: Path) -> None:
     from experiments.hidden_effects.campaigns import campaign_of
     from experiments.hidden_effects.generator import draw
     from experiments.hidden_effects.laws import NAMES
-    from ident.diagnosis.score import score
     from ident.effects.registry import built_in
     from ident.fit import fit
     from ident.model import Model
 
     try:
-        from ident.diagnosis.bench import prepare
-    except ImportError:  # a checkout in which one file did both
-        from ident.diagnosis.score import prepare
+        from ident.diagnosis.linearised.regression import prepare
+        from ident.diagnosis.ranking.score import score
+    except ImportError:  # an older checkout
+        score_file = importlib.import_module("ident.diagnosis.score")
+        score = score_file.score
+        prepare = getattr(score_file, "prepare", None) or importlib.import_module("ident.diagnosis.bench").prepare
 
     library, found = built_in(), []
     known = [name for name in NAMES if name in library and not library[name].needs]
     for k in range(CAMPAIGNS):
         campaign = campaign_of(draw(SEED + k, (known[k % len(known)],), size=0.02, noise=0.003))
         model = Model(campaign.device)
-        bench = prepare(fit(model + library[IN_MODEL]() if k % 2 else model, campaign))
-        found.append({"chi2": bench.chi2} | {c.name: c.drop for c in score(bench, library)})
+        regression = prepare(fit(model + library[IN_MODEL]() if k % 2 else model, campaign))
+        found.append({"chi2": regression.chi2} | {c.name: c.drop for c in score(regression, library)})
     path.write_text(json.dumps(found), encoding="utf-8")
 
 

@@ -33,7 +33,7 @@ runtime.configure()
 from experiments.hidden_effects.laws import INDEX, LAWS  # noqa: E402
 from experiments.hidden_effects.tables import FAILS  # noqa: E402
 from ident.campaign import read_campaign  # noqa: E402  (JAX must be configured first)
-from ident.diagnosis.discover import discover  # noqa: E402
+from ident.diagnosis.search.discover import discover  # noqa: E402
 from ident.effects.registry import built_in  # noqa: E402
 from ident.model import Model  # noqa: E402
 

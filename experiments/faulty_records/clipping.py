@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
-from ident.campaign.clipping import clipped_samples
+from ident.campaign.quality.clipping import clipped_samples
 
 DRIVES = ("sine", "step", "pulse", "square", "chirp")
 

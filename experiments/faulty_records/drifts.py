@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from experiments.hidden_effects.campaigns import campaign_of
-from ident.campaign.judge import judge
+from ident.campaign.quality.judge import judge
 from ident.campaign.record import Trace
 
 from .faults import spoil

@@ -28,10 +28,10 @@ runtime.configure()
 from experiments.hidden_effects.campaigns import campaign_of  # noqa: E402  (JAX must be configured first)
 from experiments.hidden_effects.generator import Case, draw  # noqa: E402
 from ident.campaign import Campaign  # noqa: E402
-from ident.campaign.outliers import find_outliers, without_outliers  # noqa: E402
+from ident.campaign.quality.outliers import find_outliers, without_outliers  # noqa: E402
 from ident.diagnosis.diagnose import diagnose  # noqa: E402
-from ident.diagnosis.look import first_look  # noqa: E402
-from ident.diagnosis.suspects import find_suspects  # noqa: E402
+from ident.diagnosis.faulty.suspects import find_suspects  # noqa: E402
+from ident.diagnosis.ranking.look import first_look  # noqa: E402
 from ident.effects.registry import registry  # noqa: E402
 from ident.fit import fit  # noqa: E402
 from ident.model import build_model  # noqa: E402
@@ -92,8 +92,8 @@ def key_of(seed: int, fault: str, hidden: int, walk: bool) -> str:
 
 def _as_read(campaign: Campaign) -> Campaign:
     """With outliers taken out and clipped samples masked, as reading the files would."""
-    from ident.campaign.clipping import clipped_mask
-    from ident.campaign.noise import noise_floor
+    from ident.campaign.noise.floor import noise_floor
+    from ident.campaign.quality.clipping import clipped_mask
 
     records = []
     for trace in campaign.traces:

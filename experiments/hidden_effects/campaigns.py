@@ -9,8 +9,8 @@ import numpy as np
 
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator, Platform
-from ident.campaign.noise import noise_floor
-from ident.campaign.noise_pool import pooled
+from ident.campaign.noise.floor import noise_floor
+from ident.campaign.noise.pool import pooled
 from ident.campaign.period import find_period
 from ident.campaign.record import Channel, Trace
 

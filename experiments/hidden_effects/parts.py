@@ -13,15 +13,15 @@ from typing import Any, Literal
 import numpy as np
 
 from experiments.simulator.signals import Played
-from ident.diagnosis.bench import prepare
-from ident.diagnosis.beyond import go_beyond
 from ident.diagnosis.diagnose import measure_next
-from ident.diagnosis.discover import discover
-from ident.diagnosis.steps import Discovery
-from ident.diagnosis.unknown import find_unknown
+from ident.diagnosis.linearised.regression import prepare
+from ident.diagnosis.search.beyond import go_beyond
+from ident.diagnosis.search.discover import discover
+from ident.diagnosis.search.steps import Discovery
+from ident.diagnosis.unknown.find import find_unknown
 from ident.effects.registry import built_in
 from ident.fit import Fit
-from ident.fit.start_model import start_model
+from ident.fit.linear.start_model import start_model
 from ident.model import Model
 
 from .campaigns import campaign_of, poor_case, rounded, sigma_ratios
@@ -206,8 +206,8 @@ def _errors(fitted: Fit) -> list[float | None]:
 def _unknown(found: Discovery) -> dict[str, Any]:
     """What is said of the missing term before any effect was added, and the errors once it is written and refitted."""
     with tempfile.TemporaryDirectory() as folder:
-        bench = prepare(found.start)
-        beyond = go_beyond(found.start, bench, find_unknown(bench), Path(folder) / "unknown.py")
+        regression = prepare(found.start)
+        beyond = go_beyond(found.start, regression, find_unknown(regression), Path(folder) / "unknown.py")
     unknown = beyond.unknown
     formula = unknown.formula.text if unknown.formula is not None else ""
     alike = [[r.side, list(r.coordinates)] for r in unknown.alike]

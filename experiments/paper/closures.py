@@ -25,7 +25,7 @@ from ident.fit.fit import fit
 from ident.mechanics import restoring, stage_stiffness
 from ident.model import build_model
 from ident.posterior.compare import DECISIVE, Comparison, compare
-from ident.report.style import MODEL, RESIDUAL, label
+from ident.report.figures.style import MODEL, RESIDUAL, label
 
 from .sheet import Figure, names, sheet
 

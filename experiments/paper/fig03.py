@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ident.report.style import DATA, INK, label
+from ident.report.figures.style import DATA, INK, label
 
 from . import measured
 from .nominal import POINTS, Harmonics, Sine, harmonics

@@ -15,7 +15,7 @@ from ident import mechanics
 from ident.campaign import Platform
 from ident.effects.section import device_section
 from ident.mechanics.axial import AxialForce, SignChange, axial_forces
-from ident.report.style import MODEL, RESIDUAL, label
+from ident.report.figures.style import MODEL, RESIDUAL, label
 
 from .nominal import CLOSURE, PARAMETERS
 from .sheet import Figure, names, sheet

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ident.mechanics import polynomial_strain
-from ident.report.style import HELDOUT, MODEL, RESIDUAL, label
+from ident.report.figures.style import HELDOUT, MODEL, RESIDUAL, label
 
 from .nominal import PARAMETERS
 from .sheet import Figure, names, sheet

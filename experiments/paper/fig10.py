@@ -14,7 +14,7 @@ import numpy as np
 from experiments.make_campaigns import PAPER
 from experiments.simulator.signals import sine
 from experiments.simulator.stage import Stage, simulate
-from ident.report.style import MODEL, RESIDUAL
+from ident.report.figures.style import MODEL, RESIDUAL
 
 from .nominal import NO_HYSTERESIS, NO_STRESS, POINTS, Sine, harmonics, settled
 from .sheet import Figure, offset, period, sheet

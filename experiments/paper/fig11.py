@@ -14,7 +14,7 @@ import numpy as np
 from ident.campaign import Campaign, Channel, NoiseFloor, Platform, Trace
 from ident.fit import Fit, fit_data
 from ident.model import build_model
-from ident.report.style import DATA, MODEL, RESIDUAL, label
+from ident.report.figures.style import DATA, MODEL, RESIDUAL, label
 
 from . import measured
 from .nominal import CLOSURE, POINTS, Sine, harmonics, platform, settled, without_offset

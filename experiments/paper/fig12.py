@@ -15,7 +15,7 @@ from ident import mechanics
 from ident.campaign import Platform
 from ident.effects.section import device_section
 from ident.mechanics import BEAMS
-from ident.report.style import HELDOUT, INK, MODEL, RESIDUAL, label
+from ident.report.figures.style import HELDOUT, INK, MODEL, RESIDUAL, label
 
 from . import finite_elements
 from .nominal import PARAMETERS, Sine, harmonics, settled, stressed

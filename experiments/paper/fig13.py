@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ident.campaign import Platform
-from ident.report.style import MODEL, RESIDUAL
+from ident.report.figures.style import MODEL, RESIDUAL
 
 from .nominal import PARAMETERS, Sine, harmonics, settled, without_offset
 from .sheet import Figure, offset, period, sheet

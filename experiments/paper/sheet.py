@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Figure
 
-from ident.report.style import INK, RESIDUAL, label, new_axes, new_figure, png
+from ident.report.figures.style import INK, RESIDUAL, label, new_axes, new_figure, png
 
 from .nominal import POINTS, without_offset
 

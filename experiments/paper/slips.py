@@ -9,7 +9,7 @@ import numpy as np
 from ident.campaign import Platform
 from ident.effects.section import device_section
 from ident.mechanics import l_beam, paper, residual_moment, segment_stiffness
-from ident.report.style import MODEL, RESIDUAL, label
+from ident.report.figures.style import MODEL, RESIDUAL, label
 from ident.runtime import configure
 
 from .sheet import Figure, names, sheet

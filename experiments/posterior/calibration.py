@@ -34,7 +34,7 @@ from experiments.simulator import noise
 from experiments.simulator.signals import Tones, multisine
 from ident.campaign import Campaign, Channel, NoiseFloor, Oscillator, Trace
 from ident.campaign.campaign import Prior
-from ident.diagnosis.missing import missing
+from ident.diagnosis.ranking.missing import missing
 from ident.effects.registry import registry
 from ident.fit import Fit
 from ident.fit.fit import fit
@@ -43,7 +43,7 @@ from ident.posterior.density import Density, make_density
 from ident.posterior.evidence import log_evidence
 from ident.posterior.misfit import misfit
 from ident.posterior.sampler import sample
-from ident.report.style import BAND, INK, MODEL, label, new_axes, new_figure, png
+from ident.report.figures.style import BAND, INK, MODEL, label, new_axes, new_figure, png
 
 PRIORS = {
     "oscillator.frequency": Prior(71.0, 1.5),

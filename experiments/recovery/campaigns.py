@@ -19,8 +19,8 @@ from experiments.simulator import noise
 from experiments.simulator.signals import Drive, Tones, multisine, sine
 from experiments.simulator.stage import Stage, simulate
 from ident.campaign.campaign import Campaign
-from ident.campaign.noise import noise_floor
-from ident.campaign.noise_pool import pooled
+from ident.campaign.noise.floor import noise_floor
+from ident.campaign.noise.pool import pooled
 from ident.campaign.period import find_period
 from ident.campaign.record import Channel, NoiseFloor, Start, Trace
 

@@ -25,10 +25,10 @@ from ident import runtime
 runtime.configure()
 
 from ident.campaign import read_campaign  # noqa: E402  (JAX must be configured first)
-from ident.diagnosis.discover import discover  # noqa: E402
-from ident.diagnosis.steps import Discovery  # noqa: E402
+from ident.diagnosis.search.discover import discover  # noqa: E402
+from ident.diagnosis.search.steps import Discovery  # noqa: E402
 from ident.effects.registry import built_in  # noqa: E402
-from ident.fit.start_model import start_model  # noqa: E402
+from ident.fit.linear.start_model import start_model  # noqa: E402
 
 PERIODS, PER_PERIOD = 60, 24
 LEVELS = (1.0, 0.55, 0.8)  # of the largest displacement; the last is held out

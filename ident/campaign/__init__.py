@@ -7,9 +7,9 @@ from .device import Oscillator as Oscillator
 from .device import Platform as Platform
 from .drive import drive_frequency as drive_frequency
 from .drive import half_step_drive as half_step_drive
-from .judge import Judgement as Judgement
-from .judge import judge as judge
-from .noise import noise_floor as noise_floor
+from .noise.floor import noise_floor as noise_floor
+from .quality.judge import Judgement as Judgement
+from .quality.judge import judge as judge
 from .read import read_campaign as read_campaign
 from .record import Channel as Channel
 from .record import NoiseFloor as NoiseFloor

@@ -13,10 +13,10 @@ import numpy as np
 from ident.errors import UserError
 from ident.units import FREQUENCY, LENGTH, VOLTAGE, Dimension, find_unit, parse_quantity
 
-from .columns import trace_roles
 from .guess import match_any
 from .spec import RecordSpec
-from .table import Column, Table
+from .tables.columns import trace_roles
+from .tables.table import Column, Table
 
 _SINE = re.compile(r"sine\s+(\S+\s*[^\d\s]\S*)\s+(\S+\s*[^\d\s]\S*?)\s*", re.IGNORECASE)
 _TIME = trace_roles(VOLTAGE, LENGTH)[:1]

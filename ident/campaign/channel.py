@@ -8,7 +8,7 @@ from ident.units import find_unit
 from .device import Device
 from .record import Channel, Measures
 from .spec import RecordSpec, signal_units
-from .table import Column
+from .tables.table import Column
 
 
 def own_units(device: Device, measures: Measures = "displacement") -> tuple[str, str]:

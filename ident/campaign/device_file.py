@@ -12,8 +12,8 @@ from ident.units import FREQUENCY, LENGTH, MASS, NUMBER, PRESSURE, VOLTAGE, base
 
 from .device import Device, Oscillator, Platform
 from .document import Section, read_document, shown
-from .opening import exists
 from .record import Measures
+from .tables.opening import exists
 
 _DIMENSIONS = {
     "silicon_modulus": PRESSURE,

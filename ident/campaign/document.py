@@ -13,8 +13,8 @@ from typing import Any
 from ident.errors import UserError
 from ident.units import Dimension, parse_quantity
 
-from .opening import read_bytes
-from .text_table import decode
+from .tables.opening import read_bytes
+from .tables.text import decode
 
 
 @dataclass(frozen=True)

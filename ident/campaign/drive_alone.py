@@ -8,13 +8,13 @@ import numpy as np
 
 from ident.units import NUMBER, find_unit
 
-from .checks import on_grid, uniform_time
-from .columns import match_columns, trace_roles
 from .device import Device
 from .drive import find_period
+from .quality.checks import on_grid, uniform_time
 from .record import Channel, NoiseFloor, Trace
 from .spec import signal_units
-from .table import Column, Table
+from .tables.columns import match_columns, trace_roles
+from .tables.table import Column, Table
 
 _FINE = 1e-4  # of a response that is not known: the solver's step is then as fine as for the best records
 

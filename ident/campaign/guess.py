@@ -10,13 +10,13 @@ import numpy as np
 from ident.errors import UserError
 from ident.units import CURRENT, LENGTH, NUMBER, VOLTAGE, Dimension, base_unit, find_unit
 
-from .amplitude_unit import AmplitudeUnit, amplitude_unit
-from .checks import PLATFORM_RATE, PLATFORM_TRAVEL, travel_of
-from .columns import Role, match_columns, sweep_roles, trace_roles
 from .device import Device, Oscillator, Platform
 from .drive import drive_rate
-from .sweep_form import curve_form
-from .table import Column, Table
+from .quality.checks import PLATFORM_RATE, PLATFORM_TRAVEL, travel_of
+from .sweeps.form import curve_form
+from .tables.amplitude_unit import AmplitudeUnit, amplitude_unit
+from .tables.columns import Role, match_columns, sweep_roles, trace_roles
+from .tables.table import Column, Table
 
 # What a sensor of an oscillator may read; a "response" in kg is a slip, not an oscillator.
 _READINGS: tuple[Dimension, ...] = (

@@ -12,7 +12,7 @@ import numpy as np
 
 from ident.errors import UserError
 
-from .table import Column, Table, split_header
+from .tables.table import Column, Table, split_header
 
 _DO = 'give a DataFrame, or a mapping of columns: {"time (s)": t, "drive (V)": u, "displacement (um)": y}'
 _PLAIN = ("time", "drive", "response")

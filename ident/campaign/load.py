@@ -12,29 +12,29 @@ from ident.errors import UserError
 from ident.units import NUMBER, base_unit, find_unit
 
 from .added_drive import with_drive
-from .amplitude_unit import is_amplitude_unit
-from .binary_table import READERS
 from .channel import channel_of, own_units, plausible_noise
-from .checks import check_drive, check_plausible, check_response, check_sampling, on_grid, uniform_time
-from .clipping import across_gaps, clipped_mask
-from .columns import match_columns, trace_roles, without_reference
 from .device import Device
 from .drive import find_period
-from .gaps import without_gaps
 from .guess import guess_kind, match_any
-from .instrument_files import INSTRUMENT_READERS
-from .load_sweep import load_sweep
 from .lost_samples import with_lost_samples
-from .noise import noise_floor
-from .outliers import find_outliers, without_outliers
+from .noise.floor import noise_floor
+from .quality.checks import check_drive, check_plausible, check_response, check_sampling, on_grid, uniform_time
+from .quality.clipping import across_gaps, clipped_mask
+from .quality.gaps import without_gaps
+from .quality.outliers import find_outliers, without_outliers
+from .quality.rest_level import rest_level
+from .quality.thinning import thinned, thinned_mask, thinning
 from .record import MEASURES, Channel, NoiseFloor, Record, Trace
-from .rest_level import rest_level
 from .scale import Scale
 from .segments import segment_of
 from .spec import RecordSpec, signal_units
-from .table import Column, Table
-from .text_table import read_text_table
-from .thinning import thinned, thinned_mask, thinning
+from .sweeps.load import load_sweep
+from .tables.amplitude_unit import is_amplitude_unit
+from .tables.binary import READERS
+from .tables.columns import match_columns, trace_roles, without_reference
+from .tables.instruments import INSTRUMENT_READERS
+from .tables.table import Column, Table
+from .tables.text import read_text_table
 
 _PLATFORM_OMEGA = 2 * math.pi * 500.0  # rad/s, where a platform vibrates: what a velocity means as a displacement
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from .checks import MOST_JITTER
-from .gaps import crossed_by_drive
-from .table import Column
+from .quality.checks import MOST_JITTER
+from .quality.gaps import crossed_by_drive
+from .tables.table import Column
 
 _ROUNDS = 3  # of the interval, which printed times tell to a digit only, and of the number of samples in each step
 

@@ -15,18 +15,18 @@ from ident.errors import UserError
 from ident.units import LENGTH, VOLTAGE
 
 from .added_drive import with_drive
-from .checks import PLATFORM_TRAVEL
-from .columns import sweep_roles, trace_roles
 from .device import Oscillator, Platform
 from .drive import drive_frequency
 from .guess import guess_device, guess_kind, match_any, renamed
 from .load import load_record, read_table
-from .opening import check_file
+from .quality.checks import PLATFORM_TRAVEL
 from .record import Record, Sweep, Trace, same_level
 from .segments import segments
 from .spec import RecordSpec
-from .sweep_form import direction_in, level_in
-from .table import Column, Table
+from .sweeps.form import direction_in, level_in
+from .tables.columns import sweep_roles, trace_roles
+from .tables.opening import check_file
+from .tables.table import Column, Table
 
 _ONE_OF_TWO = re.compile(
     r"(?i)(?<![a-z])(ch(?:annel)?[ _-]?[1-8]|c[1-8](?=trace|[^a-z]|$)|"

@@ -18,21 +18,21 @@ from ident.errors import UserError
 from ident.units import looks_like_quantity, parse_quantity, to_si
 
 from ..threads import one_thread
-from .binary_table import READERS
 from .campaign import MOST_MODES, Campaign, Prior
 from .device import Device, Oscillator, Platform
 from .device_file import of_displacement, read_device
 from .document import Section, read_document, record_sections, shown
 from .guess import guess_device, renamed
 from .in_memory import document_of, is_path
-from .instrument_files import INSTRUMENT_READERS
 from .load import load_record, read_table
-from .noise_pool import pooled
-from .opening import MOST_TEXT, check_file, exists
+from .noise.pool import pooled
 from .record import Record, Trace
 from .spec import RecordSpec, parse_record
-from .sweeps_together import seen_together
-from .table import Table
+from .sweeps.together import seen_together
+from .tables.binary import READERS
+from .tables.instruments import INSTRUMENT_READERS
+from .tables.opening import MOST_TEXT, check_file, exists
+from .tables.table import Table
 
 PathLike = str | os.PathLike[str]
 

@@ -9,10 +9,10 @@ import numpy as np
 from ident.errors import UserError
 from ident.units import LENGTH, VOLTAGE
 
-from .columns import trace_roles
 from .guess import match_any
 from .spec import RecordSpec
-from .table import Column, Table
+from .tables.columns import trace_roles
+from .tables.table import Column, Table
 
 LEAST = 20  # samples of a record
 _TIME = trace_roles(VOLTAGE, LENGTH)[:1]

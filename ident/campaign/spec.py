@@ -11,13 +11,13 @@ from typing import Literal
 from ident.errors import UserError
 from ident.units import FREQUENCY, LENGTH, MASS, TIME, VOLTAGE, Dimension, find_unit, parse_quantity, to_si
 
-from .amplitude_unit import TO_PEAK, is_amplitude_unit, split_convention
 from .device import Device, Oscillator
 from .document import Section, shown
-from .opening import check_file, exists
 from .record import MEASURES, Measures
 from .scale import Scale, parse_scale
-from .table import Table
+from .tables.amplitude_unit import TO_PEAK, is_amplitude_unit, split_convention
+from .tables.opening import check_file, exists
+from .tables.table import Table
 
 _TRACE_ROLES = ("time", "drive", "response", "reference")
 _SWEEP_ROLES = ("frequency", "level", "amplitude", "phase", "direction", "real", "imaginary")

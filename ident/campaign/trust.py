@@ -12,7 +12,7 @@ from pathlib import Path
 
 from ident.errors import UserError
 
-from .opening import read_bytes
+from .tables.opening import read_bytes
 
 _session: set[str] = set()  # where the folder cannot be written, this process still knows
 _asked = [False]

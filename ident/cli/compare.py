@@ -43,7 +43,7 @@ def command(runs: tuple[str, ...], output: str | None, force: bool, as_json: boo
 
     from ident.diagnosis.judged import compare
     from ident.report.compare_view import compare_dict, compare_figure, compare_sheet
-    from ident.report.picture import draw
+    from ident.report.figures.picture import draw
 
     progress("evidence, left-out and held-out scores")
     document = compare_dict(compare(fits))

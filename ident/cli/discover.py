@@ -63,7 +63,7 @@ def command(
     else:
         check_target(folder, force)
 
-    from ident.diagnosis.steps import Walked
+    from ident.diagnosis.search.steps import Walked
     from ident.fit.fit_data import fit_data, model_for
     from ident.report.walk_json import read_walk
 

@@ -44,7 +44,7 @@ _SIDES = {"force": "force on the stage", "drive": "drive", "sensor": "sensor"}
 
 
 def _list(known: Registry) -> None:
-    from ident.report.sheet import Column, Sheet
+    from ident.report.words.sheet import Column, Sheet
 
     columns = (Column("effect"), Column("acts on"), Column("equation", wraps=True), Column("parameters", wraps=True))
     ordered = sorted(known.values(), key=lambda effect: (list(_SIDES).index(effect.acts_on), effect.name))
@@ -59,7 +59,7 @@ def _list(known: Registry) -> None:
 def _explain(effect: type[AbstractEffect]) -> None:
     import inspect
 
-    from ident.report.sheet import Column, Sheet
+    from ident.report.words.sheet import Column, Sheet
 
     say(f"{effect.name}   {effect.equation}\n")
     say(inspect.cleandoc(effect.__doc__ or "") + "\n")

@@ -31,7 +31,7 @@ def command(folder: str, files: tuple[str, ...], columns: dict[str, str | int], 
       ident new mine scope.csv --columns time=TIME,drive=CH1,response=CH2
       ident new mine
     """
-    from ident.campaign.opening import exists
+    from ident.campaign.tables.opening import exists
     from ident.errors import UserError
 
     target = Path(folder)

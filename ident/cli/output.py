@@ -13,7 +13,7 @@ from ident.errors import visible
 
 if TYPE_CHECKING:
     from ident.fit import Fit
-    from ident.report.sheet import Sheet
+    from ident.report.words.sheet import Sheet
 
 
 def progress(text: str) -> None:
@@ -40,7 +40,7 @@ def width() -> int:
 
 def say_sheet(sheet: Sheet) -> None:
     """A table."""
-    from ident.report.sheet import rich_table, sheet_text
+    from ident.report.words.sheet import rich_table, sheet_text
 
     if sys.stdout.isatty():
         from rich.console import Console
@@ -52,7 +52,7 @@ def say_sheet(sheet: Sheet) -> None:
 
 def say_fit(fit: Fit) -> None:
     """What was assumed about the data, and every table of a fit."""
-    from ident.report.terminal import fit_text, fit_view
+    from ident.report.words.terminal import fit_text, fit_view
 
     for note in fit.campaign.notes:
         click.echo(visible(f"note: {note}"))

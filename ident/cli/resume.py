@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 def check_resumed(folder: Path, campaign: Campaign, effects: Sequence[str] | None) -> None:
     """**Raises:** UserError if the folder holds no run of this campaign, or if the run is asked for other effects."""
-    from ident.campaign.opening import exists
+    from ident.campaign.tables.opening import exists
     from ident.report.run_folder import read_run
 
     if not exists(folder / "run.json"):

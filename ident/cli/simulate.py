@@ -67,7 +67,7 @@ def command(
         told = {"effects": list(found.model.names), "parameters": found.parameters, "records": names}
         say_json({"format": 1, "file": output, **told})
         return
-    from ident.report.quantity import show
+    from ident.report.words.quantity import show
 
     for parameter in found.model.parameters:
         value = found.parameters[parameter.name]

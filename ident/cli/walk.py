@@ -12,7 +12,7 @@ from .output import progress, say, say_fit, say_json, say_sheet
 
 if TYPE_CHECKING:
     from ident.diagnosis.diagnose import Diagnosis
-    from ident.diagnosis.steps import Walked
+    from ident.diagnosis.search.steps import Walked
     from ident.fit import Fit
 
 

@@ -9,7 +9,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..campaign.suspect import Suspect
+from ..campaign.quality.suspect import Suspect
 from ..effects.effect import AbstractEffect
 from ..effects.registry import registry
 from ..fit import Fit, fit, fit_data
@@ -18,21 +18,21 @@ from ..fit.floors import sharpened
 from ..fit.start_score import mostly_starts
 from ..pulse import Report
 from ..threads import one_thread
-from .bench import Bench, prepare
-from .beyond import free_name, go_beyond
-from .discover import Keep, continue_from
-from .effect_file import write_effect
-from .enough import adequate, worth_a_name
-from .experiments import NextExperiment, next_experiments, rank_experiments
-from .locate import Where, locate
-from .look import BROKEN, first_look
-from .prune import hurts
-from .shorten import is_long, working
-from .steps import Discovery, Step, Verdict, Walked
-from .suspects import BY_OTHERS, find_suspects, judged_again
-from .ties import Unseen, unseen
-from .unknown import Unknown, find_unknown, followed_noise
-from .where_words import summary
+from .evidence.enough import adequate, worth_a_name
+from .faulty.suspects import BY_OTHERS, find_suspects, judged_again
+from .linearised.regression import Regression, prepare
+from .linearised.shorten import is_long, working
+from .next_record.experiments import NextExperiment, next_experiments, rank_experiments
+from .ranking.look import BROKEN, first_look
+from .search.beyond import free_name, go_beyond
+from .search.discover import Keep, continue_from
+from .search.prune import hurts
+from .search.steps import Discovery, Step, Verdict, Walked
+from .search.ties import Unseen, unseen
+from .unknown.effect_file import write_effect
+from .unknown.find import Unknown, find_unknown, followed_noise
+from .where.locate import Where, locate
+from .where.words import summary
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -124,12 +124,12 @@ def diagnose(
     fitted = walked.start
     library = registry(fitted.campaign.effect_files) if library is None else library
     report("locating the misfit")
-    bench = prepare(working(fitted))
-    where = locate(bench)
+    regression = prepare(working(fitted))
+    where = locate(regression)
     look = first_look(fitted, library, report)
     suspects = find_suspects(fitted, lambda: look, report)
     if any(suspect.first for suspect in suspects):
-        nothing = Discovery("ambiguous", fitted, (), (), {}, (), bench)
+        nothing = Discovery("ambiguous", fitted, (), (), {}, (), regression)
         return Diagnosis(nothing, where, suspects=suspects)
     found = continue_from(walked, library, report, keep=keep, look=look)
     sharper = sharpened(found.final)
@@ -142,21 +142,21 @@ def diagnose(
         found = replace(found, verdict="ambiguous")
     if found.verdict == "not-in-library" and mostly_starts(found.final):
         found = replace(found, verdict="ambiguous", lacking=0.0)  # what is left may be no physics at all
-    answer = partial(Diagnosis, found, where, unseen=unseen(bench, found.ranking, library), suspects=suspects)
+    answer = partial(Diagnosis, found, where, unseen=unseen(regression, found.ranking, library), suspects=suspects)
     if not fitted.campaign.fitted:
         return answer()  # what a curve lacks beyond the library, and the next record, only traces tell
     if found.verdict != "not-in-library":
-        unknown = _instead(bench, report) if found.lacking else None
+        unknown = _instead(regression, report) if found.lacking else None
         return answer(unknown, next_experiments=measure_next(found, library, report))
-    if not found.steps and adequate(found.bench):
+    if not found.steps and adequate(found.regression):
         return answer()  # the fitted records lack nothing: it is the held-out ones that contradict
     if effect_file is None:
-        return answer(_instead(bench, report))
+        return answer(_instead(regression, report))
     kept = keeps_walk and _nearly_explained(found)
-    base, unknown = _lacked(found, bench, report) if kept else (bench, _instead(bench, report))
+    base, unknown = _lacked(found, regression, report) if kept else (regression, _instead(regression, report))
     if unknown.written is None:
         return answer(unknown)
-    kept = base is found.bench
+    kept = base is found.regression
     last = found.final if kept else fitted
     if kept and is_long(fitted.campaign):  # a refit of many terms to long records takes longer than the walk
         write_effect(unknown, effect_file, free_name(last))
@@ -164,7 +164,7 @@ def diagnose(
     beyond = go_beyond(last, base, unknown, effect_file, report)
     before, after = (one.fitted.error_over_noise for one in (last, beyond.fit))
     gain = 1 - (after**2 - 1) / max(before**2 - 1, 1e-9)
-    helped = any(worth_a_name(kept * bench.excess, bench) for kept in found.confirmed.values())
+    helped = any(worth_a_name(kept * regression.excess, regression) for kept in found.confirmed.values())
     if gain < BROKEN * beyond.unknown.share and not found.steps and not helped:
         beyond.path.unlink()  # neither an effect of the library nor this one is there, once it is simulated
         nothing = replace(found, verdict="ambiguous", lacking=0.0)
@@ -183,20 +183,20 @@ def _nearly_explained(found: Discovery) -> bool:
     return after < _NEARLY * before
 
 
-def _lacked(found: Discovery, start: Bench, report: Report) -> tuple[Bench, Unknown]:
+def _lacked(found: Discovery, start: Regression, report: Report) -> tuple[Regression, Unknown]:
     """Where what the library lacks is looked for: beside the effects that were named; or in their place, where that
     leaves less, for a wrong law may have taken the motion to where it forgets how it began."""
-    beside = _instead(found.bench, report)
+    beside = _instead(found.regression, report)
     if beside.written is not None and beside.chi2_after < _AS_WELL:
-        return found.bench, beside
+        return found.regression, beside
     instead = _instead(start, report)
     as_well = beside.written is not None and beside.chi2_after < _AS_WELL * instead.chi2_after
-    return (found.bench, beside) if as_well else (start, instead)
+    return (found.regression, beside) if as_well else (start, instead)
 
 
-def _instead(bench: Bench, report: Report) -> Unknown:
+def _instead(regression: Regression, report: Report) -> Unknown:
     report("estimating what the library lacks, as a function of its coordinates")
-    return find_unknown(bench)
+    return find_unknown(regression)
 
 
 def measure_next(
@@ -204,11 +204,11 @@ def measure_next(
 ) -> tuple[NextExperiment, ...]:
     """Records that would separate the first tie between effects, best first; none if nothing ties or none would."""
     for step in found.steps:
-        if step.role != "effect" or len(step.tie_set) < 2 or step.bench is None:
+        if step.role != "effect" or len(step.tie_set) < 2 or step.regression is None:
             continue
         report(f"what would tell {' from '.join(step.tie_set[:2])}?")
         if step.instead is not None and len(step.tied) < 2:
             rivals = {step.instead.whole: step.instead.undivided, " and ".join(step.instead.names): step.instead.fit}
             return tuple(rank_experiments(rivals, count=_EXPERIMENTS))
-        return tuple(next_experiments(step.bench, step.tied, library, _EXPERIMENTS))
+        return tuple(next_experiments(step.regression, step.tied, library, _EXPERIMENTS))
     return ()

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from ..fit import Fit
-from .change import lineage_entry
 from .diagnose import Diagnosis
-from .steps import Discovery, Step, Walked
+from .search.change import lineage_entry
+from .search.steps import Discovery, Step, Walked
 
 FORMAT = 1
 _LISTED = 12  # candidates of the ranking worth a reader's time

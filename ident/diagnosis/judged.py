@@ -14,7 +14,7 @@ from ..posterior import attribution, result
 from ..posterior import compare as comparison
 from ..posterior.sampler import Progress
 from ..threads import one_thread
-from .missing import missing
+from .ranking.missing import missing
 
 
 def doubts(fit: Fit) -> tuple[str, ...]:

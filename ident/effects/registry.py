@@ -12,7 +12,7 @@ from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 
-from ..campaign.opening import read_bytes
+from ..campaign.tables.opening import read_bytes
 from ..campaign.trust import check_trusted
 from ..errors import UserError
 from .dimensions import check_units

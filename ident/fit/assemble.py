@@ -14,7 +14,7 @@ from ..response import Equation, Tape, at_rest
 from ..units import exponents
 from .coordinates import to_coordinates
 from .curves import Curves
-from .guess import DataScales
+from .linear.guess import DataScales
 from .problem import Data, Static, Unknowns
 
 _TIED_FOR = 0.25  # of a period of the resonance: displacement and velocity at the start, two numbers, need no more

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..campaign.table import is_number
+from ..campaign.tables.table import is_number
 from ..errors import UserError
 from ..model import Model
 from ..units import parse_quantity, unit

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..campaign.jump import jump_of
 from ..campaign.record import Run, Sweep
+from ..campaign.sweeps.jump import jump_of
 from ..model import Model
 from ..response import Equation
 from ..response.branches import Branch, Fold, follow

@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..campaign.record import Sweep
-from ..campaign.settled import settled
+from ..campaign.sweeps.settled import settled
 from ..response import Equation
 from ..response.controlled import Controlled, Points, at_amplitude
 from ..response.periodic import Periodic, steps_per_period

@@ -12,9 +12,9 @@ from ..campaign.record import Trace
 from ..model import Model, ModelParameter
 from .coordinates import slopes
 from .curve_reading import CurveReading, read_curves, told
-from .guess import DataScales
 from .identifiability import identifiability
 from .judge import combine, score_record
+from .linear.guess import DataScales
 from .problem import Data, Static
 from .reading import read
 from .result import Estimate, Fit, SigmaChoice, Solved, Start

@@ -20,9 +20,9 @@ from .assemble import assemble, at_values, begin, begin_at
 from .curves import lay_curves
 from .finish import Minimum, finish
 from .fit_starts import fit_starts
-from .guess import LinearGuess
+from .linear.guess import LinearGuess
+from .linear.one_tone import gain_of, hold_dragged, hold_gain, hold_quality
 from .on_orbits import on_orbits
-from .one_tone import gain_of, hold_dragged, hold_gain, hold_quality
 from .problem import Data, Evaluation, Static, Unknowns, evaluate
 from .result import Fit, SigmaChoice, Start
 from .settled import Search, settled

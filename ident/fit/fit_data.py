@@ -16,8 +16,8 @@ from ..model import Model, make_effect
 from ..threads import one_thread
 from .fit import fit
 from .floors import sharpened
+from .linear.start_model import start_model
 from .result import Fit, SigmaChoice
-from .start_model import start_model
 
 Effects = Model | Sequence[str | type[AbstractEffect]] | str | None
 """A model, or what `model_for` makes one of: names of effects, or classes of one's own."""

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..campaign.campaign import Campaign
-from ..campaign.noise import noise_floor
+from ..campaign.noise.floor import noise_floor
 from ..campaign.record import VAGUE, Trace
 from .result import Fit
 

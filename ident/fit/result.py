@@ -16,9 +16,9 @@ from ..response import divided
 from . import access
 from .curve_reading import CurveReading
 from .curves import in_smaller_steps
-from .guess import DataScales
 from .identifiability import Combination
 from .judge import RecordScore, Score, combine
+from .linear.guess import DataScales
 from .predict import Prediction, predict
 from .problem import Data, Evaluation, Static, Unknowns, readings
 from .steady import no_orbit

@@ -17,7 +17,7 @@ from ..pulse import Report
 from ..threads import one_thread
 from .change_values import changed_values
 from .fit_data import Effects, model_for
-from .guess import data_scales, guess_linear
+from .linear.guess import data_scales, guess_linear
 from .reading import read
 from .result import Fit
 from .starts import base_values

@@ -10,8 +10,8 @@ import numpy as np
 
 from ..campaign.campaign import Campaign
 from ..model import Model, ModelParameter
-from .curve_guess import curve_scales, guess_curves, joined_scales
-from .guess import DataScales, LinearGuess, data_scales, guess_linear, told_guess
+from .linear.curve_guess import curve_scales, guess_curves, joined_scales
+from .linear.guess import DataScales, LinearGuess, data_scales, guess_linear, told_guess
 
 
 def first_guess(model: Model, campaign: Campaign) -> LinearGuess:

@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..campaign.noise.recursive import recursive_filter
 from ..campaign.record import NoiseFloor, Trace
-from ..campaign.recursive import recursive_filter
 from .problem import Data, Evaluation
 
 

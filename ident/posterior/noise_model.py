@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import gammaln
 
-from ..campaign.autoregression import variance_of
+from ..campaign.noise.autoregression import variance_of
 from ..campaign.record import Trace
 from ..fit.result import SigmaChoice
 

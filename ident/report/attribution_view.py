@@ -10,12 +10,12 @@ import numpy as np
 from ..campaign.device import Device
 from ..campaign.record import Trace
 from ..posterior.attribution import Attributed, Attribution, Share
-from .drive_words import drive_words
+from .figures.picture import draw
+from .figures.style import FAINT, HELDOUT, INK, MODEL, RESIDUAL, new_axes, new_figure, shortened
 from .html import Section
-from .picture import draw
-from .quantity import Scale, show_in
-from .sheet import Column, Mark, Sheet
-from .style import FAINT, HELDOUT, INK, MODEL, RESIDUAL, new_axes, new_figure, shortened
+from .words.drives import drive_words
+from .words.quantity import Scale, show_in
+from .words.sheet import Column, Mark, Sheet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

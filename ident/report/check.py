@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..campaign.campaign import Campaign
+from ..campaign.quality.suspect import Suspect, suspects_by_data
 from ..campaign.read import read_campaign
-from ..campaign.suspect import Suspect, suspects_by_data
 from ..campaign.trust import is_trusted
 from ..threads import one_thread
-from .data_judgement import about, judgement_dict, judgement_sheet, remarks, what_the_records_tell
-from .sheet import Sheet, sheet_text
-from .sweep_words import run_sheet
+from .words.data import about, judgement_dict, judgement_sheet, remarks, what_the_records_tell
+from .words.sheet import Sheet, sheet_text
+from .words.sweeps import run_sheet
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..posterior.compare import Comparison, Weighed
-from .sheet import Column, Sheet
-from .style import FAINT, HELDOUT, INK, MODEL, RESIDUAL, label, new_axes, new_figure
+from .figures.style import FAINT, HELDOUT, INK, MODEL, RESIDUAL, label, new_axes, new_figure
+from .words.sheet import Column, Sheet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

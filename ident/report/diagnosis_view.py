@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from ..campaign.device import Device
-from ..campaign.suspect import ALL
-from ..diagnosis.beyond import NAME
+from ..campaign.quality.suspect import ALL
 from ..diagnosis.diagnose import Diagnosis
-from ..diagnosis.enough import ANOTHER_LAW, adequate, contradicted
-from ..diagnosis.score import Candidate
-from ..diagnosis.steps import Discovery, Step
-from ..diagnosis.suspects import BY_OTHERS
+from ..diagnosis.evidence.enough import ANOTHER_LAW, adequate, contradicted
+from ..diagnosis.faulty.suspects import BY_OTHERS
+from ..diagnosis.ranking.score import Candidate
+from ..diagnosis.search.beyond import NAME
+from ..diagnosis.search.steps import Discovery, Step
 from ..fit import Fit
-from .data_judgement import one_frequency
+from .figures.picture import draw
+from .figures.where import where_figure
 from .html import Section
-from .picture import draw
-from .quantity import show
-from .sheet import Column, Mark, Sheet
-from .tables import listed, percent_text, ratio_text
-from .where_figure import where_figure
+from .words.data import one_frequency
+from .words.quantity import show
+from .words.sheet import Column, Mark, Sheet
+from .words.tables import listed, percent_text, ratio_text
 
 _LISTED = 6
 
@@ -61,7 +61,7 @@ def _verdict_words(found: Diagnosis) -> str:
         )
     if loop.verdict == "ambiguous" and not loop.lacking and not any(len(s.tie_set) > 1 for s in named):
         return f"On the fitted records {names}{refined} {'is' if one else 'are'} what was missing, {error}."
-    if loop.verdict == "identified" and adequate(loop.bench):
+    if loop.verdict == "identified" and adequate(loop.regression):
         return f"Missing {was} {names}{refined}: with {them} the model is adequate, {error}."
     if loop.verdict == "identified":
         return f"Missing {was} {names}{refined}; the device's own law has a slightly other shape, {error}."
@@ -166,15 +166,15 @@ def advice(found: Diagnosis) -> list[str]:
 
 def _scored_from(loop: Discovery) -> list[str]:
     """Where the effects were scored, if not from the first fit."""
-    bench = loop.steps[0].bench if loop.steps else None
-    if bench is None or bench.instead_of is None:
+    regression = loop.steps[0].regression if loop.steps else None
+    if regression is None or regression.instead_of is None:
         return []
-    if not bench.alone:
+    if not regression.alone:
         return [
             "No values of the first model come near the records; effects were scored from those that its equation of "
             "motion has along the measured motion."
         ]
-    alone = next(s for s in bench.fit.scores if s.name == bench.alone)
+    alone = next(s for s in regression.fit.scores if s.name == regression.alone)
     return [
         f"No values of the first model come near all records; effects were scored from those that describe "
         f"{alone.name} alone (error over noise {ratio_text(alone.error_over_noise)} there)."
@@ -218,7 +218,7 @@ def sections(found: Diagnosis) -> list[Section]:
         words = (verdict_words(found), *advice(found))
         parts.append(Section("Which effect is missing", words, (ranking_sheet(found),)))
     if found.unknown is not None:
-        from .unknown_figure import unknown_figure
+        from .figures.unknown import unknown_figure
 
         picture = draw("The missing term against its coordinates", unknown_figure(found.unknown, device))
         parts.append(Section("What the library lacks", found.unknown.sentences, (), (picture,)))

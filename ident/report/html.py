@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..campaign.device import Platform
 from ..fit.result import Fit
-from .curve_figure import curve_figure
-from .dynamic_stiffness_figure import dynamic_stiffness_figure
-from .figures import record_figure
-from .linear_words import linear_sheet
-from .offset_table import offset_sheet
-from .overview import overview_figure
-from .picture import Picture, draw
-from .sentences import GOOD, sentences, verdict
-from .sheet import Sheet
-from .tables import (
+from .figures.curves import curve_figure
+from .figures.dynamic_stiffness import dynamic_stiffness_figure
+from .figures.overview import overview_figure
+from .figures.picture import Picture, draw
+from .figures.records import record_figure
+from .words.linear import linear_sheet
+from .words.offsets import offset_sheet
+from .words.sentences import GOOD, sentences, verdict
+from .words.sheet import Sheet
+from .words.tables import (
     combination_sentences,
     correlation_sentences,
     parameter_sheet,

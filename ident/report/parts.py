@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from .figures.picture import from_dict
 from .html import Section
-from .picture import from_dict
-from .sheet import Column, Sheet
+from .words.sheet import Column, Sheet
 
 FILE = "parts.json"
 ORDER = ("diagnosis", "posterior", "attribution")

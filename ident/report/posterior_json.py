@@ -8,7 +8,7 @@ from typing import Any
 from ..campaign.device import Device
 from ..posterior.evidence import Evidence
 from ..posterior.result import Marginal, Posterior
-from .quantity import display_unit
+from .words.quantity import display_unit
 
 
 def posterior_dict(posterior: Posterior) -> dict[str, Any]:

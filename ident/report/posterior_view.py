@@ -10,11 +10,11 @@ import numpy as np
 
 from ..campaign.device import Device
 from ..posterior.result import Marginal, Posterior
+from .figures.picture import draw
+from .figures.style import FAINT, INK, MODEL, RESIDUAL, new_axes, new_figure
 from .html import Section
-from .picture import draw
-from .quantity import Shown, display_unit, scale, show, show_in
-from .sheet import Column, Sheet
-from .style import FAINT, INK, MODEL, RESIDUAL, new_axes, new_figure
+from .words.quantity import Shown, display_unit, scale, show, show_in
+from .words.sheet import Column, Sheet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

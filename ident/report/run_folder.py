@@ -19,16 +19,16 @@ from typing import Any
 import numpy as np
 
 from ..campaign import Campaign
-from ..campaign.opening import MOST_DATA, exists, read_bytes
+from ..campaign.tables.opening import MOST_DATA, exists, read_bytes
 from ..errors import UserError
 from ..fit import Fit
 from ..model import Model
 from ..threads import one_thread
+from .figures.picture import drawn_as_before
 from .html import Section, write_report
 from .new_folder import OWN, link_or_copy, new_folder
 from .parts import FILE as PARTS
 from .parts import parts_dict, parts_of
-from .picture import drawn_as_before
 from .run_json import run_dict
 from .run_state import origin, rebuild, restore, state, versions
 from .story import staircase_section

@@ -11,9 +11,9 @@ from ..campaign.record import Record, Trace
 from ..fit.curve_reading import CurveReading, Jump, RunReading
 from ..fit.judge import RecordScore, Score
 from ..fit.result import Estimate, Fit
-from .linear_words import linear_dict
-from .quantity import display_unit
-from .tables import combination_sentences, flag_words
+from .words.linear import linear_dict
+from .words.quantity import display_unit
+from .words.tables import combination_sentences, flag_words
 
 
 def run_dict(fit: Fit) -> dict[str, Any]:

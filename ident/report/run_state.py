@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..campaign import Campaign, NoiseFloor, read_campaign
-from ..campaign.opening import read_bytes
+from ..campaign.tables.opening import read_bytes
 from ..campaign.trust import checksum
 from ..effects.registry import find, registry
 from ..errors import UserError

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from .figures.picture import draw
+from .figures.style import FAINT, HELDOUT, INK, MODEL, label, new_axes, new_figure
 from .html import Section
-from .picture import draw
-from .sheet import Column, Sheet
-from .style import FAINT, HELDOUT, INK, MODEL, label, new_axes, new_figure
-from .tables import ratio_text
+from .words.sheet import Column, Sheet
+from .words.tables import ratio_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..campaign.opening import exists
-from ..diagnosis.steps import Step, Walked
+from ..campaign.tables.opening import exists
+from ..diagnosis.search.steps import Step, Walked
 from ..errors import UserError
 from ..fit import Fit
 from .run_folder import read_json, read_run

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ident.campaign import read_campaign
-from ident.campaign.clipping import clipped_fraction
+from ident.campaign.quality.clipping import clipped_fraction
 from tests.broken import csv_text, signals
 
 
@@ -94,7 +94,7 @@ def test_a_column_exported_twice_is_noted(tmp_path):
 def test_an_overshoot_that_clips_once_is_clipped_and_a_plateau_is_not():
     from scipy.signal import lfilter
 
-    from ident.campaign.clipping import clipped_samples
+    from ident.campaign.quality.clipping import clipped_samples
 
     rng, t = np.random.default_rng(31), np.arange(1500)
     transient = np.exp(-t / 300) * np.sin(2 * np.pi * t / 60) + 0.2 * np.sin(2 * np.pi * t / 43)

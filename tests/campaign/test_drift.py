@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from ident.campaign import Channel, NoiseFloor, Trace
-from ident.campaign.judge import judge
+from ident.campaign.quality.judge import judge
 
 STEP, COUNT = 1 / 12000, 2400
 

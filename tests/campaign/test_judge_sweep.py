@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from ident.campaign import read_campaign
-from ident.campaign.dynamic_stiffness import dynamic_stiffness
-from ident.campaign.judge_sweep import judge_sweep
 from ident.campaign.record import Channel, NoiseFloor, Sweep
-from ident.report.sweep_words import what_the_sweeps_tell
+from ident.campaign.sweeps.dynamic_stiffness import dynamic_stiffness
+from ident.campaign.sweeps.judge import judge_sweep
+from ident.report.words.sweeps import what_the_sweeps_tell
 from tests.campaign.curves import QUALITY, RESONANCE, both_ways, duffing, write_table
 
 VOLT = Channel("V", 1.0)

@@ -9,7 +9,7 @@ import pytest
 from scipy.signal import cont2discrete, lfilter
 
 import ident
-from ident.campaign.noise import noise_floor
+from ident.campaign.noise.floor import noise_floor
 
 FREQUENCY, QUALITY, RATE, NOISE = 480.0, 30.0, 400_000.0, 2e-8
 

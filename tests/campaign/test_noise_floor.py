@@ -9,9 +9,9 @@ import pytest
 
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
-from ident.campaign.autoregression import fit_autoregression, levinson, variance_of
-from ident.campaign.noise import noise_floor
-from ident.campaign.noise_pool import pooled
+from ident.campaign.noise.autoregression import fit_autoregression, levinson, variance_of
+from ident.campaign.noise.floor import noise_floor
+from ident.campaign.noise.pool import pooled
 from ident.campaign.period import find_period
 from ident.campaign.read import read_campaign
 from ident.campaign.record import NoiseFloor

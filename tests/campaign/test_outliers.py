@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ident.campaign import read_campaign
-from ident.campaign.noise import noise_floor
-from ident.campaign.outliers import find_outliers, without_outliers
+from ident.campaign.noise.floor import noise_floor
+from ident.campaign.quality.outliers import find_outliers, without_outliers
 from tests.end_to_end.user import DATA
 
 CLEAN = ("platform_clean", "platform_317hz", "platform_fe", "mystery_platform", "oscillator")

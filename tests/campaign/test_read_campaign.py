@@ -9,7 +9,8 @@ import sys
 import numpy as np
 import pytest
 
-from ident.campaign import Oscillator, Platform, judge, read_campaign
+from ident.campaign import Oscillator, Platform, read_campaign
+from ident.campaign.quality import judge
 from ident.errors import UserError
 from tests.broken import csv_text, signals
 

@@ -11,7 +11,7 @@ from ident.campaign import read_campaign
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.errors import UserError
-from ident.report.data_judgement import about, what_the_records_tell
+from ident.report.words.data import about, what_the_records_tell
 
 STEP = 0.02
 T = STEP * np.arange(1500)

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from ident.campaign import Oscillator, Platform, read_campaign
-from ident.campaign.clock import clock_seconds
-from ident.campaign.header import header_of
 from ident.campaign.load import read_table
-from ident.campaign.preamble import preamble_words, step_of
 from ident.campaign.propose import propose
-from ident.campaign.suspect import suspects_by_data
+from ident.campaign.quality.suspect import suspects_by_data
+from ident.campaign.tables.clock import clock_seconds
+from ident.campaign.tables.header import header_of
+from ident.campaign.tables.preamble import preamble_words, step_of
 from tests.campaign.strangers import (
     COUNT,
     DRIVE,

@@ -8,10 +8,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from ident.campaign.jump import find_jump, loop_runs_backwards
 from ident.campaign.record import Channel, NoiseFloor, Sweep
-from ident.campaign.sweep_noise import sweep_noise
-from ident.campaign.sweeps_together import seen_together
+from ident.campaign.sweeps.jump import find_jump, loop_runs_backwards
+from ident.campaign.sweeps.noise import sweep_noise
+from ident.campaign.sweeps.together import seen_together
 from tests.campaign.curves import QUALITY, RESONANCE, both_ways, duffing
 
 # 40 frequencies, 4.5 of them within the half-power width near resonance, as in experiments/curves

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ident.campaign.columns import match_columns, sweep_roles, trace_roles
 from ident.campaign.load import read_table
-from ident.campaign.table import split_header
-from ident.campaign.text_table import decode, parse_text_table
+from ident.campaign.tables.columns import match_columns, sweep_roles, trace_roles
+from ident.campaign.tables.table import split_header
+from ident.campaign.tables.text import decode, parse_text_table
 from ident.errors import UserError
 from ident.units import LENGTH, VOLTAGE
 
@@ -235,7 +235,7 @@ def test_binary_files(kind, tmp_path):
 
 @pytest.mark.parametrize("suffix", ["h5", "nc", "parquet", "tdms"])
 def test_a_missing_library_says_what_to_install(suffix, tmp_path, monkeypatch):
-    import ident.campaign.binary_table as binary
+    import ident.campaign.tables.binary as binary
 
     def missing(name):
         raise ImportError(name)
@@ -251,7 +251,7 @@ def test_a_missing_library_says_what_to_install(suffix, tmp_path, monkeypatch):
 def test_pandas_and_the_hand_read_the_same(style, monkeypatch):
     tables = []
     for least in (1 << 30, 0):
-        monkeypatch.setattr("ident.campaign.text_table.LEAST_FOR_PANDAS", least)
+        monkeypatch.setattr("ident.campaign.tables.text.LEAST_FOR_PANDAS", least)
         tables.append(parse_text_table(decode(STYLES[style].encode("utf-8"), "x.csv"), "x.csv").columns)
     by_hand, by_pandas = tables
     assert [(c.header, c.unit, c.position) for c in by_hand] == [(c.header, c.unit, c.position) for c in by_pandas]

@@ -8,12 +8,12 @@ from scipy.integrate import solve_ivp
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.diagnosis.anchor import _alone, prepare_at_best
-from ident.diagnosis.bench import prepare
-from ident.diagnosis.confirm import confirm
 from ident.diagnosis.diagnose import diagnose
-from ident.diagnosis.look import promised
-from ident.diagnosis.score import score
+from ident.diagnosis.linearised.anchor import _alone, prepare_at_best
+from ident.diagnosis.linearised.regression import prepare
+from ident.diagnosis.ranking.confirm import confirm
+from ident.diagnosis.ranking.look import promised
+from ident.diagnosis.ranking.score import score
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.fit.rebuild import fit_at
@@ -53,14 +53,16 @@ def test_a_hard_stop_is_seen_from_the_record_that_does_not_touch_it():
     start = fit(Model(records.device), records)
     assert start.fitted.error_over_noise > 10
     assert not prepare(start).credible
-    bench = prepare_at_best(start)
-    assert bench.credible and bench.instead_of is not None
-    assert bench.fit.scores[0].error_over_noise < 1.1  # its own record; the others are far off
-    assert bench.fit.fitted.error_over_noise > start.fitted.error_over_noise
-    assert bench.best_chi2 == bench.instead_of.fit_chi2 < bench.fit_chi2  # what an effect must leave less than
-    best = score(bench, LIBRARY)[0]
+    regression = prepare_at_best(start)
+    assert regression.credible and regression.instead_of is not None
+    assert regression.fit.scores[0].error_over_noise < 1.1  # its own record; the others are far off
+    assert regression.fit.fitted.error_over_noise > start.fitted.error_over_noise
+    assert (
+        regression.best_chi2 == regression.instead_of.fit_chi2 < regression.fit_chi2
+    )  # what an effect must leave less than
+    best = score(regression, LIBRARY)[0]
     assert best.name == "end-stop"
-    assert confirm(bench, LIBRARY["end-stop"], best).gain > 0.999
+    assert confirm(regression, LIBRARY["end-stop"], best).gain > 0.999
 
 
 def bent_sine(volts: float, ratio: float, seed: int) -> Trace:
@@ -84,13 +86,13 @@ def test_sines_beside_a_resonance_that_bends_are_seen_from_where_the_equation_of
     records = Campaign("bent", tuple(bent_sine(*s, seed) for seed, s in enumerate(sines)), Oscillator())
     far = 6.4 * FREQUENCY  # where searches ended on other such devices: to a line the sines are a gain
     start = fit_at(Model(records.device), records, np.array([far, 0.5, 1.1 * (2 * np.pi * far) ** 2]))
-    bench = prepare_at_best(start)
-    assert bench.instead_of is not None and not bench.alone and not bench.instead_of.credible
-    best = score(bench, LIBRARY)[0]
+    regression = prepare_at_best(start)
+    assert regression.instead_of is not None and not regression.alone and not regression.instead_of.credible
+    best = score(regression, LIBRARY)[0]
     assert best.name == "cubic-stiffness"
-    refit = confirm(bench, LIBRARY["cubic-stiffness"], best)
-    kept = bench.best_chi2 - refit.chi2  # of a promise that is counted from the best fit, as a refit is
-    assert refit.chi2 < 1.1 * bench.n and abs(promised(best, bench) / kept - 1) < 0.01
+    refit = confirm(regression, LIBRARY["cubic-stiffness"], best)
+    kept = regression.best_chi2 - refit.chi2  # of a promise that is counted from the best fit, as a refit is
+    assert refit.chi2 < 1.1 * regression.n and abs(promised(best, regression) / kept - 1) < 0.01
 
 
 def test_a_record_alone_is_fitted_from_what_it_says_itself():

@@ -8,8 +8,8 @@ import pytest
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
 from ident.campaign.device import Platform
-from ident.diagnosis import columns
-from ident.diagnosis.bench import Bench, prepare, stack
+from ident.diagnosis.linearised import columns
+from ident.diagnosis.linearised.regression import Regression, prepare, stack
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.model import Model
@@ -17,32 +17,32 @@ from ident.response import Equation
 
 
 @pytest.fixture(scope="module")
-def bench() -> Bench:
+def regression() -> Regression:
     campaign = campaign_of(draw(71, ("cubic-stiffness",), size=0.02, noise=0.003, records=3, length=400))
     return prepare(fit(Model(campaign.device), campaign))
 
 
 @pytest.mark.parametrize("name", ["creep", "bouc-wen"])
 def test_a_memory_that_no_amplitude_bends_is_followed_without_tangents(
-    name: str, bench: Bench, monkeypatch: pytest.MonkeyPatch
+    name: str, regression: Regression, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     effect = built_in()[name]()
-    model = Model(bench.fit.model.device, (effect,))
+    model = Model(regression.fit.model.device, (effect,))
     names = [p.name for p in model.parameters]
     shapes = {f"{name}.{p.name}": abs(p.grid[0]) for p in effect.declared() if p.kind == "shape"}
-    sizes = {"displacement": bench.fit.scales.displacement, "duration": bench.fit.scales.duration}
+    sizes = {"displacement": regression.fit.scales.displacement, "duration": regression.fit.scales.duration}
     scales = {f"{name}.{p.name}": sizes.get(p.scale, 1.0) for p in effect.declared() if p.kind == "shape"}
-    own = {**dict(zip(names, bench.fit.values, strict=False)), **{n: shapes[n] * scales[n] for n in shapes}}
+    own = {**dict(zip(names, regression.fit.values, strict=False)), **{n: shapes[n] * scales[n] for n in shapes}}
     values = np.array([own.get(n, 0.0) for n in names])
     amplitudes = [i for i, p in enumerate(model.parameters) if i > 2 and p.kind == "amplitude"]
     directions = np.eye(len(names))[amplitudes]
     asked = columns.Terms(Equation(model), False)
     assert not asked.along(directions).bent
     assert asked.along(np.eye(len(names))).bent
-    plain = stack(bench, model, np.tile(values, (len(amplitudes), 1)), directions)
+    plain = stack(regression, model, np.tile(values, (len(amplitudes), 1)), directions)
     assert np.all(np.ptp(plain, axis=1) > 0)
     monkeypatch.setattr(columns, "_bend", lambda equation, moved: True)
-    bent = stack(bench, model, np.tile(values, (len(amplitudes), 1)), directions)
+    bent = stack(regression, model, np.tile(values, (len(amplitudes), 1)), directions)
     np.testing.assert_allclose(plain, bent, rtol=1e-10, atol=1e-12 * float(np.max(np.abs(bent))))
 
 

@@ -7,9 +7,9 @@ import pytest
 
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
-from ident.diagnosis.bench import prepare
-from ident.diagnosis.locate import locate
-from ident.diagnosis.score import score
+from ident.diagnosis.linearised.regression import prepare
+from ident.diagnosis.ranking.score import score
+from ident.diagnosis.where.locate import locate
 from ident.effects.effect import AbstractEffect, Drive, Scalar, State, amplitude
 from ident.effects.registry import built_in
 from ident.fit import fit
@@ -24,21 +24,21 @@ def test_a_missing_spring_is_named_with_its_size() -> None:
     campaign = Campaign("", (sweep(0.2, CUBIC, True, 3, 3e-5), sweep(0.5, CUBIC, True, 1, 3e-4)), device)
     linear = fit(Model(device), campaign)
     assert linear.fitted.error_over_noise > 10
-    bench = prepare(linear)
-    found = score(bench, {name: built_in()[name] for name in NAMES})
+    regression = prepare(linear)
+    found = score(regression, {name: built_in()[name] for name in NAMES})
     assert found[0].name == "cubic-stiffness"
     assert found[0].predicted_gain > 0.99
     assert found[0].values["k3"] == pytest.approx(CUBIC, rel=0.15)
     assert "static-force" not in [one.name for one in found], "a constant force does not reach the fundamental"
-    assert locate(bench).fails
+    assert locate(regression).fails
 
 
 def test_a_drive_that_depends_on_no_amplitude_explains_no_curve() -> None:
     """Friction and hardly any device beside it need the same drive everywhere, as was measured at one level."""
     device = Oscillator(output="m")
     campaign = Campaign("", (sweep(0.5, CUBIC, False, 1, 3e-4),), device)
-    bench = prepare(fit(Model(device), campaign))
-    found = score(bench, {name: built_in()[name] for name in ("coulomb-friction", "cubic-stiffness")})
+    regression = prepare(fit(Model(device), campaign))
+    found = score(regression, {name: built_in()[name] for name in ("coulomb-friction", "cubic-stiffness")})
     assert found[0].name == "cubic-stiffness"
     assert found[0].predicted_gain > 0.9
 
@@ -48,9 +48,9 @@ def test_noise_of_amplitudes_is_no_law_of_the_actuator() -> None:
     device = Oscillator(output="m")
     model = Model(device) + built_in()["cubic-stiffness"](device)
     campaign = Campaign("", tuple(sweep(level, CUBIC, True, 5, 3e-4) for level in (0.1, 0.2, 0.5)), device)
-    bench = prepare(fit(model, campaign))
-    assert bench.chi2 < 1.3 * bench.n
-    (found,) = score(bench, {"prandtl-ishlinskii": built_in()["prandtl-ishlinskii"]})
+    regression = prepare(fit(model, campaign))
+    assert regression.chi2 < 1.3 * regression.n
+    (found,) = score(regression, {"prandtl-ishlinskii": built_in()["prandtl-ishlinskii"]})
     assert found.drop < 20  # three numbers: 1 in 5000 by chance
 
 

@@ -7,14 +7,14 @@ import numpy as np
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.diagnosis.bench import prepare
-from ident.diagnosis.faults import common_delay
-from ident.diagnosis.locate import locate
-from ident.diagnosis.nuisance import nuisances
-from ident.diagnosis.where_words import summary
+from ident.diagnosis.faulty.faults import common_delay
+from ident.diagnosis.faulty.nuisance import nuisances
+from ident.diagnosis.linearised.regression import prepare
+from ident.diagnosis.where.locate import locate
+from ident.diagnosis.where.words import summary
 from ident.fit import fit
 from ident.model import Model
-from ident.report.where_figure import where_figure
+from ident.report.figures.where import where_figure
 
 
 def decay(size: float) -> Trace:

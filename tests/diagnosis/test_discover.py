@@ -6,8 +6,8 @@ import pytest
 
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
-from ident.diagnosis.discover import discover
-from ident.diagnosis.steps import Discovery
+from ident.diagnosis.search.discover import discover
+from ident.diagnosis.search.steps import Discovery
 from ident.effects.registry import built_in
 from ident.model import Model
 

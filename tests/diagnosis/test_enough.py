@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ident.diagnosis.enough import adequate, not_worth_adding, superfluous
-from ident.diagnosis.prune import _hurts_more, hurts
+from ident.diagnosis.evidence.enough import adequate, not_worth_adding, superfluous
+from ident.diagnosis.search.prune import _hurts_more, hurts
 from ident.fit.judge import Score
 
 N = 10_000
@@ -17,7 +17,7 @@ WHITE = np.random.default_rng(1).normal(size=N)
 WHITE /= np.sqrt(np.mean(WHITE**2))
 
 
-def bench(error: float, reached: float | None = None, doubt: float = 0.03, freedom: int = 5) -> Any:
+def regression(error: float, reached: float | None = None, doubt: float = 0.03, freedom: int = 5) -> Any:
     """A stand-in with an error over noise, the one that its fit has `reached`, and the doubt of its noise floors."""
     records = [SimpleNamespace(noise=SimpleNamespace(relative_error=doubt))]
     fit = SimpleNamespace(campaign=SimpleNamespace(fitted=records, fitted_sweeps=()), freedom=freedom)
@@ -29,24 +29,26 @@ def bench(error: float, reached: float | None = None, doubt: float = 0.03, freed
 
 
 def test_the_doubt_of_a_noise_floor_excuses_what_no_effect_explains() -> None:
-    assert adequate(bench(1.08)) and not adequate(bench(1.08, doubt=0.0))
-    assert adequate(bench(1.08), explained=0.3) and not adequate(bench(1.08), explained=0.8)
-    assert adequate(bench(1.04), explained=0.8)  # within what is allowed to any model
+    assert adequate(regression(1.08)) and not adequate(regression(1.08, doubt=0.0))
+    assert adequate(regression(1.08), explained=0.3) and not adequate(regression(1.08), explained=0.8)
+    assert adequate(regression(1.04), explained=0.8)  # within what is allowed to any model
 
 
 def test_a_term_under_one_percent_is_added_if_it_explains_most_of_what_is_left() -> None:
-    first, now = bench(13.0), bench(1.08)
+    first, now = regression(13.0), regression(1.08)
     left = now.chi2 - N
     assert not not_worth_adding(now, 0.8 * left, first)
     assert not_worth_adding(now, 0.3 * left, first)
-    assert not_worth_adding(bench(1.0), 0.8 * left, first)
+    assert not_worth_adding(regression(1.0), 0.8 * left, first)
 
 
 def test_a_refit_that_a_limit_stopped_does_not_do_without_the_term() -> None:
-    first, full = bench(13.0), bench(1.0, freedom=7)
-    assert superfluous(bench(1.001), full, first)
-    assert superfluous(bench(1.05), full, first)  # at the floor, and the loss is less than laws of a kind differ by
-    assert not superfluous(bench(1.05, reached=1.48), full, first)
+    first, full = regression(13.0), regression(1.0, freedom=7)
+    assert superfluous(regression(1.001), full, first)
+    assert superfluous(
+        regression(1.05), full, first
+    )  # at the floor, and the loss is less than laws of a kind differ by
+    assert not superfluous(regression(1.05, reached=1.48), full, first)
 
 
 def heldout(missed: np.ndarray) -> dict[str, Any]:

@@ -9,9 +9,9 @@ import numpy as np
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import NoiseFloor, Sweep
-from ident.diagnosis.bench import prepare
-from ident.diagnosis.confirm import confirm
-from ident.diagnosis.score import score
+from ident.diagnosis.linearised.regression import prepare
+from ident.diagnosis.ranking.confirm import confirm
+from ident.diagnosis.ranking.score import score
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.model import Model
@@ -49,12 +49,12 @@ def test_a_stiffness_that_follows_the_voltage_is_refitted_from_where_it_acts() -
     campaign = Campaign("", tuple(pumped(level, seed) for seed, level in enumerate((0.2, 0.35, 0.5))), device)
     linear = fit(Model(device), campaign)
     assert linear.fitted.error_over_noise > 5
-    effect, bench = built_in()["voltage-stiffness"], prepare(linear)
-    (found,) = score(bench, {effect.name: effect})
+    effect, regression = built_in()["voltage-stiffness"], prepare(linear)
+    (found,) = score(regression, {effect.name: effect})
     starts = [found.values["per_volt"], *(one["per_volt"] for one in found.near)]
     assert min(map(abs, starts)) > 1e-6 * PER_VOLT, "at zero it has no slope"
-    refitted = confirm(bench, effect, found)
-    assert refitted.chi2 < 1.3 * bench.n
+    refitted = confirm(regression, effect, found)
+    assert refitted.chi2 < 1.3 * regression.n
     values = dict(zip((p.name for p in refitted.model.parameters), refitted.values, strict=True))
     np.testing.assert_allclose(abs(values["voltage-stiffness.per_volt"]), PER_VOLT, rtol=0.1)
 
@@ -64,8 +64,8 @@ def test_a_turn_of_the_drive_that_amplitudes_hardly_show_is_not_refitted_from_ze
     device = Oscillator(output="m")
     whole = [(level, sweep(level, 0.0, False, k)) for k, level in enumerate((0.2, 0.35, 0.5))]
     less = [replace(one, amplitude=(1 - 0.4 * level**2) * one.amplitude) for level, one in whole]
-    bench = prepare(fit(Model(device), Campaign("", tuple(less), device)))
+    regression = prepare(fit(Model(device), Campaign("", tuple(less), device)))
     effect = built_in()["pzt-hysteresis"]
-    (found,) = score(bench, {effect.name: effect})
+    (found,) = score(regression, {effect.name: effect})
     assert abs(found.values["zeta"]) > 1e-3 * abs(found.values["eta"]) > 0
-    assert confirm(bench, effect, found).chi2 < 1.3 * bench.n
+    assert confirm(regression, effect, found).chi2 < 1.3 * regression.n

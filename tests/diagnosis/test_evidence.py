@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ident.diagnosis.evidence import Left, behind, criteria
-from ident.fit.independent import independent_samples
+from ident.diagnosis.evidence.criterion import Left, behind, criteria
+from ident.fit.linear.independent import independent_samples
 
 N = 20_000
 NOISE = np.random.default_rng(5).normal(size=N)

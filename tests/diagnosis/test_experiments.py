@@ -8,8 +8,8 @@ import pytest
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator, Platform
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.diagnosis.experiments import SEPARATED, NextExperiment, grouped, rank_experiments
-from ident.diagnosis.waveforms import Limits, limits_of, proposals
+from ident.diagnosis.next_record.experiments import SEPARATED, NextExperiment, grouped, rank_experiments
+from ident.diagnosis.next_record.waveforms import Limits, limits_of, proposals
 from ident.effects.library.cubic_stiffness import CubicStiffness
 from ident.effects.library.sensor_nonlinearity import SensorNonlinearity
 from ident.fit import Fit, fit

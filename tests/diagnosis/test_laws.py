@@ -13,11 +13,11 @@ from experiments.hidden_effects.generator import draw
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.diagnosis.bench import prepare
-from ident.diagnosis.change import add
-from ident.diagnosis.enough import laws_differ_by
-from ident.diagnosis.lacking import lacking
-from ident.diagnosis.score import score
+from ident.diagnosis.evidence.enough import laws_differ_by
+from ident.diagnosis.linearised.regression import prepare
+from ident.diagnosis.ranking.score import score
+from ident.diagnosis.search.change import add
+from ident.diagnosis.search.lacking import lacking
 from ident.effects.library.quadratic_damping import QuadraticDamping
 from ident.effects.registry import built_in
 from ident.fit import fit
@@ -27,15 +27,15 @@ from ident.model import Model
 STEP, NOISE = 1 / 6000.0, 0.003
 
 
-def bench(excess: float, n: int = 1000) -> Any:
+def regression(excess: float, n: int = 1000) -> Any:
     return SimpleNamespace(chi2=n + excess, n=n, excess=excess)
 
 
 def test_a_flexible_law_owes_its_lead_to_its_shapes_only_as_far_as_it_lacks_something_itself() -> None:
-    assert laws_differ_by(bench(1e6), left=1000.0) == 0.0  # it describes the records: it is the better law
-    assert laws_differ_by(bench(1e6), left=1000.0 + 100.0) == pytest.approx(100.0)
-    assert laws_differ_by(bench(1e6), left=1000.0 + 1e4) == pytest.approx(3000.0)  # 0.3 % of the excess
-    assert laws_differ_by(bench(1e6), left=1000.0 + 1e6) == pytest.approx(20000.0)  # much is still to be explained
+    assert laws_differ_by(regression(1e6), left=1000.0) == 0.0  # it describes the records: it is the better law
+    assert laws_differ_by(regression(1e6), left=1000.0 + 100.0) == pytest.approx(100.0)
+    assert laws_differ_by(regression(1e6), left=1000.0 + 1e4) == pytest.approx(3000.0)  # 0.3 % of the excess
+    assert laws_differ_by(regression(1e6), left=1000.0 + 1e6) == pytest.approx(20000.0)  # much is still to be explained
 
 
 @pytest.mark.parametrize(("strength", "seen"), [(1e-4, True), (-1e-4, False)])

@@ -10,14 +10,14 @@ import pytest
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.diagnosis.bench import Bench, prepare
-from ident.diagnosis.locate import Where, locate
-from ident.diagnosis.where_words import hertz, statements, summary
-from ident.diagnosis.whiteness import drive_correlation, lagged, whiteness
+from ident.diagnosis.linearised.regression import Regression, prepare
+from ident.diagnosis.where.locate import Where, locate
+from ident.diagnosis.where.whiteness import drive_correlation, lagged, whiteness
+from ident.diagnosis.where.words import hertz, statements, summary
 from ident.fit import Fit, fit
 from ident.fit.reading import read
 from ident.model import Model
-from ident.report.where_figure import where_figure
+from ident.report.figures.where import where_figure
 
 VALUES = np.array([100.0, 20.0, 4e5])  # Hz, 1, output/s² per volt
 NOISE = 0.003
@@ -45,15 +45,15 @@ def fitted() -> Fit:
 
 
 @pytest.fixture(scope="module")
-def bench(fitted: Fit) -> Bench:
+def regression(fitted: Fit) -> Regression:
     return prepare(fitted)
 
 
-def disturbed(bench: Bench, number: int, misfit: np.ndarray) -> Where:
-    """The bench with a misfit, in noise floors, put into one record."""
-    residual = bench.residual.copy()
-    residual[bench.starts[number] :][: len(misfit)] += misfit
-    return locate(replace(bench, residual=residual))
+def disturbed(regression: Regression, number: int, misfit: np.ndarray) -> Where:
+    """The regression with a misfit, in noise floors, put into one record."""
+    residual = regression.residual.copy()
+    residual[regression.starts[number] :][: len(misfit)] += misfit
+    return locate(replace(regression, residual=residual))
 
 
 @pytest.mark.parametrize("period", [None, 600.0])
@@ -71,26 +71,26 @@ def test_masked_samples_leave_every_view_in_its_place() -> None:
     clipped = np.zeros(800, bool)
     clipped[100:120] = True
     records = (replace(whole.records[0], masked=clipped), *whole.records[1:])
-    bench = prepare(fit(Model(Oscillator()), replace(whole, records=records), initial=VALUES))
-    assert bench.n == 3 * 800 - 20
-    where = locate(bench)
-    assert [own.stop for own in bench.places] == [800, 1600, 2400]
+    regression = prepare(fit(Model(Oscillator()), replace(whole, records=records), initial=VALUES))
+    assert regression.n == 3 * 800 - 20
+    where = locate(regression)
+    assert [own.stop for own in regression.places] == [800, 1600, 2400]
     assert len(where.time.ratio) and np.all(np.isfinite(where.time.ratio))
     assert not where.time.stands_out(1e-3).any()
 
 
-def test_nothing_is_said_of_noise(bench: Bench) -> None:
+def test_nothing_is_said_of_noise(regression: Regression) -> None:
     rng = np.random.default_rng(3)
     for _ in range(40):
-        noise = bench.project(rng.standard_normal((1, bench.n)))[0]
-        where = locate(replace(bench, residual=noise))
+        noise = regression.project(rng.standard_normal((1, regression.n)))[0]
+        where = locate(replace(regression, residual=noise))
         assert statements(where) == []
         assert summary(where).startswith("No part of the records stands out")
 
 
-def test_a_misfit_is_found_in_its_record_and_harmonic(bench: Bench) -> None:
+def test_a_misfit_is_found_in_its_record_and_harmonic(regression: Regression) -> None:
     third = 3.0 * np.sin(2 * np.pi * 3 * 50.0 * np.arange(800) / 4000.0)
-    where = disturbed(bench, 0, third)
+    where = disturbed(regression, 0, third)
     words = summary(where)
     assert "1V_50Hz.csv" in words
     assert "third harmonic" in words
@@ -98,20 +98,20 @@ def test_a_misfit_is_found_in_its_record_and_harmonic(bench: Bench) -> None:
     assert where.misfit == pytest.approx(800 * 4.5, rel=0.15)
 
 
-def test_a_misfit_is_found_in_its_time(bench: Bench) -> None:
+def test_a_misfit_is_found_in_its_time(regression: Regression) -> None:
     burst = np.where(np.arange(800) < 120, 4.0, 0.0) * (-1.0) ** np.arange(800)
-    said = {s.axis: s.words for s in statements(disturbed(bench, 2, burst))}
+    said = {s.axis: s.words for s in statements(disturbed(regression, 2, burst))}
     assert "first" in said["time"]
 
 
-def test_an_offset_is_the_constant_part(bench: Bench) -> None:
-    where = disturbed(bench, 1, np.full(800, 1.0))
+def test_an_offset_is_the_constant_part(regression: Regression) -> None:
+    where = disturbed(regression, 1, np.full(800, 1.0))
     assert "in the constant part" in summary(where)
 
 
-def test_a_floor_stated_too_low_is_no_place(bench: Bench) -> None:
+def test_a_floor_stated_too_low_is_no_place(regression: Regression) -> None:
     rng = np.random.default_rng(5)
-    where = locate(replace(bench, residual=1.3 * bench.project(rng.standard_normal((1, bench.n)))[0]))
+    where = locate(replace(regression, residual=1.3 * regression.project(rng.standard_normal((1, regression.n)))[0]))
     assert statements(where) == []
     assert "a noise floor stated too low" in summary(where)
 
@@ -136,8 +136,8 @@ def test_drive_correlation_is_found_at_its_lag() -> None:
     assert alone.p_value > 0.001
 
 
-def test_the_figure_draws(bench: Bench) -> None:
-    figure = where_figure(locate(bench))
+def test_the_figure_draws(regression: Regression) -> None:
+    figure = where_figure(locate(regression))
     assert len(figure.axes) == 8
     assert "No part of the records stands out" in figure.texts[0].get_text()
 

@@ -9,7 +9,7 @@ import pytest
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
 from experiments.posterior.calibration import case
-from ident.diagnosis.missing import missing
+from ident.diagnosis.ranking.missing import missing
 from ident.effects.registry import registry
 from ident.fit.fit import fit
 from ident.model import build_model

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from experiments.hidden_effects.campaigns import campaign_of, poor_case
-from ident.diagnosis.bench import prepare
 from ident.diagnosis.diagnose import measure_next
-from ident.diagnosis.discover import discover
-from ident.diagnosis.score import score
-from ident.diagnosis.steps import Discovery
+from ident.diagnosis.linearised.regression import prepare
+from ident.diagnosis.ranking.score import score
+from ident.diagnosis.search.discover import discover
+from ident.diagnosis.search.steps import Discovery
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.model import Model

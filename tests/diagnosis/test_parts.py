@@ -8,16 +8,16 @@ import pytest
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
 from ident.campaign.device import Oscillator, Platform
-from ident.diagnosis.confirm import is_possible
 from ident.diagnosis.diagnose import measure_next
-from ident.diagnosis.discover import discover
+from ident.diagnosis.ranking.confirm import is_possible
+from ident.diagnosis.search.discover import discover
 from ident.effects.effect import AbstractEffect, shape
 from ident.effects.library.coulomb_friction import CoulombFriction
 from ident.effects.library.end_stop import EndStop
 from ident.effects.library.quadratic_stiffness import QuadraticStiffness
 from ident.effects.library.residual_stress import ResidualStress
 from ident.effects.registry import built_in
-from ident.fit.guess import DataScales
+from ident.fit.linear.guess import DataScales
 from ident.model import Model
 
 SCALES = DataScales(displacement=1e-5, velocity=0.03, voltage=9.0, period=2e-3, duration=0.04)

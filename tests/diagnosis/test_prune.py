@@ -8,9 +8,9 @@ import pytest
 
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
-from ident.diagnosis import prune as pruning
-from ident.diagnosis.bench import prepare
-from ident.diagnosis.trajectory import Diverged
+from ident.diagnosis.linearised.regression import prepare
+from ident.diagnosis.linearised.trajectory import Diverged
+from ident.diagnosis.search import prune as pruning
 from ident.effects.registry import built_in
 from ident.fit import Fit, fit
 from ident.model import Model, make_effect

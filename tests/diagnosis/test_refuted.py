@@ -7,12 +7,12 @@ from typing import Any
 
 import pytest
 
-from ident.diagnosis import discover
+from ident.diagnosis.search import discover
 
 
 def step(added: str, held_out: float) -> Any:
     fit = SimpleNamespace(holdout=SimpleNamespace(error_over_noise=held_out))
-    return SimpleNamespace(added=added, fit=fit, bench=None)
+    return SimpleNamespace(added=added, fit=fit, regression=None)
 
 
 @pytest.mark.parametrize(
@@ -30,6 +30,6 @@ def test_a_name_counts_if_it_predicts_better_than_every_model_before(
     monkeypatch.setattr(discover, "adequate", lambda _: False)
     monkeypatch.setattr(discover, "hurts", lambda *_: False)
     steps = [step(f"law-{i}", error) for i, error in enumerate(held_out)]
-    bench: Any = None
-    found = discover._without_refuted(step("start", 6.2).fit, steps, bench)
+    regression: Any = None
+    found = discover._without_refuted(step("start", 6.2).fit, steps, regression)
     assert [one.added for one in found] == [f"law-{i}" for i in range(kept)]

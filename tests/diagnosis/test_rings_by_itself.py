@@ -9,8 +9,8 @@ import numpy as np
 from ident.campaign import Campaign, Trace
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor
-from ident.diagnosis.faults import Fault, residual_of, rings_by_itself
-from ident.diagnosis.nuisance import Nuisance
+from ident.diagnosis.faulty.faults import Fault, residual_of, rings_by_itself
+from ident.diagnosis.faulty.nuisance import Nuisance
 from ident.fit.fit import minimise
 from ident.model import build_model
 

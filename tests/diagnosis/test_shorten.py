@@ -10,7 +10,7 @@ from scipy.signal import bilinear, lfilter
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.diagnosis.shorten import is_long, working
+from ident.diagnosis.linearised.shorten import is_long, working
 from ident.fit import fit
 from ident.model import Model
 

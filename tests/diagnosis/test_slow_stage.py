@@ -8,8 +8,8 @@ import pytest
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.diagnosis.bench import prepare
-from ident.diagnosis.discover import discover
+from ident.diagnosis.linearised.regression import prepare
+from ident.diagnosis.search.discover import discover
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.model import Model

@@ -12,10 +12,10 @@ from scipy.interpolate import CubicSpline
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.diagnosis.anchor import prepare_at_best
-from ident.diagnosis.bench import Bench, prepare
-from ident.diagnosis.confirm import confirm
-from ident.diagnosis.score import score
+from ident.diagnosis.linearised.anchor import prepare_at_best
+from ident.diagnosis.linearised.regression import Regression, prepare
+from ident.diagnosis.ranking.confirm import confirm
+from ident.diagnosis.ranking.score import score
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.fit.rebuild import fit_at
@@ -39,7 +39,7 @@ def record(name: str, drive: np.ndarray, seed: int) -> Trace:
 
 
 @pytest.fixture(scope="module")
-def bench() -> Bench:
+def regression() -> Regression:
     chirp = np.sin(2 * np.pi * (20 * TIME + 60 * TIME**2 / (2 * TIME[-1])))
     drives = {"chirp": chirp, "weak": 0.4 * np.sin(0.98 * OMEGA * TIME), "strong": np.sin(1.03 * OMEGA * TIME)}
     records = tuple(record(name, drive, seed) for seed, (name, drive) in enumerate(drives.items()))
@@ -48,23 +48,23 @@ def bench() -> Bench:
     return prepare(fit(Model(campaign.device), campaign))
 
 
-def test_the_equation_is_believed_where_the_fit_is_useless(bench: Bench) -> None:
-    assert bench.fit.fitted.error_over_signal > 0.25
-    assert bench.credible
+def test_the_equation_is_believed_where_the_fit_is_useless(regression: Regression) -> None:
+    assert regression.fit.fitted.error_over_signal > 0.25
+    assert regression.credible
 
 
-def test_the_law_and_the_linear_part_beside_it_are_read_off_the_motion(bench: Bench) -> None:
-    best = score(bench, LIBRARY)[0]
+def test_the_law_and_the_linear_part_beside_it_are_read_off_the_motion(regression: Regression) -> None:
+    best = score(regression, LIBRARY)[0]
     assert best.name == "cubic-stiffness" and best.predicted_gain > 0.999
     assert best.values["k3"] == pytest.approx(CUBIC, rel=0.01)
     assert best.beside is not None
     assert best.beside[[0, 2]] == pytest.approx([FREQUENCY, GAIN], rel=0.02)
     assert best.beside[1] == pytest.approx(QUALITY, rel=0.25)  # near resonance the velocity is small beside its noise
-    assert confirm(bench, LIBRARY[best.name], best).gain > 0.9999
+    assert confirm(regression, LIBRARY[best.name], best).gain > 0.9999
 
 
-def test_values_nearer_the_device_are_found_from_a_fit_that_bent_far(bench: Bench) -> None:
-    bent = fit_at(bench.fit.model, bench.fit.campaign, np.array([3 * FREQUENCY, 0.3 * QUALITY, GAIN]))
+def test_values_nearer_the_device_are_found_from_a_fit_that_bent_far(regression: Regression) -> None:
+    bent = fit_at(regression.fit.model, regression.fit.campaign, np.array([3 * FREQUENCY, 0.3 * QUALITY, GAIN]))
     there = prepare_at_best(bent)
     assert there.instead_of is not None and there.instead_of.fit is bent
     assert there.unexplained < 0.5 * prepare(bent).unexplained

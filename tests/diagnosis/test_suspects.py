@@ -9,16 +9,16 @@ import pytest
 
 from experiments.hidden_effects.generator import draw, write
 from ident.campaign import Campaign, Trace, read_campaign
-from ident.campaign.clipping import clipped_mask
+from ident.campaign.quality.clipping import clipped_mask
+from ident.campaign.quality.suspect import ALL, Suspect, suspects_by_data
 from ident.campaign.record import Channel, NoiseFloor
-from ident.campaign.suspect import ALL, Suspect, suspects_by_data
-from ident.diagnosis.bench import prepare
 from ident.diagnosis.diagnose import diagnose
 from ident.diagnosis.document import diagnosis_dict
-from ident.diagnosis.locate import locate
-from ident.diagnosis.look import first_look
-from ident.diagnosis.nuisance import nuisances
-from ident.diagnosis.suspects import alone_off, find_suspects
+from ident.diagnosis.faulty.nuisance import nuisances
+from ident.diagnosis.faulty.suspects import alone_off, find_suspects
+from ident.diagnosis.linearised.regression import prepare
+from ident.diagnosis.ranking.look import first_look
+from ident.diagnosis.where.locate import locate
 from ident.effects.registry import registry
 from ident.fit import Fit, fit
 from ident.model import build_model
@@ -157,9 +157,9 @@ def test_clipped_samples_have_no_weight(clean):
     assert found.fitted.error_over_noise < 1.05 and found.fitted.n == whole.fitted.n - np.count_nonzero(masked)
     for one, other in zip(found.estimates, whole.estimates, strict=True):
         assert one.error and other.error and abs(one.value - other.value) < 4 * one.error
-    bench = prepare(found)
-    assert bench.n == found.fitted.n
-    where = locate(bench)  # where samples say nothing there is no bin, and every record has its own
+    regression = prepare(found)
+    assert regression.n == found.fitted.n
+    where = locate(regression)  # where samples say nothing there is no bin, and every record has its own
     assert [view.name for view in where.records if not view.holdout] == [r.name for r in campaign.fitted]
     assert all(0.9 < view.ratio < 1.1 for view in where.records) and not where.fails
 

@@ -12,11 +12,11 @@ from experiments.hidden_effects.generator import draw
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.diagnosis.bench import Bench, prepare
-from ident.diagnosis.discover import discover
-from ident.diagnosis.equivalences import EQUIVALENCES, equivalence, what_separates
-from ident.diagnosis.score import Candidate
-from ident.diagnosis.ties import independent_of, tie_set, unseen
+from ident.diagnosis.evidence.equivalences import EQUIVALENCES, equivalence, what_separates
+from ident.diagnosis.linearised.regression import Regression, prepare
+from ident.diagnosis.ranking.score import Candidate
+from ident.diagnosis.search.discover import discover
+from ident.diagnosis.search.ties import independent_of, tie_set, unseen
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.fit.reading import read
@@ -28,7 +28,7 @@ N = 600
 
 
 @pytest.fixture(scope="module")
-def bench() -> Bench:
+def regression() -> Regression:
     time, channel, values = np.arange(N) / 4000.0, Channel("V", 1.0), np.array([100.0, 20.0, 4e5])
     drive = np.sin(2 * np.pi * 95.0 * time)
     blank = Trace("one.csv", time, drive, np.ones(N), channel, channel, NoiseFloor(0.003), "rest")
@@ -38,10 +38,10 @@ def bench() -> Bench:
     return prepare(fit(model, Campaign("one", (record,), Oscillator()), initial=values))
 
 
-def candidate(bench: Bench, name: str, direction: np.ndarray) -> Candidate:
-    signature = bench.project(direction[None])
+def candidate(regression: Regression, name: str, direction: np.ndarray) -> Candidate:
+    signature = regression.project(direction[None])
     signature /= np.linalg.norm(signature)
-    drop = float((signature @ bench.residual)[0] ** 2)
+    drop = float((signature @ regression.residual)[0] ** 2)
     return Candidate(name, drop, 0.5, 1, 0.0, {}, {}, units={}, signature=signature)
 
 
@@ -51,15 +51,15 @@ def lines() -> tuple[np.ndarray, np.ndarray]:
     return rng.standard_normal(N), rng.standard_normal(N)
 
 
-def with_misfit(bench: Bench, misfit: np.ndarray) -> Bench:
-    return replace(bench, residual=bench.residual + bench.project(misfit[None])[0])
+def with_misfit(regression: Regression, misfit: np.ndarray) -> Regression:
+    return replace(regression, residual=regression.residual + regression.project(misfit[None])[0])
 
 
 def test_what_explains_as_well_is_tied_and_what_explains_less_is_not(
-    bench: Bench, lines: tuple[np.ndarray, np.ndarray]
+    regression: Regression, lines: tuple[np.ndarray, np.ndarray]
 ) -> None:
     a, b = lines
-    disturbed = with_misfit(bench, 2.0 * a)
+    disturbed = with_misfit(regression, 2.0 * a)
     best = candidate(disturbed, "cubic-stiffness", a)
     near = candidate(disturbed, "quadratic-damping", a + 0.02 * b)
     far = candidate(disturbed, "coulomb-friction", a + 0.7 * b)
@@ -68,11 +68,11 @@ def test_what_explains_as_well_is_tied_and_what_explains_less_is_not(
     assert found.ties[0].confusability > 0.99
 
 
-def test_a_misfit_of_the_laws_widens_the_set(bench: Bench, lines: tuple[np.ndarray, np.ndarray]) -> None:
+def test_a_misfit_of_the_laws_widens_the_set(regression: Regression, lines: tuple[np.ndarray, np.ndarray]) -> None:
     a, b = lines
     time = np.arange(N)
     unexplained = 20.0 * np.sin(0.9 * time)
-    clean, spoilt = with_misfit(bench, 2.0 * a), with_misfit(bench, 2.0 * a + unexplained)
+    clean, spoilt = with_misfit(regression, 2.0 * a), with_misfit(regression, 2.0 * a + unexplained)
     for where, tied in ((clean, False), (spoilt, True)):
         best = candidate(where, "cubic-stiffness", a)
         other = candidate(where, "quadratic-damping", a + 0.3 * b)
@@ -81,9 +81,9 @@ def test_a_misfit_of_the_laws_widens_the_set(bench: Bench, lines: tuple[np.ndarr
     assert independent_of(spoilt, candidate(spoilt, "cubic-stiffness", a)) < 0.2 * N
 
 
-def test_lags_stay_together_on_a_linear_device(bench: Bench, lines: tuple[np.ndarray, np.ndarray]) -> None:
+def test_lags_stay_together_on_a_linear_device(regression: Regression, lines: tuple[np.ndarray, np.ndarray]) -> None:
     a, b = lines
-    disturbed = with_misfit(bench, 5.0 * a)
+    disturbed = with_misfit(regression, 5.0 * a)
     best, other = candidate(disturbed, "drive-lag", a), candidate(disturbed, "sensor-lag", a + 0.25 * b)
     found = tie_set(disturbed, best, [best, other], LIBRARY)
     assert found.names == ("drive-lag", "sensor-lag")
@@ -99,10 +99,10 @@ def test_a_law_that_contains_another_is_that_one_where_its_further_numbers_say_n
     assert [step.tie_set for step in found.steps] == [(hidden,)] and found.verdict == "identified"
 
 
-def test_on_curves_a_law_that_contains_another_stays_beside_it(bench: Bench) -> None:
+def test_on_curves_a_law_that_contains_another_stays_beside_it(regression: Regression) -> None:
     """What would tell it, a mean and overtones, is in traces and not in curves."""
     sweeps = Campaign("", (sweep(0.2, 0.0, False),), Oscillator(output="m"))
-    for where, tied in ((bench, False), (prepare(fit(Model(Oscillator(output="m")), sweeps)), True)):
+    for where, tied in ((regression, False), (prepare(fit(Model(Oscillator(output="m")), sweeps)), True)):
         line = np.random.default_rng(8).standard_normal(where.n)
         disturbed = with_misfit(where, 2.0 * line)
         best = candidate(disturbed, "cubic-stiffness", line)
@@ -110,10 +110,12 @@ def test_on_curves_a_law_that_contains_another_stays_beside_it(bench: Bench) -> 
         assert ("residual-stress" in tie_set(disturbed, best, [best, other], LIBRARY).names) is tied
 
 
-def test_an_effect_without_a_score_is_reported_as_unseen(bench: Bench, lines: tuple[np.ndarray, np.ndarray]) -> None:
-    scored = [candidate(bench, name, lines[0]) for name in LIBRARY if name != "sensor-offset"]
-    assert [u.name for u in unseen(bench, scored, LIBRARY)] == ["sensor-offset"]
-    names = {u.name for u in unseen(bench, [], LIBRARY)}
+def test_an_effect_without_a_score_is_reported_as_unseen(
+    regression: Regression, lines: tuple[np.ndarray, np.ndarray]
+) -> None:
+    scored = [candidate(regression, name, lines[0]) for name in LIBRARY if name != "sensor-offset"]
+    assert [u.name for u in unseen(regression, scored, LIBRARY)] == ["sensor-offset"]
+    names = {u.name for u in unseen(regression, [], LIBRARY)}
     assert "residual-stress" not in names  # it has no meaning on an oscillator, rather than no trace
 
 

@@ -10,9 +10,9 @@ import pytest
 
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
-from ident.diagnosis.discover import discover
-from ident.diagnosis.pairs import best_pair
-from ident.diagnosis.score import Candidate
+from ident.diagnosis.ranking.pairs import best_pair
+from ident.diagnosis.ranking.score import Candidate
+from ident.diagnosis.search.discover import discover
 from ident.effects.registry import built_in
 from ident.model import Model
 
@@ -23,20 +23,20 @@ def test_the_best_pair_is_that_of_all_regressions() -> None:
     columns = [random.normal(size=(1 + k % 3, 400)) + 0.3 * residual for k in range(6)]
     columns[4] = columns[3] + 0.05 * random.normal(size=columns[3].shape)  # nearly the same direction
     columns[3][0] += 0.2 * residual
-    bench = SimpleNamespace(n=400, residual=residual, numbers=3)
+    regression = SimpleNamespace(n=400, residual=residual, numbers=3)
     candidates = [_candidate(str(k), rows, residual) for k, rows in enumerate(columns)]
     left = {}
     for i, j in itertools.combinations(range(6), 2):
         both = np.concatenate([columns[i], columns[j]])
         fitted = both.T @ np.linalg.lstsq(both.T, residual, rcond=None)[0]
         left[i, j] = float(np.sum((residual - fitted) ** 2)) + len(both) * np.log(400)
-    found = best_pair(bench, candidates)  # pyright: ignore[reportArgumentType]  (only what it reads)
+    found = best_pair(regression, candidates)  # pyright: ignore[reportArgumentType]  (only what it reads)
     assert found is not None
     names = tuple(sorted(int(name) for name in found.names))
     assert names == min(left, key=lambda pair: left[pair])
     numbers = found.numbers - 3
     assert float(found.left @ found.left) + numbers * np.log(400) == pytest.approx(left[names])
-    with_five = best_pair(bench, candidates, "5")  # pyright: ignore[reportArgumentType]
+    with_five = best_pair(regression, candidates, "5")  # pyright: ignore[reportArgumentType]
     assert with_five is not None and "5" in with_five.names
 
 

@@ -10,15 +10,15 @@ import pytest
 
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import Case, draw
-from ident.diagnosis.bench import prepare
-from ident.diagnosis.effect_file import write_effect
-from ident.diagnosis.unknown import Unknown, find_unknown
+from ident.diagnosis.linearised.regression import prepare
+from ident.diagnosis.unknown.effect_file import write_effect
+from ident.diagnosis.unknown.find import Unknown, find_unknown
 from ident.effects.registry import registry
 from ident.errors import UserError
 from ident.fit import Fit, fit
 from ident.model import Model
-from ident.report.style import png
-from ident.report.unknown_figure import unknown_figure
+from ident.report.figures.style import png
+from ident.report.figures.unknown import unknown_figure
 
 
 def hidden(seed: int, *effects: str, **options: object) -> tuple[Case, Fit, Unknown]:

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from ident.campaign.device import Oscillator
-from ident.diagnosis.effect_file import effect_source
-from ident.diagnosis.formula import Formula
-from ident.diagnosis.splines import Size, plays, relaxed, sharp, splines
-from ident.diagnosis.terms import Term, monomial, paired, remembered, single, table
+from ident.diagnosis.unknown.effect_file import effect_source
+from ident.diagnosis.unknown.formula import Formula
+from ident.diagnosis.unknown.splines import Size, plays, relaxed, sharp, splines
+from ident.diagnosis.unknown.terms import Term, monomial, paired, remembered, single, table
 from ident.effects.dependence import Side
 from ident.effects.effect import AbstractEffect, Drive, State
 from ident.effects.registry import registry

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.diagnosis.whiten import make_piece, whiten
+from ident.diagnosis.linearised.whiten import make_piece, whiten
 
 N = 2000
 

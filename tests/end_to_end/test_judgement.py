@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from ident.campaign import read_campaign
-from ident.campaign.judge import judge
 from ident.campaign.period import find_period
-from ident.report.data_judgement import one_frequency, remarks
+from ident.campaign.quality.judge import judge
+from ident.report.words.data import one_frequency, remarks
 from tests.end_to_end.user import DATA, assert_one_line, ident
 
 CLEAN = ("platform_clean", "platform_317hz", "platform_fe", "mystery_platform", "oscillator")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from experiments.paper import finite_elements, sheet
-from ident.report.style import png
+from ident.report.figures.style import png
 
 QUICK = ("fig08", "fig09", "fig10", "fig13", "slips")
 LONG = ("fig03", "fig11", "fig12", "closures")

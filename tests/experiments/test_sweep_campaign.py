@@ -18,7 +18,7 @@ from experiments.hidden_effects.laws import INDEX, LAWS
 from experiments.simulator.signals import sine
 from experiments.simulator.stage import acceleration, prepare
 from ident.campaign import read_campaign
-from ident.campaign.dynamic_stiffness import dynamic_stiffness
+from ident.campaign.sweeps.dynamic_stiffness import dynamic_stiffness
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = make_sweeps.DATA / make_sweeps.NAME

@@ -14,7 +14,7 @@ from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.fit import Fit, fit
 from ident.fit.carry_over import expected_error
 from ident.model import Model
-from ident.report.sentences import verdict
+from ident.report.words.sentences import verdict
 
 OMEGA0, QUALITY, GAIN, STEP, SIGMA = 2 * np.pi * 500.0, 60.0, 3e5, 5e-5, 0.1
 

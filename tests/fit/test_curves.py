@@ -10,12 +10,12 @@ import pytest
 
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
-from ident.campaign.jump import jump_of
 from ident.campaign.record import Channel, NoiseFloor, Sweep
-from ident.campaign.settled import settled
+from ident.campaign.sweeps.jump import jump_of
+from ident.campaign.sweeps.settled import settled
 from ident.effects.registry import built_in
 from ident.fit import fit
-from ident.fit.curve_guess import guess_curves
+from ident.fit.linear.curve_guess import guess_curves
 from ident.model import Model
 
 FREQUENCY, QUALITY, GAIN, CUBIC = 40.0, 50.0, 100.0, 3e6

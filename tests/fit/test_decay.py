@@ -11,9 +11,9 @@ from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.effects.registry import built_in
 from ident.fit import fit
-from ident.fit.decay import read_ringing
-from ident.fit.decay_curve import decay_curves
-from ident.fit.guess import guess_linear
+from ident.fit.linear.decay import read_ringing
+from ident.fit.linear.decay_curve import decay_curves
+from ident.fit.linear.guess import guess_linear
 from ident.model import Model
 
 ONE = Channel("V", 1.0)

@@ -7,8 +7,8 @@ import pytest
 from scipy import signal
 
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.fit.guess import guess_linear
-from ident.fit.pieces import make_piece, oscillator_filter, sums
+from ident.fit.linear.guess import guess_linear
+from ident.fit.linear.stretches import oscillator_filter, stretch_of, sums
 
 
 @pytest.mark.parametrize(("f", "q", "h"), [(500, 30, 4e-5), (68, 20, 1 / 610), (500, 0.3, 1e-4), (1, 50, 1e-2)])
@@ -43,6 +43,6 @@ def test_a_long_quiet_start_does_not_hide_the_resonance():
 def test_records_that_share_a_clock_say_together_what_each_says_alone():
     records = [record(500.0, 30.0, 2.0, hz) for hz in (317.0, 480.0, 505.0, 530.0)]
     records = records[:2] + [replace(own, start="unknown") for own in records[2:]]
-    together = sums([make_piece(own) for own in records], 490.0, 25.0)
-    alone = [sums([make_piece(replace(own))], 490.0, 25.0) for own in records]
+    together = sums([stretch_of(own) for own in records], 490.0, 25.0)
+    alone = [sums([stretch_of(replace(own))], 490.0, 25.0) for own in records]
     np.testing.assert_allclose(together, np.sum(alone, axis=0), rtol=1e-10)

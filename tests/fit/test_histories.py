@@ -16,9 +16,9 @@ from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.drive import half_step_drive
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.diagnosis.bench import prepare
-from ident.diagnosis.histories import histories
-from ident.diagnosis.score import score
+from ident.diagnosis.linearised.histories import histories
+from ident.diagnosis.linearised.regression import prepare
+from ident.diagnosis.ranking.score import score
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.fit.rebuild import fit_at
@@ -133,11 +133,11 @@ def test_a_point_without_a_bound_has_no_history():
     rows[1, 3] = np.inf
     changed[0, 1, 5] = np.nan
     record = SimpleNamespace(start="unknown")
-    bench = SimpleNamespace(
+    regression = SimpleNamespace(
         places=(slice(0, 40),), residual=np.ones(40), project=lambda x: x,
         fit=SimpleNamespace(campaign=SimpleNamespace(fitted=(record,))),
     )  # fmt: skip
-    found = histories(bench, changed, rows)  # type: ignore[arg-type]
+    found = histories(regression, changed, rows)  # type: ignore[arg-type]
     assert np.all(found.rows[0, 0] == 1.0) and np.all(found.rows[0, 1] == 0.0)
-    assert found.fitted(bench, rows[1:], slice(1, 2))[1] == 0.0  # type: ignore[arg-type]
-    assert np.all(np.isfinite(found.fitted(bench, rows[:1], slice(0, 1))[0]))  # type: ignore[arg-type]
+    assert found.fitted(regression, rows[1:], slice(1, 2))[1] == 0.0  # type: ignore[arg-type]
+    assert np.all(np.isfinite(found.fitted(regression, rows[:1], slice(0, 1))[0]))  # type: ignore[arg-type]

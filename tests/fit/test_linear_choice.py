@@ -13,8 +13,8 @@ from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.errors import UserError
 from ident.fit import fit
-from ident.fit.linear_choice import choose_linear
-from ident.fit.start_model import linear_choice, start_model
+from ident.fit.linear.choice import choose_linear
+from ident.fit.linear.start_model import linear_choice, start_model
 
 STEP, SIGMA, ONE = 0.01, 1e-3, Channel("V", 1.0)
 OMEGA = 2 * np.pi * 1.5

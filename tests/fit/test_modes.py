@@ -13,14 +13,14 @@ from scipy.signal import lsim
 from experiments.hidden_effects.generator import draw, write
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
+from ident.campaign.noise.recursive import recursive_filter
 from ident.campaign.read import read_campaign
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.campaign.recursive import recursive_filter
 from ident.errors import UserError
 from ident.fit import fit
-from ident.fit.pieces import oscillator_filter
-from ident.fit.start_model import linear_choice, start_model
-from ident.report.tables import record_sheet
+from ident.fit.linear.start_model import linear_choice, start_model
+from ident.fit.linear.stretches import oscillator_filter
+from ident.report.words.tables import record_sheet
 
 N, STEP, NOISE = 2000, 0.005, 0.005
 FOUR = ((4.9, 0.02, 0.5), (7.3, 0.02, 2.0), (9.1, 0.015, -1.2), (12.5, 0.015, 0.8))  # Hz, damping ratio, gain

@@ -10,15 +10,15 @@ import pytest
 from experiments.hidden_effects.campaigns import campaign_of, poor_case
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
-from ident.campaign.noise import NoiseFloor
+from ident.campaign.noise.floor import NoiseFloor
 from ident.campaign.period import find_period
 from ident.campaign.record import Channel, Trace
-from ident.diagnosis.change import add
+from ident.diagnosis.search.change import add
 from ident.effects.registry import built_in
 from ident.fit import fit
-from ident.fit.one_tone import hold_dragged, hold_quality
+from ident.fit.linear.one_tone import hold_dragged, hold_quality
 from ident.model import Model
-from ident.report.sentences import sentences
+from ident.report.words.sentences import sentences
 
 FREQUENCY, QUALITY, GAIN, STEP, SIGMA = 500.0, 40.0, 2e6, 2.5e-5, 1e-4
 

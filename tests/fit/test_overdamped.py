@@ -9,9 +9,9 @@ from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.fit import fit
-from ident.fit.guess import make_piece
-from ident.fit.linear_forms import FORMS
-from ident.fit.start_model import start_model
+from ident.fit.linear.forms import FORMS
+from ident.fit.linear.guess import stretch_of
+from ident.fit.linear.start_model import start_model
 
 RATE = 20.0
 
@@ -31,7 +31,7 @@ def test_the_slow_decay_is_kept_and_the_fast_one_stays_in_sight(frequency: float
     def rates(f: float, q: float) -> np.ndarray:
         return np.sort(-np.roots([1.0, 2 * np.pi * f / q, (2 * np.pi * f) ** 2]).real)
 
-    told = FORMS["overdamped"].told(np.array([frequency, quality]), [make_piece(slow_record(1))])
+    told = FORMS["overdamped"].told(np.array([frequency, quality]), [stretch_of(slow_record(1))])
     before, after = rates(frequency, quality), rates(*told)
     assert after[0] == pytest.approx(before[0], rel=1e-6)
     assert after[1] == pytest.approx(min(before[1], 3.0 * RATE), rel=1e-6)

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 import ident
 from ident.fit.start_score import mostly_starts
-from ident.report.sentences import sentences
+from ident.report.words.sentences import sentences
 
 W = 2 * np.pi * 180.0
 

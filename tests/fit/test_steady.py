@@ -16,7 +16,7 @@ from ident.fit import fit
 from ident.fit.profile import profile
 from ident.fit.rebuild import fit_at
 from ident.model import Model
-from ident.report.sentences import sentences
+from ident.report.words.sentences import sentences
 from tests.posterior.records import SIGMA, campaign, record
 
 SETTLED = 1000  # samples of the records of the posterior's tests after which 1e-7 of the switching-on is left

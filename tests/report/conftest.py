@@ -11,9 +11,9 @@ import pytest
 from ident.campaign import Campaign, Channel, NoiseFloor, Oscillator, Platform, Trace
 from ident.campaign.device import Device
 from ident.effects.registry import built_in
-from ident.fit.guess import DataScales
 from ident.fit.identifiability import Combination
 from ident.fit.judge import score_record
+from ident.fit.linear.guess import DataScales
 from ident.fit.result import Estimate, Fit, Solved, Start
 from ident.fit.uncertainty import Covariance, Linearisation
 from ident.model import Model

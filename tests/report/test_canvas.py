@@ -9,8 +9,8 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
-from ident.report.canvas import Canvas
-from ident.report.style import label, new_axes, new_figure, png
+from ident.report.figures.canvas import Canvas
+from ident.report.figures.style import label, new_axes, new_figure, png
 
 
 def _drawn(words: str, rotation: float = 0.0):

@@ -7,7 +7,7 @@ import numpy as np
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.fit.judge import score_record
-from ident.report.figures import record_figure
+from ident.report.figures.records import record_figure
 
 ONE = Channel("V", 1.0)
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ident.campaign import read_campaign
-from ident.report.dynamic_stiffness_figure import dynamic_stiffness_figure
+from ident.report.figures.dynamic_stiffness import dynamic_stiffness_figure
 
 DATA = Path(__file__).resolve().parents[2] / "data"
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ident.campaign.record import Channel, NoiseFloor, Sweep
-from ident.report.sweep_words import fit_free_words
+from ident.report.words.sweeps import fit_free_words
 
 OWN, RATE, RELATIVE = 2 * np.pi * 200.0, 25.0, 1e-3
 

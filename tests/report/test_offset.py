@@ -9,7 +9,7 @@ import pytest
 
 from ident.campaign import NoiseFloor
 from ident.posterior.offset import MEASURES, offsets
-from ident.report.offset_table import offset_sheet
+from ident.report.words.offsets import offset_sheet
 
 from .conftest import SIGMA, clean, sine_trace
 

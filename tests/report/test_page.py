@@ -12,11 +12,11 @@ import pytest
 
 from ident.campaign import Platform
 from ident.fit.judge import score_record
-from ident.report.figures import record_figure
+from ident.report.figures.picture import Picture
+from ident.report.figures.records import record_figure
+from ident.report.figures.style import envelope, png
 from ident.report.html import Section, write_report
-from ident.report.picture import Picture
-from ident.report.sheet import Column, Sheet
-from ident.report.style import envelope, png
+from ident.report.words.sheet import Column, Sheet
 
 from .conftest import clean, sine_trace
 

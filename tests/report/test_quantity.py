@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from ident.campaign import Oscillator, Platform
-from ident.report.quantity import display_unit, neat, show, significant
+from ident.report.words.quantity import display_unit, neat, show, significant
 from ident.units import find_unit
 
 PLATFORM, VOLTS = Platform(), Oscillator("V", "V")

@@ -9,19 +9,19 @@ import numpy as np
 import pytest
 
 from ident.campaign import NoiseFloor, Platform
-from ident.campaign.clipping import clipped_mask
+from ident.campaign.quality.clipping import clipped_mask
 from ident.fit.identifiability import Combination
 from ident.fit.result import Start
-from ident.report.drive_words import drive_words, only_frequency
-from ident.report.sentences import sentences, verdict
-from ident.report.tables import (
+from ident.report.words.drives import drive_words, only_frequency
+from ident.report.words.sentences import sentences, verdict
+from ident.report.words.tables import (
     combination_sentences,
     correlation_sentences,
     parameter_sheet,
     record_sheet,
     start_sentence,
 )  # fmt: skip
-from ident.report.terminal import fit_text
+from ident.report.words.terminal import fit_text
 
 
 def _said(fit) -> str:

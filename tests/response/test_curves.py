@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from ident.campaign.device import Oscillator
-from ident.campaign.jump import find_jump
+from ident.campaign.sweeps.jump import find_jump
 from ident.effects.registry import built_in
 from ident.model import Model
 from ident.response import Equation

@@ -12,12 +12,12 @@ from scipy.interpolate import CubicSpline
 
 from ident.campaign import read_campaign
 from ident.campaign.record import MEASURES
-from ident.diagnosis.bench import prepare
-from ident.diagnosis.score import score
+from ident.diagnosis.linearised.regression import prepare
+from ident.diagnosis.ranking.score import score
 from ident.effects.registry import built_in
 from ident.errors import UserError
 from ident.fit import fit
-from ident.fit.start_model import start_model
+from ident.fit.linear.start_model import start_model
 
 F0, Q, GAIN, K3, OFFSET = 12.0, 25.0, 40.0, 3e5, 0.3
 STEP, N = 1 / 600, 3000

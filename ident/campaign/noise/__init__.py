@@ -1,0 +1,1 @@
+"""The noise floor of a record, from the data alone."""

@@ -1,0 +1,232 @@
+"""Checks of the data alone. What makes a record unusable is a `UserError`; the rest is a sentence in the notes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from ident.errors import UserError
+from ident.units import format_quantity
+
+from ..device import Device, Oscillator
+from ..tables.table import Column
+from .clipping import CLIPPED, clipped_fraction
+
+_LASTS = 0.97  # of a free motion's first quarter in its last: its quality would be 77 times its periods
+MOST_JITTER = 0.2  # of an interval: what is sampled less evenly has no grid
+_STILL_UNIFORM = 0.01  # of an interval: a sine of 20 samples a period is then read 0.3 % wrong at most
+
+
+def uniform_time(column: Column, factor: float, notes: list[str]) -> np.ndarray:
+    """(n,) the uniform grid that the time column means, s; a `UserError` where it means none.
+
+    Printed times are rounded: deviations from a uniform grid that the printed digits explain are accepted.
+    """
+    printed = column.numbers()
+    n = len(printed)
+    if n < 20:
+        raise UserError(f"{n} samples are too few", where=column.file, do="a record needs at least 20 samples")
+    steps = np.diff(printed)
+    step = float(np.median(steps))
+    resolution = _resolution(column)
+    if not step > 0:
+        step = float((printed[-1] - printed[0]) / (n - 1))
+    index = np.arange(n)
+    if step > 0:
+        slope, origin = np.polyfit(index, printed - printed[0], 1)
+        origin += printed[0]
+        worst = float(np.max(np.abs(printed - (origin + slope * index))))
+    else:
+        slope, origin, worst = step, printed[0], math.inf
+    if slope > 0 and worst <= 0.75 * resolution:  # rounding in print, and nothing else
+        if worst > 0.05 * slope:
+            what = f"printed times are rounded by up to {worst / slope:.0%} of the sampling interval"
+            notes.append(f"{column.file}: {what}; a uniform grid is assumed.")
+        return factor * (origin + slope * index)
+    back = np.flatnonzero(steps <= 0)
+    if len(back):
+        row = int(back[0]) + 1
+        word = "repeats" if steps[back[0]] == 0 else "runs backwards"
+        more = f" (and {len(back) - 1} more times)" if len(back) > 1 else ""
+        do = (
+            "delete the repeated rows"
+            if word == "repeats"
+            else "sort the rows, or split the file where it starts again"
+        )
+        raise UserError(f"time {word}{more}", where=column.place(row), do=do)
+    gaps = np.flatnonzero(steps > 1.6 * step)
+    others = np.delete(steps, gaps)
+    if 0 < len(gaps) < 0.05 * n + 2 and np.max(np.abs(others - step)) < 0.3 * step + 2 * resolution:
+        row = int(gaps[0]) + 1
+        size = format_quantity(float(steps[gaps[0]]) * factor, "s")
+        more = f" (and {len(gaps) - 1} more)" if len(gaps) > 1 else ""
+        do = "give the parts before and after as two records, or resample"
+        raise UserError(
+            f"a gap of {size} in a record sampled every {step * factor:.6g} s{more}", where=column.place(row), do=do
+        )
+    jitter = worst / slope if slope > 0 else math.inf
+    if jitter > MOST_JITTER:
+        row = int(np.argmax(np.abs(printed - (origin + slope * index))))
+        do = "resample the record on uniform times (for example with scipy.interpolate.CubicSpline)"
+        what = f"sampling is not uniform: a sample is {jitter:.0%} of an interval off the uniform grid"
+        raise UserError(what, where=column.place(row), do=do)
+    if jitter > _STILL_UNIFORM:
+        notes.append(
+            f"{column.file}: the sampling times jitter by up to {jitter:.1%} of an interval; the signals are "
+            "interpolated on a uniform grid by a cubic spline through the samples."
+        )
+    return factor * (origin + slope * index)
+
+
+def on_grid(column: Column, factor: float, time: np.ndarray, *signals: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Signals (n,) that were sampled at the printed times, on the uniform grid `time` (n,) s that they mean.
+
+    Where print rounds the times more than the clock jitters, the samples are on the grid already.
+    """
+    printed = factor * column.numbers()
+    worst, still = float(np.max(np.abs(printed - time))), _STILL_UNIFORM * (time[1] - time[0])
+    if worst <= still or worst <= 0.75 * factor * _resolution(column):
+        return signals
+    from scipy.interpolate import CubicSpline  # here, because its import costs more than reading a campaign
+
+    inside = np.clip(time, printed[0], printed[-1])
+    return tuple(CubicSpline(printed, signal)(inside) for signal in signals)
+
+
+def _resolution(column: Column) -> float:
+    """What one unit in the last printed digit of the largest time is worth, in the unit of the file.
+
+    The longest number tells how many digits are printed; printers that drop trailing zeros hide it in the others.
+    """
+    cells = column.printed or column.cells
+    if isinstance(cells, np.ndarray):
+        return float(np.max(np.abs(cells))) * float(np.finfo(cells.dtype).eps) if cells.dtype.kind == "f" else 0.0
+    texts = [cell.strip().lower().partition("e")[0] for cell in cells[:: max(1, len(cells) // 500)]]
+    digits = max(len(text.strip("+-").replace(column.decimal, "").lstrip("0")) for text in texts)
+    largest = max(abs(float(cell.replace(",", "."))) for cell in (cells[0], cells[-1]))
+    return 10.0 ** (math.floor(math.log10(largest)) + 1 - max(digits, 1)) if largest > 0 else 0.0
+
+
+PLATFORM_RATE = 1e3  # Hz: two samples to a period of the nominal resonance; with fewer none of its motion is recorded
+PLATFORM_TRAVEL = 1e-3  # m, more than any micro platform moves: beyond it a unit is wrong, or the device is another
+
+
+def travel_of(response: np.ndarray) -> float:
+    """How far readings go from where they mostly are, in their unit."""
+    return float(np.max(np.abs(response - np.median(response))))
+
+
+_NO_PLATFORM = (
+    '; for a thing that is no platform write device = { kind = "oscillator", output = "m" } in a campaign.toml'
+)
+
+
+def check_plausible(
+    time: np.ndarray,
+    drive: np.ndarray,
+    response: np.ndarray,
+    columns: Mapping[str, Column],
+    device: Device,
+    notes: list[str],
+) -> None:
+    """Numbers that no platform can have are a slip of the unit."""
+    step = float(time[1] - time[0])
+    file = columns["response"].file
+    if isinstance(device, Oscillator):
+        return
+    size = travel_of(response)
+
+    def error(what: str, role: str, example: str, more: str = "") -> UserError:
+        where = f'{file}, column "{columns[role].header}"' if role in columns else file
+        do = f'correct its unit, in the header or with units = {{ {role} = "{example}" }}{more}'
+        return UserError(f"{what} cannot be right for a platform", where=where, do=do)
+
+    if size > PLATFORM_TRAVEL:
+        raise error(f"a displacement of {size:.3g} m", "response", "um", _NO_PLATFORM)
+    if 0 < size < 1e-12:
+        raise error(f"a displacement of only {size:.3g} m", "response", "um")
+    peak = float(np.max(np.abs(drive)))
+    if peak > 1e3:
+        raise error(f"a drive of {peak:.3g} V", "drive", "V")
+    if peak > 1.05 * device.max_voltage:
+        notes.append(f"{file}: the drive reaches {peak:.3g} V, more than the {device.max_voltage:g} V of the device.")
+    if 0 < peak < 1e-3:
+        notes.append(f"{file}: the drive is below {format_quantity(peak, 'V')}; is its unit right?")
+    if not 1e-9 < step < 1.0:
+        raise error(f"a sample every {step:.3g} s", "time", "ms")
+    if not 1e-7 < step < 1e-3:
+        what = (
+            f"a sampling rate of {format_quantity(1 / step, 'Hz')} is unusual for a platform that vibrates near 500 Hz"
+        )
+        notes.append(f"{file}: {what}; is the unit of time right?")
+
+
+def check_response(column: Column, response: np.ndarray, notes: list[str]) -> None:
+    """A response that never changes is unusable; one that clips is noted."""
+    if np.ptp(response) == 0:
+        do = "is this the right column, and was the sensor on?"
+        raise UserError("the response never changes", where=f'{column.file}, column "{column.header}"', do=do)
+    levels = len(np.unique(response))
+    if levels < 8:
+        notes.append(f"{column.file}: the response has only {levels} different values; its resolution limits the fit.")
+    clipped = clipped_fraction(response)
+    if clipped > 0:
+        what = f"{clipped:.1%} of the response sticks to its largest or smallest value; it seems clipped"
+        then = "those samples have no weight in a fit" if clipped > CLIPPED else "they are counted all the same"
+        notes.append(f"{column.file}: {what}; {then}.")
+
+
+def check_drive(
+    file: str, drive: np.ndarray, response: np.ndarray, start: str, notes: list[str], undriven: bool = False
+) -> None:
+    """A drive that never changes can only belong to a free decay; a start at rest begins quietly.
+
+    `undriven`: the record has no drive column, which has been said.
+    """
+    if np.ptp(drive) == 0:
+        if start in ("rest", "steady"):
+            what = f'the drive never changes, so nothing happens after start = "{start}"'
+            raise UserError(
+                what, where=file, do='name the right drive column, or write start = "unknown" for a free decay'
+            )
+        if not undriven:
+            notes.append(f"{file}: the drive is constant; the record is taken as a free decay.")
+        quarter = len(response) // 4
+        early, late = (float(np.std(part)) for part in (response[:quarter], response[-quarter:]))
+        if late > _LASTS * early:
+            notes.append(f"{file}: nothing drives it, and yet its motion does not die away; was the drive recorded?")
+    varying = response - np.mean(response)
+    copy = (drive - np.mean(drive)) * (np.std(response) / max(float(np.std(drive)), 1e-300))
+    if np.ptp(drive) > 0 and min(np.max(np.abs(varying - copy)), np.max(np.abs(varying + copy))) < 1e-6 * np.std(
+        response
+    ):
+        notes.append(f"{file}: drive and response are the same signal; was a column exported twice?")
+    if start == "rest":
+        first = abs(float(response[0] - np.median(response[:3])))
+        size = float(np.std(response))
+        offset = abs(float(np.mean(response[:2]) - np.mean(response)))
+        switched = abs(float(drive[0] - np.mean(drive))) > 0.5 * float(np.std(drive))  # a step moves the mean itself
+        if offset > 1.5 * size and first < size and not switched:
+            notes.append(
+                f'{file}: start = "rest", but the record does not begin near its mean; is it cut from a longer one?'
+            )
+
+
+def check_sampling(file: str, time: np.ndarray, drive: np.ndarray, period: float | None, notes: list[str]) -> None:
+    """Enough samples per period of the drive."""
+    from ..drive import drive_rate
+
+    if np.ptp(drive) == 0:
+        return
+    per_period = 2 * math.pi / drive_rate(drive, period)
+    if period is not None:
+        per_period = min(per_period, period)
+    if per_period < 3:
+        what = f"{per_period:.1f} samples per period of the drive are too few"
+        raise UserError(
+            what, where=file, do="record with at least 8, better 20, samples per period; or is the drive noise?"
+        )
+    if per_period < 8:
+        notes.append(f"{file}: only {per_period:.1f} samples per period of the drive; 20 or more are better.")

@@ -1,0 +1,103 @@
+"""Records that something is wrong with, as far as the data alone can tell: listed twice, clipped, outliers, drift."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from ..campaign import Campaign
+from ..record import Trace
+from .clipping import CLIPPED
+from .judge import judge
+
+Kind = Literal["delay", "gain", "sign", "time-scale", "wrong-record", "clipping", "spikes", "drift", "duplicate"]
+
+ALL = "all records"
+"""In place of a file: what is wrong in the same way with all of them."""
+_UNPLACED = (
+    "a lag that no record can place: of the trigger, a filter, the amplifier or the sensor? Correct the times if it "
+    "is the instrument's, or add drive-lag or sensor-lag"
+)
+
+ADVICE: dict[Kind, str] = {
+    "delay": "is its trigger that of the others? Correct the times, or leave the record out",
+    "gain": "was a range or a probe switched? Correct the unit or the column, or leave the record out",
+    "sign": "is a probe reversed? Turn the sign of the column, or leave the record out",
+    "time-scale": "is the unit of its time, or its sampling rate, right? Correct it, or leave the record out",
+    "wrong-record": "does this file belong to this drive, device and load? Find the right one, or leave the record out",
+    "clipping": "measure again, in a wider range if it left its range, or leave the record out",
+    "spikes": "what the neighbours say took their place; look at the sensor if there are many",
+    "drift": "let it settle, or take the drift out before; a model would need sensor-drift",
+    "duplicate": "list it once: twice makes error bars too small",
+}
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """A record that disagrees in a way that no device explains.
+
+    **Arguments:** `size` in `unit`; `probability` that the record is faulty; `says`: the finding in words, without the
+    name of the file; `first`: whether it explains more than any effect does, so that no physics is named before.
+    """
+
+    file: str
+    kind: Kind
+    size: float
+    unit: str
+    probability: float
+    says: str
+    first: bool = False
+
+    @property
+    def sentence(self) -> str:
+        """What is wrong and what to do."""
+        do = _UNPLACED if self.file == ALL else ADVICE[self.kind]
+        return f"{self.file}: {self.says} ({100 * self.probability:.0f} %): {do}."
+
+    def as_json(self) -> dict[str, Any]:
+        """As it stands in diagnosis.json under "records"."""
+        return {"file": self.file, "suspect": self.kind, "size": self.size, "unit": self.unit,
+                "probability": self.probability, "words": self.sentence}  # fmt: skip
+
+
+def suspects_by_data(campaign: Campaign) -> tuple[Suspect, ...]:
+    """What the records alone tell, without any model."""
+    found: list[Suspect] = []
+    traces = campaign.traces
+    begins = np.array([record.response[:_BEGIN] for record in traces])
+    for k, record in enumerate(traces):
+        near = np.flatnonzero(np.max(np.abs(begins[:k] - begins[k]), axis=1, initial=0.0) <= _allowed(record))
+        twin = next((traces[j] for j in near if _same(traces[j], record)), None)
+        if twin is not None:
+            says = f"the response is sample by sample that of {twin.name}"
+            found.append(Suspect(record.name, "duplicate", 1.0, "records", 1.0, says))
+        if record.stuck > CLIPPED:
+            says = f"{record.stuck:.1%} of the response sticks to a limit; those samples have no weight"
+            found.append(Suspect(record.name, "clipping", 100 * record.stuck, "%", 0.99, says))
+        if record.outliers:
+            count = len(record.outliers)
+            says = f"{count} sample{'s leave' if count > 1 else ' leaves'} the curve"
+            found.append(Suspect(record.name, "spikes", float(count), "samples", 0.99, says))
+        judged = judge(record)
+        if any("drifts" in remark for remark in judged.remarks):
+            share = 100 * abs(judged.drift) / judged.size
+            says = f"the mean moves by {share:.0f} % of the rms response"
+            found.append(Suspect(record.name, "drift", share, "% of rms", 0.5, says))
+    return tuple(found)
+
+
+_BEGIN = 8  # samples, which tell most records apart
+
+
+def _allowed(record: Trace) -> float:
+    """By how much samples of one and the same recording may differ: digits that were printed."""
+    return 1e-9 * float(np.std(record.response))
+
+
+def _same(one: Trace, other: Trace) -> bool:
+    """Whether two responses are one recording: noise never repeats."""
+    if len(one.response) != len(other.response):
+        return False
+    return float(np.max(np.abs(one.response - other.response))) <= _allowed(other)

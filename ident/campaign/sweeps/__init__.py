@@ -1,0 +1,1 @@
+"""Amplitude-frequency curves: read, brought into one form, judged."""

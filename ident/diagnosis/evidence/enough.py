@@ -1,0 +1,95 @@
+"""When is a model good enough, and when is a term more than a finer shape of another one?"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...fit import Fit
+from ...fit.carry_over import expected_error
+from ..linearised.regression import Regression
+from .criterion import Left, behind
+
+ANOTHER_LAW = 0.001  # of the first excess: structured misfit beyond which a name is in doubt; see `lacking`
+_SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
+_WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
+MOST_OF_IT = 0.5  # of what is left: a wrong noise floor leaves nothing that one effect explains to this degree
+_LEAST = 0.2  # of what is left: where every effect promises less, the library lacks the one that is missing
+SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
+_SAME_WHILE_LACKING = 0.02  # the same as long as ten times as much is unexplained
+_CONTRADICTED = 3.0  # times what is expected, an error held out that no wrong noise floor makes: those are within 2
+_FAR = 4.0  # χ² per sample, more than a wrong noise floor would make
+
+
+def adequate(regression: Regression, explained: float = 0.0) -> bool:
+    """Whether the error stands at the noise floor, within what is known of that floor.
+
+    What counts is the whitened error without mains hum and initial states: hum is no shortcoming of a model.
+    `explained`: share of what is left that one effect explains; a wrong floor would leave what none does.
+    """
+    return _at_floor(regression.chi2, regression, explained)
+
+
+def contradicted(fit: Fit) -> bool:
+    """Whether the held-out records clearly say otherwise of a model that stands at the noise floor on the fitted ones:
+    the error there is many noise floors and a good part of the signal, and what the parameters' errors can make of it
+    is not enough."""
+    held = fit.holdout
+    if held is None or held.error_over_noise < _CONTRADICTED * max(fit.fitted.error_over_noise, 1.0):
+        return False
+    if held.error_over_signal < _CONTRADICTED * fit.fitted.error_over_signal:
+        return False
+    return held.error_over_noise > _CONTRADICTED * expected_error(fit)
+
+
+def _at_floor(chi2: float, regression: Regression, explained: float = 0.0) -> bool:
+    doubt = float(
+        np.mean(
+            [r.noise.relative_error for r in (*regression.fit.campaign.fitted, *regression.fit.campaign.fitted_sweeps)]
+        )
+    )
+    allowed = 2 * min(doubt, 0.1) if explained < MOST_OF_IT else 0.0
+    return float(np.sqrt(chi2 / regression.n)) < 1.05 + allowed
+
+
+def worth_a_name(drop: float, first: Regression) -> bool:
+    """Whether a fall of χ² is more than laws of one kind differ by; `first`: the regression before any effect was
+    added.
+
+    No law has exactly the device's shape, so something always remains significant; to add it would name physics that
+    is not there.
+    """
+    return drop > _SHAPE * (first.chi2 - first.n)
+
+
+def not_worth_adding(regression: Regression, best: float, first: Regression) -> bool:
+    """Whether the best fall of χ², promised or reached, is little of what is left, or no more than a finer shape of
+    what was found where the model is adequate without it."""
+    share = best / regression.to_explain
+    if first in (regression, regression.instead_of):
+        return share < _LEAST and regression.chi2 > _FAR * regression.n
+    if worth_a_name(best, first):
+        return share < _LEAST
+    return share < _WORTH or adequate(regression, explained=share)
+
+
+def laws_differ_by(regression: Regression, left: float) -> float:
+    """Fall of χ² that a law may owe to having more shapes to bend than a simpler one; `regression`: of the model
+    without either, `left`: χ² with the better of them.
+
+    No library law has exactly the shape of the device's. But the simpler may win only by as much as the better one
+    itself still lacks; where most of the misfit is still to be explained by further effects, a rival bends to mimic
+    some of them, and more is allowed for.
+    """
+    excess, lacks = min(regression.chi2 - regression.n, regression.excess), left - regression.n
+    return max(min(SAME_SHAPE * excess, lacks), min(_SAME_WHILE_LACKING * excess, 0.1 * lacks))
+
+
+def superfluous(without: Regression, with_it: Regression, first: Regression) -> bool:
+    """Whether a model does as well without a term: by the information criterion, or at the noise floor and nearly.
+
+    At the floor is what the refit has reached, not what its parameters could still absorb: a limit may stop them.
+    """
+    loss = without.chi2 - with_it.chi2
+    at_floor = _at_floor(without.fit_chi2, without)
+    fair = behind(Left(without.residual, without.fit.freedom), Left(with_it.residual, with_it.fit.freedom))
+    return fair < 0 or (at_floor and not worth_a_name(loss, first))

@@ -1,0 +1,1 @@
+"""Records that disagree with the others in a way that no device explains."""

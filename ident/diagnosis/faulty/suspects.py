@@ -1,0 +1,294 @@
+"""Records that disagree with the others in a way that no device explains, found before any physics is named.
+
+That one record is faulty (`faults`) competes with every effect of the library in one evidence: a record is suspect if
+reading it as it should have been, with or without an effect, leaves clearly less than any effect does without that,
+and takes away most of what physics leaves. A missing effect spoils the agreement of all records instead, and no number
+of one record takes it away. Held-out records are judged by what the fitted ones then tell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from ...campaign.quality.suspect import ALL, Suspect, suspects_by_data
+from ...campaign.record import Trace
+from ...fit import Fit, fit
+from ...fit.reading import read
+from ...model import QUALITY, Model
+from ..evidence.criterion import VERY_STRONG, Left, behind, criteria
+from ..evidence.enough import ANOTHER_LAW, MOST_OF_IT
+from ..linearised.regression import Regression, prepare
+from ..linearised.shorten import is_long
+from ..linearised.trajectory import Diverged
+from ..ranking.look import Look, first_look
+from .faults import (
+    OF_FREQUENCY,
+    Fault,
+    common_delay,
+    explanations,
+    faults_of,
+    likeliest,
+    own_device,
+    reach,
+    told_by_others,
+)
+from .nuisance import DROPPED, Nuisance, rms
+
+Report = Callable[[str], None]
+
+BY_OTHERS = ("delay", "gain", "sign", "time-scale", "wrong-record")
+"""Kinds of suspects that only other records tell. An effect may be mistaken for them: beside one no name is sure."""
+
+_FLOOR = 1.3  # error over noise up to which records agree; floors are known to some ten per cent
+_FAR = 3.0  # times worse than the others agree, from which on a record disagrees
+_BACK = 1.5  # times as bad as the others agree, up to which a corrected held-out record is one of them
+_MOST = 8  # records that may be faulty, the worst first
+_SURE, _LIKELY = 0.95, 0.9
+"""Of suspects that settle everything down to the noise, and of the others; see experiments/faulty_records."""
+
+
+def find_suspects(fitted: Fit, look: Callable[[], Look], report: Report = lambda _: None) -> tuple[Suspect, ...]:
+    """The suspect records of a fit's campaign: what the data alone tell, and what the records tell of one another;
+    `look`: what the library says of the fit, if it is asked."""
+    alone = suspects_by_data(fitted.campaign)
+    if not _disagree(fitted) or is_long(fitted.campaign):
+        return alone
+    report("do the records agree with one another?")
+    others = _by_others(fitted, look())
+    said = {(one.file, one.kind) for one in others}
+    return (*(one for one in alone if (one.file, one.kind) not in said), *others)
+
+
+@lru_cache(maxsize=8)  # the terminal and the page ask
+def alone_off(fitted: Fit) -> tuple[Suspect, ...]:
+    """The record that alone keeps a model from the noise, if reading it otherwise brings all of them there: what a fit
+    can say without asking what effects would do."""
+    if not _disagree(fitted) or len(fitted.campaign.fitted) < 3 or is_long(fitted.campaign):
+        return ()
+    traces = fitted.campaign.traces
+    errors = [score.error_over_noise for score in fitted.trace_scores]
+    off = [i for i, trace in enumerate(traces) if not trace.holdout and errors[i] > _FAR * _FLOOR]
+    if not off:
+        return ()
+    worst = max(off, key=errors.__getitem__)
+    off = off[:_MOST]
+    if reach(fitted, traces[worst], own_device(fitted, worst)) > _FLOOR:
+        off = [i for i in off if i == worst]  # without another record it would stay where it is
+    rests = {i: told_by_others(fitted, i) for i in off}
+    found = [
+        fault for i, rest in rests.items() if rest and rest.worst <= _FLOOR
+        for fault in faults_of(fitted, i, rest, _FLOOR)
+    ]  # fmt: skip
+    settled = [one for one in found if one.worst <= _FLOOR and _beyond_an_effect(one.told, fitted.values)]
+    if not settled:
+        return ()
+    best = min(settled, key=lambda one: rms(one.whole, 1.0))
+    assert best.record is not None
+    words = f"{_words(best.told, traces)}; so read, all records stand at their noise. `ident diagnose` weighs that "
+    words += "against effects"
+    told = best.told
+    return (Suspect(traces[best.record].name, told.kind, told.size, told.unit, _LIKELY, words),)
+
+
+def _disagree(fitted: Fit) -> bool:
+    errors = [score.error_over_noise for score in fitted.trace_scores]
+    return len(errors) > 1 and max(errors) > _FAR * _FLOOR
+
+
+def judged_again(suspects: tuple[Suspect, ...], final: Fit, report: Report) -> tuple[Suspect, ...]:
+    """The suspects beside the model that a walk has ended with: what looked so may have been the shape of what had
+    been missing, and what that hid may show now. What the data of a record alone tell stays."""
+    alone = tuple(one for one in suspects if one.kind not in BY_OTHERS)
+    names = {one.file for one in alone}
+    again = find_suspects(final, lambda: first_look(final, {}, lambda _: None), report)
+    return alone + tuple(one for one in again if one.file not in names)
+
+
+class _Explained(NamedTuple):
+    """What a model, with one effect more if that helps, says of records; `left` (n,) in white noise floors, `worst` the
+    error over noise of the worst record; `traces`: as the held-out ones among them are to be read."""
+
+    model: Model
+    values: np.ndarray
+    left: np.ndarray
+    numbers: int
+    worst: float
+    traces: Sequence[Trace] = ()
+
+    @property
+    def excess(self) -> float:
+        """χ² per sample above that of noise."""
+        return max(float(np.mean(self.left**2)) - 1.0, 1e-9)
+
+
+def _by_others(fitted: Fit, look: Look) -> list[Suspect]:
+    traces = fitted.campaign.traces
+    errors = [score.error_over_noise for score in fitted.trace_scores]
+    order = sorted(range(len(traces)), key=lambda i: -errors[i])
+    inside = [i for i in order if not traces[i].holdout and errors[i] > _FLOOR][:_MOST]
+    outside = [i for i in order if traces[i].holdout][:_MOST]
+    found: list[Suspect] = []
+    worst = max(errors[i] for i in order if not traces[i].holdout)
+    known = _Explained(fitted.model, fitted.values, _left(fitted), fitted.freedom, worst, traces)
+    if len(fitted.campaign.fitted) > 2 and known.excess > _FLOOR**2 - 1:
+        one = _most_likely(fitted, inside, look)
+        if one is not None:
+            suspect, known = one
+            found = [suspect]
+            traces = known.traces
+    return found + [s for i in outside if (s := _held_out(traces, known, i)) is not None]
+
+
+def _left(fitted: Fit) -> np.ndarray:
+    """What a fit leaves of its fitted records, in noise floors."""
+    residuals, tape = fitted.solved.found.residuals, fitted.solved.data.tape
+    parts = [residuals[own][r.counted] for r, own in zip(fitted.campaign.fitted, tape.slices, strict=True)]
+    return np.concatenate([*parts, residuals[tape.samples :]])
+
+
+def _most_likely(fitted: Fit, inside: Sequence[int], look: Look) -> tuple[Suspect, _Explained] | None:
+    """The fault that explains the records better than physics does, if one does."""
+    left, sound = _left(fitted), _with_physics(fitted, look)
+    if sound.worst <= _FLOOR:
+        return None  # so told all records agree
+    faults = likeliest(fitted, inside, lambda fault: _beyond_an_effect(fault.told, fitted.values))
+    if all(fault.worst > _FLOOR for fault in faults):
+        common = common_delay(fitted)
+        faults += [] if common is None else [common]
+    weights = criteria([Left(left, fitted.freedom), *(_beside(left, fault.whole, fault.numbers) for fault in faults)])
+    if not weights[0] - min(weights) > VERY_STRONG:
+        return None
+    best = faults[int(np.argmin(weights)) - 1]
+    scores = [s for s in fitted.trace_scores if not s.holdout]
+    own = fitted.trace_scores[best.record] if best.record is not None else fitted.fitted
+    shapes = ANOTHER_LAW * own.n / sum(s.n for s in scores) * max(own.error_over_noise**2 - 1.0, 1e-9)
+    if best.worst <= _FLOOR:
+        shapes = 0.0  # what brings all records to their noise is no law of another shape
+    if not sound.excess > shapes:
+        return None  # nothing is left to explain
+    read_so = fit(fitted.model, best.campaign, initial=best.values)
+    try:
+        faulty = _with_physics(read_so, first_look(read_so, look.library, look.report))
+    except Diverged:  # nor does it explain the motion
+        return None
+    faulty = faulty._replace(left=np.concatenate([faulty.left, best.apart]), numbers=faulty.numbers + 1)
+    if not _better(faulty, sound, shapes):
+        return None
+    if faulty.model.names != fitted.model.names:
+        instead = _instead(fitted, faulty, look)
+        sound = sound if instead is None or behind(sound, instead) < 0 else instead
+        if not _better(faulty, sound, shapes):
+            return None
+    campaign = best.campaign if best.record is None else fitted.campaign
+    return _suspect(fitted, best, sound, faulty), faulty._replace(traces=campaign.traces)
+
+
+def _better(faulty: _Explained, sound: _Explained, shapes: float) -> bool:
+    """Whether a fault is clearly the better answer, takes away most of what physics leaves, and more than `shapes`."""
+    weights = criteria([sound, _beside(sound.left, faulty.left, faulty.numbers)])
+    most = faulty.excess < MOST_OF_IT * sound.excess and sound.excess - faulty.excess > shapes
+    return most and weights[0] - weights[1] > VERY_STRONG
+
+
+def _beside(left: np.ndarray, other: np.ndarray, numbers: int) -> Left:
+    """What another hypothesis leaves, as of as many samples: where a fault is read, a few may not count."""
+    return Left(other * np.sqrt(len(left) / len(other)), numbers)
+
+
+def _with_physics(fitted: Fit, look: Look) -> _Explained:
+    """What the fit leaves, or the fit with the one effect that explains most of it."""
+    regression = look.regression.instead_of or look.regression
+    told = [(fitted.model, fitted.values, regression.left, fitted.freedom)]
+    if regression.chi2 > _FLOOR**2 * regression.n:
+        told += [(one.model, one.values, one.left, one.numbers) for one in look.tried if one.possible]
+    tried = [_explained(fitted, regression, *one) for one in told]
+    return tried[int(np.argmin(criteria(tried)))]
+
+
+def _instead(fitted: Fit, faulty: _Explained, look: Look) -> _Explained | None:
+    """An effect in the place of the fault, beside the effect that the fault was found with: of two that are missing
+    it may mimic one."""
+    look.report(f"an effect beside {faulty.model.names[-1]} in the place of a faulty record")
+    try:
+        one = fit(faulty.model, fitted.campaign, initial=faulty.values)
+        return _with_physics(one, Look(prepare(one), look.first, look.library, look.report))
+    except Diverged:
+        return None
+
+
+def _explained(
+    fitted: Fit, regression: Regression, model: Model, values: np.ndarray, left: np.ndarray, n: int
+) -> _Explained:
+    """A model by what it leaves of the samples that count."""
+    parts = [left[own] for own in regression.places]
+    counts = [r.counted[r.skip :] for r in fitted.campaign.fitted]
+    parts[: len(counts)] = [part[own] for part, own in zip(parts, counts, strict=False)]
+    return _Explained(model, values, np.concatenate(parts), n, max(rms(part, 1.0) for part in parts if len(part)))
+
+
+def _suspect(fitted: Fit, best: Fault, sound: _Explained, faulty: _Explained) -> Suspect:
+    told, traces = best.told, fitted.campaign.traces
+    name = ALL if best.record is None else traces[best.record].name
+    words = f"{_words(told, traces)}; so read, the error over noise of all records falls from "
+    words += f"{rms(_left(fitted), 1.0):.3g} to {rms(faulty.left, 1.0):.3g}"
+    if sound.model.names != fitted.model.names:
+        words += f", with {sound.model.names[-1]} instead to {rms(sound.left, 1.0):.3g}"
+    if faulty.model.names != fitted.model.names:
+        words += f", with {faulty.model.names[-1]} in the model"
+    sure = _SURE if best.worst <= _FLOOR else _LIKELY
+    return Suspect(name, told.kind, told.size, told.unit, sure, words, first=True)
+
+
+def _beyond_an_effect(told: Nuisance, values: np.ndarray) -> bool:
+    """Whether a record differs by more than what a missing effect makes of it, the library's or not.
+
+    To a sine every nonlinear device is a linear one, of another frequency and quality at each level (N. Minorsky,
+    Nonlinear Oscillations, 1962, ch. 14): friction that shows in the weakest record alone makes another device of it.
+    A resonance that lies beside that of the others by more than half its width is beyond that.
+    """
+    half_width = 0.5 / max(float(values[QUALITY]), 1.0)
+    if told.kind == "time-scale":
+        return abs(told.size - 1) > half_width
+    return told.unit != OF_FREQUENCY or abs(told.size) > 100 * half_width
+
+
+def _held_out(traces: Sequence[Trace], known: _Explained, i: int) -> Suspect | None:
+    """What is wrong with a held-out record that is predicted far worse than the fitted ones agree, if one number tells
+    it."""
+    agree, record = max(1.0, rms(known.left, 1.0)), traces[i]
+    reading = read(known.model, known.values, [record])[0]
+    if not np.all(np.isfinite(reading)):
+        return None
+    before = rms((record.response - reading)[record.counted], record.noise.sigma)
+    if not before > _FAR * agree:
+        return None
+    told = next(iter(explanations(known.model, known.values, traces, i)), None)
+    if told is None or told.error > _BACK * agree or not _beyond_an_effect(told, known.values):
+        return None
+    words = f"{_words(told, traces)}; so read, it agrees with the others (error over noise {before:.3g} → "
+    words += f"{told.error:.3g}, theirs {agree:.3g})"
+    return Suspect(record.name, told.kind, told.size, told.unit, _SURE if agree <= _FLOOR else _LIKELY, words)
+
+
+def _words(one: Nuisance, traces: Sequence[Trace]) -> str:
+    size = f"{one.size:.3g}"
+    if one.unit == DROPPED:
+        return f"samples are missing: towards its end the response comes {abs(one.size):.3g} samples too early"
+    if one.kind == "wrong-record":
+        known = any(trace.name == one.unit for trace in traces)
+        return (
+            f"the response is that of {one.unit}" if known
+            else f"it belongs to another device or load, with a resonance {one.size:+.2g} % off, or its time runs "
+            f"{1 + one.size / 100:.3g} times as fast as it says"
+        )  # fmt: skip
+    return {
+        "delay": f"the response comes {abs(one.size):.3g} samples {'late' if one.size > 0 else 'early'}",
+        "gain": f"the response is {size} times what the others tell",
+        "sign": f"the response is inverted ({size} times what the others tell)",
+        "time-scale": f"its time runs {size} times as fast as it says, or its device is another or otherwise loaded",
+        "drift": f"the response drifts by {size} noise floors",
+    }[one.kind]

@@ -1,0 +1,363 @@
+"""What a small change of a model would add to the readings, evaluated along the trajectory that was measured.
+
+If the true motion is z and the model's is ẑ, their difference obeys the model's own linearised dynamics, driven by what
+the model lacks, evaluated on z. For a linear model this is exact however large the missing effect; the rows below are
+therefore good regressors for effects that no local expansion around the wrong model would describe.
+
+The terms of a model are one program for each model, and what answers to them is one for all.
+
+Source: C. R. Rao, Large sample tests of statistical hypotheses, 1948, Proc. Camb. Phil. Soc. 44 (score test); the
+evaluation on the measured motion follows S. F. Masri, T. K. Caughey, 1979, J. Appl. Mech. 46 (restoring force surface).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+
+from ...effects.effect import State
+from ...model import FREQUENCY, QUALITY
+from ...programs import program
+from ...response import Equation, Tape
+from ...response.lane import Numbers
+from ...response.memory import Seen, memory_along, shaping
+from ...response.system import Block, System, assemble
+from ...response.tape import BLOCK, BLOCKS, Chunk
+
+_COLUMNS = (4, 12, 36)  # solved together: three programs serve any number of them; 36 are those of a pair of splines
+_SETS = 4  # rows of terms are computed in multiples of this
+
+
+class Motion(NamedTuple):
+    """Displacement and velocity on the half-step grid as each block sees them, (BLOCKS, 2 BLOCK + 1), m and m/s."""
+
+    z: Numbers
+    v: Numbers
+
+
+class Dynamics(NamedTuple):
+    """A model linearised along a motion, per chunk.
+
+    **Arguments:** `mass`, (BLOCKS,) kg; `stiffness` and `damping`, (BLOCKS, 2 BLOCK + 1), −∂a/∂z and −∂a/∂v; `by_z`,
+    `by_v`: (BLOCKS, BLOCK) derivatives of the reading at the beginning of each step; `by_a`: (BLOCKS,) the same by the
+    acceleration that a push gives at once.
+    """
+
+    mass: Numbers
+    stiffness: Numbers
+    damping: Numbers
+    by_z: Numbers
+    by_v: Numbers
+    by_a: Numbers
+
+
+class Terms(NamedTuple):
+    """Which terms of an equation are asked for: those of its effects alone, or the `linear` ones too; `bent`: whether
+    what the effects remember changes too, which takes twice as long to follow."""
+
+    equation: Equation
+    linear: bool
+    bent: bool = True
+
+    @property
+    def fingerprint(self) -> str | None:
+        told = self.equation.fingerprint
+        return None if told is None else f"{told} {self.linear} {self.bent}"
+
+    def along(self, directions: np.ndarray) -> Terms:
+        """The same, `bent` if moving the parameters along directions (d, m) may change a memory."""
+        moves = zip(self.equation.model.parameters, np.any(directions != 0, axis=0), strict=True)
+        return self._replace(bent=_bend(self.equation, frozenset(p.name for p, own in moves if own)))
+
+    @property
+    def push(self) -> bool:
+        """Whether any of them is a force."""
+        return self.linear or any(e.overrides("force") or e.overrides("drive") for e in self.equation.model.effects)
+
+    @property
+    def show(self) -> bool:
+        """Whether any of them adds to the reading."""
+        return any(effect.overrides("sensor") for effect in self.equation.model.effects)
+
+
+@lru_cache(maxsize=512)  # what a memory depends on is found by trying
+def _bend(equation: Equation, moved: frozenset[str]) -> bool:
+    """Whether a memory may depend on any of the parameters that are moved."""
+    effects = equation.model.effects
+    remembering = [effect for effect in effects if effect.state0()]
+    forming = {f"{effect.name}.{name}" for effect in remembering for name in shaping(effect)}
+    free = {f"{effect.name}.{name}" for effect in effects for name in effect.values} - forming
+    return any(effect.needs or not moved <= free for effect in remembering)
+
+
+def contributions(
+    asked: Terms,
+    tape: Tape,
+    values: np.ndarray,
+    directions: np.ndarray,
+    moved: Sequence[Motion],
+    seen: Sequence[Motion],
+    histories: np.ndarray,
+) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """What the terms of a model change in the force on the stage and in the reading, along given motions; by chunks.
+
+    **Arguments:** `values` and `directions`, (d, m): at which parameter values, and along which direction, each row is
+    taken; `moved`, the motion of the stage, and what the sensor has `seen`, per chunk; `histories`, (d, records, h):
+    what came before each record added to the hidden states (`Equation.histories`).
+
+    **Returns:** forces (BLOCKS, 2 BLOCK + 1, d), N, and readings (BLOCKS, BLOCK, d), m, per unit of the direction;
+    empty where the model has none.
+    """
+    d = len(values)
+    more = -d % _SETS
+    values = np.concatenate([values, np.repeat(values[-1:], more, axis=0)])
+    directions = np.concatenate([directions, np.zeros((more, directions.shape[1]))])
+    histories = np.concatenate([histories, np.repeat(histories[-1:], more, axis=0)])
+    asked, equation, pasts = asked.along(directions), asked.equation, _by_block(tape, histories)
+    carry = tuple(
+        tuple((np.zeros((len(values), len(e.state0()))),) * 2 for e in equation.model.effects) for _ in range(2)
+    )
+    for chunk, path, own, past in zip(tape.chunks, moved, seen, pasts, strict=True):
+        carry, force, shown = terms(asked, equation.constants, values, directions, path, own, past, carry, chunk)
+        yield np.asarray(force)[..., :d], np.asarray(shown)[..., :d]
+
+
+def no_histories(equation: Equation, rows: int, tape: Tape) -> np.ndarray:
+    """Histories of records that begin with the drive, (rows, records, h)."""
+    return np.zeros((rows, len(tape.spans), len(equation.history_units)))
+
+
+def _by_block(tape: Tape, histories: np.ndarray) -> list[np.ndarray]:
+    """Histories (d, records, h) at the blocks of each record, (d, BLOCKS, h) a chunk."""
+    d, records, h = histories.shape
+    flat = np.moveaxis(histories, 1, 0).reshape(records, d * h)
+    return [np.moveaxis(part.reshape(BLOCKS, d, h), 1, 0) for part in tape.begun(flat)]
+
+
+@program
+def terms(
+    asked: Terms, constants: Numbers, values: Numbers, directions: Numbers, moved: Motion, seen: Motion, pasts: Numbers,
+    carry: tuple, chunk: Chunk,
+) -> tuple:  # fmt: skip
+    """One chunk of `contributions`; `pasts`: the histories of its blocks; `carry`: hidden states and their derivatives,
+    on the path of the stage and on what the sensor has seen, per effect."""
+    parts = asked.equation.histories
+
+    def remembered(values: Any, past: Any, hidden: tuple) -> tuple:
+        system = assemble(asked.equation, constants, values)
+        sides = zip((asked.push, asked.show), (moved, seen), hidden, strict=True)
+        found = [_memories(system, parts, motion, past, h, chunk) if own else (h, ()) for own, motion, h in sides]
+        return tuple(zip(*found, strict=True))
+
+    def acting(values: Any, paths: tuple) -> tuple:
+        system, force, shown = assemble(asked.equation, constants, values), jnp.zeros((0, 0)), jnp.zeros((0, 0))
+        if asked.push:
+            force = _at_points(_force, system, moved, paths[0], chunk, 1)
+        if asked.show:
+            shown = _at_points(_shown, system, seen, paths[1], chunk, 2)
+        return force, shown
+
+    def along(values: Any, direction: Any, past: Any, carry: tuple) -> tuple:
+        hidden, change = (tuple(tuple(pair[k] for pair in side) for side in carry) for k in range(2))
+        memory = lambda values, hidden: remembered(values, past, hidden)
+        if asked.bent:
+            (ends, paths), (dends, bends) = jax.jvp(memory, (values, hidden), (direction, change))
+            force, shown = jax.jvp(acting, (values, paths), (direction, bends))[1]
+        else:
+            (ends, paths), dends = memory(values, hidden), change
+            force, shown = jax.jvp(lambda values: acting(values, paths), (values,), (direction,))[1]
+        return tuple(tuple(zip(a, b, strict=True)) for a, b in zip(ends, dends, strict=True)), force, shown
+
+    return jax.vmap(along, out_axes=(0, -1, -1))(values, directions, pasts, carry)
+
+
+def _memories(
+    system: System, parts: tuple[slice, ...], motion: Motion, pasts: Any, hidden: tuple, chunk: Chunk
+) -> tuple[tuple, tuple]:
+    """Hidden states of each effect at the end of a chunk, (h,), and along a motion in it, (BLOCKS, h, points); `pasts`,
+    (BLOCKS, h), what the history of each block's record added to those with which it begins, by `parts`."""
+    points = 2 * BLOCK + 1
+    if not any(h.shape[0] for h in hidden):
+        return hidden, tuple(jnp.zeros((BLOCKS, 0, points)) for _ in hidden)
+
+    def one_block(k: Any, state: tuple) -> tuple:
+        hidden, paths = state
+        block = Block(*(field[k] for field in chunk[2:8]))
+        here = system.at(block)
+        ends, found = [], []
+        for effect, part, h, path in zip(here.effects, parts, hidden, paths, strict=True):
+            if not h.shape[0]:
+                ends.append(h)
+                found.append(path)
+                continue
+            seen = Seen(motion.z[k], motion.v[k], chunk.voltage[k], chunk.rate[k], block.times(points, 0.5),
+                        block.step, block.omega, here.gain, block.moving)  # fmt: skip
+            fresh = jnp.stack([jnp.asarray(x, float) for x in effect.begun(seen.first)])
+            fresh = fresh + pasts[k, part.start - 2 : part.stop - 2]
+            end, along = memory_along(effect, tuple(jnp.where(chunk.first[k] > 0, fresh, h)), seen)
+            ends.append(jnp.stack(end))
+            found.append(lax.dynamic_update_index_in_dim(path, jnp.stack(along), k, 0))
+        return tuple(ends), tuple(found)
+
+    nothing = 0.0 * system.gain
+    begin = tuple(jnp.zeros((BLOCKS, h.shape[0], points)) + nothing for h in hidden)
+    return lax.fori_loop(0, chunk.count, one_block, (hidden, begin))
+
+
+def _at_points(function: Any, system: System, motion: Motion, paths: tuple, chunk: Chunk, stride: int) -> Any:
+    """A function of state and drive at points of a chunk, (BLOCKS, …): of the half-step grid, or at the beginning of
+    each step if `stride` is 2."""
+    thin = lambda x: x[..., : 2 * BLOCK : 2] if stride == 2 else x
+
+    def one_block(block: Block, z: Any, v: Any, hidden: tuple, voltage: Any, rate: Any) -> Any:
+        here, time = system.at(block), block.times(2 * BLOCK + 1, 0.5)
+        one = lambda z, v, h, u, r, t: function(here, z, v, h, u, r, t)
+        axes = (0, 0, tuple(1 for _ in hidden), 0, 0, 0)
+        return jax.vmap(one, in_axes=axes)(*jax.tree.map(thin, (z, v, hidden, voltage, rate, time)))
+
+    blocks = Block(*chunk[2:8])
+    return jax.vmap(one_block)(blocks, motion.z, motion.v, paths, chunk.voltage, chunk.rate)
+
+
+def _force(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any) -> Any:
+    """Total force on the stage."""
+    drive = system.drive(u, r)
+    force = system.gain * u - system.damping * v - system.stiffness * z
+    for effect, h in zip(system.effects, hidden, strict=True):
+        if effect.overrides("force"):
+            force = force + effect.force(State(z, v, tuple(h)), drive, t)
+        if effect.overrides("drive"):
+            force = force + effect.drive(tuple(h), drive, t)
+    return force
+
+
+def _shown(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any) -> Any:
+    """What the sensor adds to what it reads of the motion."""
+    drive, shown = system.drive(u, r), 0.0 * z
+    for effect, h in zip(system.effects, hidden, strict=True):
+        if effect.overrides("sensor"):
+            shown = shown + effect.sensor(State(z, v, tuple(h)), drive, t)
+    return shown
+
+
+def linearised(
+    equation: Equation, tape: Tape, values: np.ndarray, moved: Sequence[Motion], histories: np.ndarray
+) -> tuple[Dynamics, ...]:
+    """A model linearised along a motion, hidden states held; per chunk. `histories`, (records, h)."""
+    acting = [e for e in equation.model.effects if e.overrides("force") or e.overrides("sensor")]
+    carry = tuple(np.zeros(len(effect.state0())) for effect in equation.model.effects)
+    found = []
+    for chunk, motion, past in zip(tape.chunks, moved, _by_block(tape, histories[None]), strict=True):
+        if acting:
+            carry, *parts = slopes(equation, equation.constants, values, motion, past[0], carry, chunk)
+        else:  # nothing to differentiate
+            parts = _linear(equation, values, chunk)
+        found.append(Dynamics(*parts))
+    return tuple(found)
+
+
+def _linear(equation: Equation, values: np.ndarray, chunk: Chunk) -> tuple[np.ndarray, ...]:
+    mass = equation.constants[0]
+    stiffness, damping = equation.model.spring_and_damper(float(values[FREQUENCY]), float(values[QUALITY]), mass)
+    whole = mass + np.asarray(chunk.load)
+    share, nothing = np.ones((BLOCKS, 2 * BLOCK + 1)) / whole[:, None], np.zeros((BLOCKS, BLOCK))
+    return (
+        whole,
+        stiffness * share,
+        damping * share,
+        *_of_motion(np.asarray(chunk.order), stiffness * share, damping * share, nothing, nothing),
+    )
+
+
+def _of_motion(order: Numbers, stiffness: Any, damping: Any, by_z: Any, by_v: Any) -> tuple[Any, Any, Any]:
+    """`Dynamics.by_z`, `by_v` and `by_a` of the displacement, velocity or acceleration, by `order`, that each block
+    reads; `by_z` and `by_v` are those of what its sensor adds."""
+    each = order[:, None]
+    thin = lambda grid: grid[:, : 2 * BLOCK : 2]
+    by_z = by_z + (each == 0) - (each == 2) * thin(stiffness)
+    by_v = by_v + (each == 1) - (each == 2) * thin(damping)
+    return by_z, by_v, 1.0 * (order == 2)
+
+
+@program
+def slopes(
+    equation: Equation, constants: Numbers, values: Numbers, motion: Motion, pasts: Numbers, carry: tuple, chunk: Chunk
+) -> tuple:
+    """One chunk of `linearised`: the carry, and what `Dynamics` holds."""
+    system = assemble(equation, constants, values)
+    carry, paths = _memories(system, equation.histories, motion, pasts, carry, chunk)
+
+    def by_state(function: Any) -> Any:
+        one = lambda system, z, v, h, u, r, t: jax.jacfwd(lambda a, b: function(system, a, b, h, u, r, t), (0, 1))(z, v)
+        return one
+
+    force = _at_points(by_state(_force), system, motion, paths, chunk, 1)
+    shown = _at_points(by_state(_shown), system, motion, paths, chunk, 2)
+    mass = constants[0] + chunk.load
+    stiffness, damping = (-slope / mass[:, None] for slope in force)
+    return (carry, mass, stiffness, damping, *_of_motion(chunk.order, stiffness, damping, *shown))
+
+
+def push_columns(tape: Tape, dynamics: Sequence[Dynamics], pushes: Sequence[np.ndarray]) -> np.ndarray:
+    """Change of the readings by given extra forces on the stage, through the model's dynamics linearised on the motion.
+
+    **Arguments:** `pushes`, per chunk (BLOCKS, 2 BLOCK + 1, d) N on the half-step grid.
+
+    **Returns:** (d, samples), m.
+    """
+    columns, count = [], pushes[0].shape[-1]
+    width = next((w for w in _COLUMNS if w >= count), _COLUMNS[-1])
+    for first in range(0, count, width):
+        carry, found = (np.zeros(width),) * 2, []
+        for chunk, along, push in zip(tape.chunks, dynamics, pushes, strict=True):
+            filled = part = push[..., first : first + width]
+            if part.shape[-1] < width:
+                filled = np.zeros((*part.shape[:-1], width))
+                filled[..., : part.shape[-1]] = part
+            carry, rows = answer(None, filled, along, carry, chunk.step, chunk.first, chunk.count)
+            found.append(rows)
+        columns.append(tape.at_samples(found))
+    return np.concatenate(columns)[:count]
+
+
+@program
+def answer(
+    _: None, pushes: Numbers, along: Dynamics, carry: tuple, steps: Numbers, first: Numbers, count: Numbers
+) -> tuple:
+    """One chunk of `push_columns`: a linear time-varying oscillator, at rest at the beginning of every record.
+
+    **Returns:** the carry (z, v), (d,) each; changes of the readings, (BLOCKS, BLOCK, d).
+    """
+
+    def one_block(k: Any, state: tuple) -> tuple:
+        z, v, out = state
+        z, v = (jnp.where(first[k] > 0, 0.0, x) for x in (z, v))
+        h = steps[k]
+        at_three = lambda grid: (grid[:-1:2], grid[1::2], grid[2::2])
+        inputs = (at_three(pushes[k] / along.mass[k]), at_three(along.stiffness[k]), at_three(along.damping[k]))
+
+        def step(y: tuple, x: Any) -> tuple:
+            ((p0, pm, p1), (k0, km, k1), (c0, cm, c1)), by_z, by_v = x
+            z, v = y
+            a1 = p0 - k0 * z - c0 * v
+            za, va = z + h / 2 * v, v + h / 2 * a1
+            a2 = pm - km * za - cm * va
+            zb, vb = z + h / 2 * va, v + h / 2 * a2
+            a3 = pm - km * zb - cm * vb
+            zc, vc = z + h * vb, v + h * a3
+            a4 = p1 - k1 * zc - c1 * vc
+            after = (z + h / 6 * (v + 2 * va + 2 * vb + vc), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4))
+            return after, by_z * z + by_v * v + along.by_a[k] * p0
+
+        (z, v), said = lax.scan(step, (z, v), (inputs, along.by_z[k], along.by_v[k]))
+        return z, v, lax.dynamic_update_index_in_dim(out, said, k, 0)
+
+    out = jnp.zeros((BLOCKS, BLOCK, pushes.shape[-1]))
+    z, v, out = lax.fori_loop(0, count, one_block, (*carry, out))
+    return (z, v), out

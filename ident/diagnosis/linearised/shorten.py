@@ -1,0 +1,110 @@
+"""Long records are ranked and confirmed on excerpts of themselves; the model at the end is fitted to all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...campaign.campaign import Campaign
+from ...campaign.record import Trace
+from ...fit import Fit, fit
+from ...fit.linear.guess import guess_linear
+from ...model import linear_part
+
+_MOST = 300_000  # solver steps of all fitted records together, with which a refit takes a minute at most
+_STEPS = 120  # of the solver per period of the resonance, as most laws with a kink or a loop take
+_KEPT = 9_000  # samples of longer ones: enough to name an effect, few enough to try several
+_BEFORE = 0.25  # of a stretch, simulated before it and not counted, to build up memory
+_QUIETER = 0.6  # a second stretch must move less than this, so that what grows with the amplitude shows
+_BLOCKS = 200  # of a record, to see where it moves
+_MOVES = 0.02  # of the liveliest block: below, the device rests
+_RESTS = 0.15  # of the samples kept are of the rest before the motion: it says what level the motion starts from
+
+
+def is_long(campaign: Campaign) -> bool:
+    """Whether the fitted records are too long to try several models on all of them.
+
+    What counts is what a law with a kink costs: few samples per period need many steps between them.
+    """
+    records = [record for record in campaign.fitted if not record.excerpt]
+    if sum(len(record.time) for record in records) * _STEPS < _MOST:
+        return False
+    resonance = guess_linear(campaign.fitted, linear_part(campaign.device).nominal_frequency).frequency
+    return sum(len(r.time) * max(1.0, _STEPS * resonance * r.step) for r in records) > _MOST
+
+
+def working(fitted: Fit) -> Fit:
+    """The model fitted to shortened records, from the fit's values, without the held-out ones; the fit itself if its
+    records are short."""
+    campaign = shortened(fitted.campaign)
+    return fitted if campaign is fitted.campaign else fit(fitted.model, campaign, initial=fitted.values)
+
+
+def shortened(campaign: Campaign) -> Campaign:
+    """Excerpts of the fitted records in the place of all records; the campaign itself if these are short."""
+    if not is_long(campaign):
+        return campaign
+    spans = [_moving(record) for record in campaign.fitted]
+    lengths = _shares([stop - first for first, stop in spans])
+    records = [
+        part
+        for record, span, length in zip(campaign.fitted, spans, lengths, strict=True)
+        for part in _excerpts(record, span, length)
+    ]
+    return replace(campaign, records=tuple(records))
+
+
+def _moving(record: Trace) -> tuple[int, int]:
+    """The stretch of the counted samples in which the device moves: a lab may wait long before it drives."""
+    counted = record.response[record.skip :]
+    size = max(len(counted) // _BLOCKS, 2)
+    moves = np.array([np.std(counted[i : i + size]) for i in range(0, len(counted) - size + 1, size)])
+    lively = np.flatnonzero(moves > _MOVES * moves.max())
+    return record.skip + int(lively[0]) * size, min(record.skip + (int(lively[-1]) + 1) * size, len(record.time))
+
+
+def _shares(lengths: Sequence[int]) -> list[int]:
+    """How many samples of each record are kept: short ones whole, the others as much as is left."""
+    kept, left = [0] * len(lengths), _KEPT
+    for done, i in enumerate(sorted(range(len(lengths)), key=lambda i: lengths[i])):
+        kept[i] = min(lengths[i], left // (len(lengths) - done))
+        left -= kept[i]
+    return kept
+
+
+def _excerpts(record: Trace, span: tuple[int, int], length: int) -> list[Trace]:
+    """The stretch that moves most; where the record has one that moves much less, that one too; the rest before."""
+    resting = min(int(_RESTS * length), span[0] - record.skip)
+    rest = [_part(record, span[0] - resting, resting)] if resting > 1 else []
+    length -= resting
+    whole, half = _sizes(record, span, length), _sizes(record, span, length // 2)
+    loudest = max(whole.values())
+    middle = min(half, key=lambda i: abs(half[i] / loudest - _QUIETER / 2))
+    if length == span[1] - span[0] or abs(half[middle] / loudest - _QUIETER / 2) > _QUIETER / 2:
+        return [*rest, _part(record, max(whole, key=lambda i: whole[i]), length)]
+    return [*rest, *(_part(record, i, length // 2) for i in (max(half, key=lambda i: half[i]), middle))]
+
+
+def _sizes(record: Trace, span: tuple[int, int], length: int) -> dict[int, float]:
+    """How much the response moves in stretches of a length, by their first sample."""
+    starts = range(span[0], span[1] - length + 1, max(length // 4, 1))
+    return {i: float(np.std(record.response[i : i + length])) for i in starts}
+
+
+def _part(record: Trace, first: int, length: int) -> Trace:
+    """A stretch of a record, and what leads up to it."""
+    before = min(first, int(_BEFORE * length))
+    part = slice(first - before, first + length)
+    start = record.start if part.start == 0 else "unknown"
+    return replace(
+        record,
+        time=record.time[part],
+        drive=record.drive[part],
+        response=record.response[part],
+        start=start,
+        skip=before,
+        period=None,
+        excerpt=True,
+    )

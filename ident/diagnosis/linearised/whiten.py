@@ -1,0 +1,84 @@
+"""Residuals and columns in units of white noise, record by record, with what is known to be a nuisance projected
+out."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import solve_toeplitz
+
+from ...campaign.noise.hum import MAINS, told_apart
+from ...campaign.noise.recursive import convolved, recursive_filter
+from ...campaign.record import Trace
+
+_ORDER = 12
+_DIED_OUT = 1e-12  # of an initial state's influence, before the first sample that counts
+
+
+class Whitening(NamedTuple):
+    """How one record is whitened: samples counted, prediction-error filter, scale, and local nuisance directions.
+
+    **Arguments:** `counted`: slice of the record; `filter`: (k,) FIR coefficients; `scale`: of the white noise, m;
+    `basis`: (n, q) orthonormal, already whitened: initial states and mains hum; `masked`: (n,), if there are such, the
+    samples that say nothing: their rows are zero.
+    """
+
+    counted: slice
+    filter: np.ndarray
+    scale: float
+    basis: np.ndarray
+    masked: np.ndarray | None = None
+
+
+def whitening_of(record: Trace, by_start: np.ndarray | None) -> Whitening:
+    """Whitening of one record by its noise floor; `by_start` (2, n) if its initial state is fitted."""
+    ar = np.asarray(record.noise.ar, float)
+    taps = np.concatenate([[1.0], -ar])
+    whitening = Whitening(
+        slice(record.skip, len(record.time)), taps, record.noise.sigma * _innovation(ar), np.zeros((0, 0))
+    )
+    if record.masked is not None:
+        whitening = whitening._replace(masked=record.masked[whitening.counted])
+    n, k = len(record.time), np.arange(len(record.time))
+    rate = 2 * np.pi / record.period if record.period is not None and 3 * record.period < n else None  # else no gaps
+    lines = told_apart([2 * np.pi * hz * record.step for hz in MAINS], rate, n - record.skip)
+    local = [f(line * k) for line in lines for f in (np.cos, np.sin)]
+    if by_start is not None:
+        seen = [(row, float(np.max(np.abs(row[whitening.counted])))) for row in by_start]
+        local += [row / size for row, size in seen if size > _DIED_OUT * float(np.max(np.abs(by_start)))]
+    whitened = _filter(whitening, np.reshape(local, (-1, n)))
+    u, s, _ = np.linalg.svd(whitened.T, full_matrices=False)
+    return whitening._replace(basis=u[:, s > 1e-6 * np.max(s, initial=0.0)])
+
+
+def whiten(whitening: Whitening, rows: np.ndarray) -> np.ndarray:
+    """Rows (k, samples) of the whole record in units of white noise, local nuisance removed; (k, counted)."""
+    white = _filter(whitening, rows)
+    return white - (white @ whitening.basis) @ whitening.basis.T
+
+
+def _filter(whitening: Whitening, rows: np.ndarray) -> np.ndarray:
+    rows = rows[:, whitening.counted]
+    white = (rows if len(whitening.filter) == 1 else convolved(whitening.filter, rows.T).T) / whitening.scale
+    return white if whitening.masked is None else np.where(whitening.masked, 0.0, white)
+
+
+def _innovation(ar: np.ndarray) -> float:
+    """Standard deviation of the white noise that drives an autoregression of unit variance."""
+    if not len(ar):
+        return 1.0
+    impulse = recursive_filter(np.ones(1), np.concatenate([[1.0], -ar]), np.eye(1, 20_000)[0])
+    return float(1.0 / np.linalg.norm(impulse))
+
+
+def prediction_filter(rows: np.ndarray) -> np.ndarray:
+    """Filter that whitens what it is given (Yule–Walker); rows (records, n) share one colour.
+
+    Source: P. J. Brockwell, R. A. Davis, Time Series: Theory and Methods, 1991, §8.1.
+    """
+    n = rows.shape[1]
+    lags = np.array([np.sum(rows[:, : n - k] * rows[:, k:]) for k in range(_ORDER + 1)])
+    lags = lags / lags[0] if lags[0] > 0 else np.eye(1, _ORDER + 1)[0]
+    lags[0] *= 1.0 + 1e-9
+    return np.concatenate([[1.0], -solve_toeplitz(lags[:-1], lags[1:])])

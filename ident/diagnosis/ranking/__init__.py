@@ -1,0 +1,1 @@
+"""Which effect is missing: every effect scored, the best of them refitted."""

@@ -1,0 +1,231 @@
+"""Confirming a candidate: the model with the effect is fitted in full simulation, from the size that the score
+predicts."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ...effects.dependence import depends_on
+from ...effects.effect import AbstractEffect
+from ...fit import Fit, fit
+from ...fit.fit import minimise
+from ...fit.linear.guess import DataScales
+from ...fit.linear.one_tone import gain_of
+from ...fit.rebuild import fit_at
+from ...model import QUALITY, Model, make_effect
+from ..linearised.regression import Regression
+from ..linearised.shorten import is_long
+from ..linearised.whiten import whiten
+from .score import Candidate
+from .splits import split_starts, takes_over
+
+
+class Confirmed(NamedTuple):
+    """A candidate after its refit.
+
+    **Arguments:** `model` and `values` (SI) of the refit; `chi2`: whitened, comparable with the regression's; `gain`:
+    share of the regression's excess over noise that it removed; `left` (n,): the whitened residual, and `numbers`, the
+    fitted parameters (see `evidence`); `possible`: whether the effect ended with a sign that it can have and a motion
+    that has a bound; `begun`: the initial states there, (records, s) SI, which samples alone do not always tell.
+    """
+
+    candidate: Candidate
+    model: Model
+    values: np.ndarray
+    chi2: float
+    gain: float
+    left: np.ndarray
+    numbers: int
+    possible: bool
+    begun: np.ndarray | None = None
+
+
+_MOST_STARTS = 6
+_SPRING = ("force", ("z",))  # what a law of the displacement alone depends on
+_ABSENT = 0.05  # of an effect's largest amplitude: a smaller one is as good as none
+_FAINT = 0.01  # of what the score predicts: nearly absent, so that the motion is the one without it
+_OFF_BOUND = 3.0
+_LEAVES = 1.2  # χ² per sample: a memory that leaves more may have started in the wrong place
+_RACE = 12  # steps of every start; the best one goes on
+_MOST_STEPS = 60  # a rival that needs more crawls along a valley and comes no nearer
+
+
+def confirm(
+    regression: Regression,
+    effect: type[AbstractEffect],
+    candidate: Candidate,
+    most: int = _MOST_STEPS,
+    base: np.ndarray | None = None,
+) -> Confirmed:
+    """Refit with the candidate on, in at most so many steps.
+
+    Its own shapes race from the best points of their grids, the best also with what it moves the other parameters to;
+    then those of effects accepted before from theirs, as a new term may free them. `base`: values of the other
+    parameters to start from, if not those of the regression's fit.
+    """
+    asked = (effect, *candidate.values.items(), most, None if base is None else tuple(base))
+    if asked not in regression.refitted:
+        regression.refitted[asked] = _refitted(regression, effect, candidate, most, base)
+    return regression.refitted[asked]
+
+
+def _refitted(
+    regression: Regression, effect: type[AbstractEffect], candidate: Candidate, most: int, base: np.ndarray | None
+) -> Confirmed:
+    """`confirm`, for the first time."""
+    before = regression.fit
+    model = with_effect(before, effect)
+    scored = [candidate, *(candidate._replace(values=values) for values in candidate.near)]
+    base = base_of(regression) if base is None else base
+    starts = [np.concatenate([base, start_of(model, one, before.scales)]) for one in scored]
+    if candidate.beside is not None:
+        starts.insert(1, np.concatenate([candidate.beside, start_of(model, candidate, before.scales)]))
+    own = _winner(model, before, starts)
+    found = weigh(regression, model, candidate, _winner(model, before, [own, *_reprofiled(model, own, before)]), most)
+    if np.isfinite(found.chi2):
+        if takes_over(model) and found.chi2 > _LEAVES * regression.n:
+            taken = split_starts(regression, model, base)
+            other = weigh(regression, model, candidate, _winner(model, before, taken), most) if taken else found
+            return min(found, other, key=lambda one: (not one.possible, one.chi2))
+        return found
+    # Damping of the wrong sign, as scores may predict it where little is known, has no motion to start from.
+    amplitudes = {p.name for p in model.effects[-1].declared() if p.kind == "amplitude"}
+    faint = {name: _FAINT * value for name, value in candidate.values.items() if name in amplitudes}
+    start = start_of(model, candidate._replace(values={**candidate.values, **faint}), before.scales)
+    return weigh(regression, model, candidate, np.concatenate([base, start]), most)
+
+
+def _winner(model: Model, before: Fit, starts: list[np.ndarray]) -> np.ndarray:
+    """Where the best of several starts is after a few steps; a single one as it is."""
+    if len(starts) == 1:
+        return starts[0]
+    return minimise(model, before.campaign, initial=starts[:_MOST_STARTS], most=_RACE, compared=True).values
+
+
+def with_effect(before: Fit, effect: type[AbstractEffect]) -> Model:
+    """The model of a fit with one effect more.
+
+    A quality factor that had to be held, for a steady sine does not determine it, is free beside the effect, as it is
+    in the scores: a wrong one would make another effect of it.
+    """
+    free = replace(before.model, undetermined=before.model.undetermined & {gain_of(before.model)})
+    return free + make_effect(before.campaign, effect.name, {effect.name: effect})
+
+
+def base_of(regression: Regression) -> np.ndarray:
+    """The values from which a refit starts: the fit's own, its quality factor off the bound to which it may have bent.
+
+    At a bound a parameter has no slope that could lead it back.
+    """
+    values = regression.fit.values.copy()
+    if "at-bound" in regression.fit.estimates[QUALITY].flags:
+        values[QUALITY] *= _OFF_BOUND
+    return values
+
+
+def weigh(regression: Regression, model: Model, candidate: Candidate, start: np.ndarray, most: int) -> Confirmed:
+    """Refit a model from a start, in at most so many steps, and weigh it against the regression's own.
+
+    Of the last effect's amplitudes with one sign those that end on the wrong side are held at zero and the rest is
+    refitted: a stop may stand on one side only. An effect of which nothing remains is impossible.
+    """
+    found = _weighed(regression, model, candidate, start, most)
+    if found.possible or not np.isfinite(found.chi2):
+        return found
+    one_sided = {f"{model.effects[-1].name}.{p.name}" for p in model.effects[-1].declared() if p.one_sided}
+    wrong = [i for i, p in enumerate(model.parameters) if p.name in one_sided and found.values[i] < 0]
+    if not 0 < len(wrong) < len(one_sided):
+        return found
+    bounded = replace(model, held=model.held | {model.parameters[i].name for i in wrong})
+    values = found.values.copy()
+    values[wrong] = 0.0
+    return _weighed(regression, bounded, candidate, values, most)
+
+
+def _weighed(regression: Regression, model: Model, candidate: Candidate, start: np.ndarray, most: int) -> Confirmed:
+    found = minimise(model, regression.fit.campaign, initial=start, most=most, compared=True)
+    readings = found.best.found.readings
+    rows = [
+        (record.response - readings[own])[None]
+        for record, own in zip(regression.fit.campaign.fitted, found.data.tape.slices, strict=True)
+    ]
+    with np.errstate(over="ignore", invalid="ignore"):  # a motion without bound
+        curves = found.best.found.residuals[found.data.tape.samples :]
+        left = np.concatenate(
+            [*(whiten(p, row)[0] for p, row in zip(regression.whitenings, rows, strict=True)), curves]
+        )
+        chi2 = float(left @ left)
+    gain = 1.0 - (chi2 - regression.n) / regression.excess
+    values = found.values
+    possible = np.isfinite(chi2) and is_possible(model, values, model.effects[-1], regression.fit.scales)
+    return Confirmed(
+        candidate, model, values, chi2, gain, left, len(found.static.free), bool(possible), found.best.found.starts
+    )
+
+
+def is_possible(model: Model, values: np.ndarray, effect: AbstractEffect, scales: DataScales) -> bool:
+    """Whether an effect of a model has signs that physics allows, and no value beyond its limits.
+
+    A side of a stop that is about absent may have either. So may both beside another law of the displacement alone,
+    whose curve they then bend; a friction that drives is impossible beside any.
+    """
+    own = dict(zip((p.name for p in model.parameters), values, strict=True))
+    for p in effect.declared():
+        if p.limits and not p.positive:  # of a positive one a fit keeps inside
+            share = own[f"{effect.name}.{p.name}"] / getattr(scales, p.scale)
+            if not p.limits[0] <= share <= p.limits[1]:
+                return False
+    sizes = [own[f"{effect.name}.{p.name}"] for p in effect.declared() if p.one_sided]
+    if not sizes or min(sizes) >= -_ABSENT * max(map(abs, sizes)):
+        return True
+    return depends_on(effect) == _SPRING and any(depends_on(e) == _SPRING for e in model.effects if e is not effect)
+
+
+def accept(confirmed: Confirmed, before: Fit) -> Fit:
+    """The confirmed model as a Fit with uncertainties.
+
+    The refit saw excerpts of long records; a few steps then lead near the minimum of all samples, and the walk ends
+    with a fit to all.
+    """
+    model, campaign, values = confirmed.model, before.campaign, confirmed.values
+    if not is_long(campaign):
+        return fit(model, campaign, initial=values, begun=confirmed.begun)
+    return fit_at(model, campaign, minimise(model, campaign, initial=values, most=_RACE).values)
+
+
+def start_of(model: Model, candidate: Candidate | None, scales: DataScales) -> np.ndarray:
+    """Parameters of the model's last effect as scored, or as declared if the score saw nothing; an amplitude that
+    cannot be negative starts small instead."""
+    effect = model.effects[-1]
+    declared = {p.name: p for p in effect.declared()}
+    known = {} if candidate is None else candidate.values
+    values = []
+    for p in effect.parameters:
+        value = known.get(p.name, p.default * getattr(scales, p.scale))
+        if declared[p.name].positive and value <= 0:
+            value = abs(candidate.errors.get(p.name, value)) if candidate is not None else 0.0
+            value = value or p.default or 1e-3
+        elif declared[p.name].one_sided:
+            value = max(value, 0.0)
+        values.append(value)
+    return np.array(values)
+
+
+def _reprofiled(model: Model, first: np.ndarray, before: Fit) -> list[np.ndarray]:
+    """Starts with the shapes of earlier effects at each point of their grids."""
+    starts = []
+    for i, p in enumerate(model.parameters[: len(before.values)]):
+        if p.kind == "shape" and p.fitted and len(p.grid) > 1:
+            for g in p.grid:
+                point = first.copy()
+                point[i] = g * getattr(before.scales, p.scale)
+                starts.append(point)
+    return (
+        starts
+        if len(starts) < _MOST_STARTS
+        else list(itertools.islice(starts, 0, None, len(starts) // _MOST_STARTS + 1))
+    )

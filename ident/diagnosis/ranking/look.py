@@ -1,0 +1,107 @@
+"""One look at a fit for what it lacks: every effect scored, the best of them refitted in full simulation.
+
+The search for faulty records and the walk ask the same of the first fit; it is answered once, and only if asked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ...effects.effect import AbstractEffect
+from ...fit import Fit
+from ...pulse import Report
+from ..evidence.criterion import VERY_STRONG
+from ..evidence.enough import worth_a_name
+from ..linearised.anchor import prepare_at_best
+from ..linearised.regression import Regression
+from .confirm import Confirmed, confirm
+from .refits import by_refits
+from .score import Candidate, score, significant
+
+Library = Mapping[str, type[AbstractEffect]]
+
+_SHORTLIST = 3  # twice as many if refits keep less than the scores promised
+BROKEN = 0.5  # of what the scores promised: if the refits of the shortlist keep less, refits rank the rest
+_BETRAYED = 0.1  # the same for any of them: then at once
+_NEAR = 0.1  # of the excess: candidates this near the best are confirmed too
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """What the library says of a fit; `regression`: of the fit, `first`: of the one that the walk began with."""
+
+    regression: Regression
+    first: Regression
+    library: Library
+    report: Report
+
+    @cached_property
+    def worth_it(self) -> bool:
+        """Whether scores can be believed, or as much is left as is worth refits instead: shapes are not."""
+        return self.regression.credible or worth_a_name(self.regression.chi2 - self.regression.n, self.first)
+
+    @cached_property
+    def candidates(self) -> list[Candidate]:
+        """Every effect that the model lacks, best first; by short refits where scores cannot be believed."""
+        self.report(f"scoring {len(self.library) - len(self.regression.fit.model.names)} effects")
+        scored = score(self.regression, self.library, self.report)
+        if self.regression.credible or not self.worth_it:
+            return scored
+        return by_refits(self.regression, scored, self.library, self.report)
+
+    @cached_property
+    def real(self) -> list[Candidate]:
+        """Those that chance would not produce."""
+        return significant(self.candidates)
+
+    @cached_property
+    def tried(self) -> list[Confirmed]:
+        """Refits of the candidates that may be the best, by their scores; by short refits where the scores broke their
+        word."""
+        regression, library, tried = self.regression, self.library, list[Confirmed]()
+        rest, believed = list(self.real), regression.credible
+        while rest and len(tried) < _SHORTLIST * 2 and self._may_be_best(rest[0], possible(self.real, tried), tried):
+            candidate = rest.pop(0)
+            self.report(f"confirming {candidate.name}")
+            tried.append(confirm(regression, library[candidate.name], candidate))
+            least = BROKEN if len(tried) == _SHORTLIST else _BETRAYED
+            broken = best_drop(tried, regression) < least * promised(self.real[0], regression)
+            if believed and len(tried) <= _SHORTLIST and broken:
+                believed, rest = False, by_refits(regression, rest, library, self.report)
+        return tried
+
+    def _may_be_best(self, candidate: Candidate, real: list[Candidate], tried: list[Confirmed]) -> bool:
+        """Whether a candidate is worth a refit: it promises nearly as much as the best one promised, or as refits
+        kept."""
+        regression = self.regression
+        here, kept = promised(candidate, regression), best_drop(tried, regression)
+        if len(tried) >= _SHORTLIST:
+            # Where short refits rank, what they reached is the least that a candidate gains, not the most.
+            return here > kept * (1.0 if regression.credible else BROKEN)
+        return here > min(promised(real[0], regression), kept) - max(_NEAR * regression.to_explain, VERY_STRONG)
+
+
+def first_look(start: Fit, library: Library, report: Report) -> Look:
+    """The look at the fit with which a walk begins."""
+    regression = prepare_at_best(start)
+    return Look(regression, regression.instead_of or regression, library, report)
+
+
+def possible(candidates: list[Candidate], tried: list[Confirmed]) -> list[Candidate]:
+    """The candidates without those whose refit ended in something that cannot be."""
+    impossible = {found.candidate.name for found in tried if not found.possible}
+    return [c for c in candidates if c.name not in impossible]
+
+
+def promised(candidate: Candidate, regression: Regression) -> float:
+    """The fall of χ² that a candidate promises, counted from the best fit as refits are."""
+    return candidate.drop if regression.instead_of is None else candidate.predicted_gain * regression.to_explain
+
+
+def best_drop(tried: list[Confirmed], regression: Regression) -> float:
+    """The most that a refit of a possible effect kept; what the best one promised, if there is none yet."""
+    return max((regression.best_chi2 - found.chi2 for found in tried if found.possible), default=np.inf)

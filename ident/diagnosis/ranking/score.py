@@ -1,0 +1,227 @@
+"""Which effect is missing: score statistics of every candidate, from the one definition of each effect.
+
+The residual of the fit is regressed on what each candidate would add to the readings, after everything that the model
+can already absorb (its parameters, initial states, mains hum) is projected out. Shapes are tried on their grids. The
+drop of χ² ranks the candidates; whether the best one is real is judged after whitening by the colour of what is left,
+so that coloured noise raises no alarm.
+
+Source: C. R. Rao, 1948, Proc. Camb. Phil. Soc. 44, 50; L. G. Godfrey, Misspecification Tests in Econometrics, 1988, §1.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ...campaign.device import Platform
+from ...effects.effect import AbstractEffect
+from ...model import Model, make_effect
+from ...pulse import Report
+from ...response import Equation
+from ..evidence.coloured_noise import chance
+from ..linearised.balance import Balanced, balanced, samples_of
+from ..linearised.basis import orthonormal
+from ..linearised.curve_columns import Moves, curve_columns
+from ..linearised.histories import begun_apart, histories
+from ..linearised.regression import Regression, stack
+from ..side_by_side import at_once
+
+
+class Candidate(NamedTuple):
+    """A possible missing effect.
+
+    **Arguments:**
+
+    - `drop`: predicted fall of χ²; `predicted_gain`: the same as a share of the excess over noise; `dof`: columns used.
+    - `p_value`: probability of such a fall by chance, coloured noise allowed for.
+    - `values`: estimated parameters by short name (SI), the shapes at their best grid point; `errors`: of the
+      amplitudes.
+    - `signature`: (dof, n) orthonormal projected columns, by which candidates are compared; `near`: `values` at the
+      next best points of the grid, and `near_signatures` there; `beside`: the model's own parameters with the candidate
+      at `values`.
+    """
+
+    name: str
+    drop: float
+    predicted_gain: float
+    dof: int
+    p_value: float
+    values: Mapping[str, float]
+    errors: Mapping[str, float]
+    units: Mapping[str, str]
+    signature: np.ndarray
+    near: tuple[Mapping[str, float], ...] = ()
+    near_signatures: tuple[np.ndarray, ...] = ()
+    beside: np.ndarray | None = None
+
+
+class _Point(NamedTuple):
+    """One point of an effect's grid: fall of χ², 0 if a sign cannot be (friction that drives); parameters; orthonormal
+    columns (n, q), and those that no history of the records could give; where its columns are among those of all
+    points; the model's own parameters beside it, if they were found on the way."""
+
+    drop: float
+    values: Mapping[str, float]
+    basis: np.ndarray
+    beyond: np.ndarray
+    rows: slice
+    beside: np.ndarray | None = None
+
+
+_NEAR_POINTS = 5  # of a grid, kept as starts: the best of them may lead into a local minimum
+
+
+def score(
+    regression: Regression, library: Mapping[str, type[AbstractEffect]], report: Report = lambda _: None
+) -> list[Candidate]:
+    """Every candidate of the library that the model does not have, best first; each is scored once on a regression."""
+    missing = [effect for effect in library.values() if effect.name not in regression.fit.model.names]
+    new = [effect for effect in missing if effect not in regression.scored]
+    regression.scored.update(
+        zip(new, at_once(lambda effect: _score_one(regression, effect), new, report, "scores"), strict=True)
+    )
+    found = [c for effect in missing if (c := regression.scored[effect]) is not None]
+    return sorted(found, key=lambda c: -(c.drop - c.dof * np.log(regression.n)))
+
+
+def _score_one(regression: Regression, effect: type[AbstractEffect]) -> Candidate | None:
+    if effect.platform_only and not isinstance(regression.fit.model.device, Platform):
+        return None
+    fitted = regression.fit
+    if effect.needs and effect.needs not in fitted.model.names:
+        return None
+    # The candidate alone (with the effect it builds on) pushes: the same program then serves every model and campaign.
+    own_effects = (*fitted.model.beneath(effect), make_effect(fitted.campaign, effect.name, {effect.name: effect}))
+    model = Model(fitted.model.device, own_effects, form=fitted.model.form)
+    instance = model.effects[-1]
+    own = [p.name for p in model.parameters[: len(model.parameters) - len(instance.parameters)]]
+    known = np.array([fitted.value(name) for name in own])
+    first = len(known)
+    amplitudes = [i for i, p in enumerate(instance.declared()) if p.kind == "amplitude" and (p.fitted or p.default)]
+    points = _grid(instance, regression)
+    values = np.array([np.concatenate([known, point]) for point in points for _ in amplitudes])
+    directions = np.array([np.eye(values.shape[1])[first + a] for _ in points for a in amplitudes])
+    moves, q = None, len(amplitudes)
+    if regression.plane is not None:
+        moves = curve_columns(regression.plane, Equation(model), values[::q], directions[:q])
+    raw = stack(regression, model, values, directions, moves=moves)
+    apart, begun = begun_apart(regression, model, len(values)), None
+    if apart is not None:
+        again, along = (np.tile(x, (len(apart), 1)) for x in (values, directions))
+        held = moves and moves.rows(np.tile(np.arange(len(values)), len(apart)))
+        changed = stack(regression, model, again, along, begun=apart.reshape(-1, *apart.shape[2:]), moves=held)
+        begun = histories(regression, changed.reshape(len(apart), *raw.shape), raw)
+    projected = regression.project(raw)
+    names = [p.name for p in instance.declared()]
+    one_sided = [p.name for p in instance.declared() if p.one_sided]
+    tried = []
+    for k, point in enumerate(points):
+        rows = slice(k * q, (k + 1) * q)
+        price, seen = 0.0, raw[rows].copy()
+        if begun is not None:
+            raw[rows], price = begun.fitted(regression, seen, rows)
+            projected[rows] = regression.project(raw[rows])
+        basis = orthonormal(projected[rows], raw[rows])
+        own = None if moves is None else moves.rows(rows)
+        if own is not None and (basis.shape[1] or np.any(own.bends)):
+            tried.append(_balanced_point(regression, instance, amplitudes, point, raw[rows], own, rows))
+            even = np.any(np.einsum("ddp->dp", own.bends), axis=1) & ~np.any(own.drives, axis=1)
+            if np.any(even) and not np.all(even):  # with the others it may be left at zero, where it has no slope
+                tried.append(_balanced_point(regression, instance, amplitudes, point, raw[rows], own, rows, even))
+        elif basis.shape[1]:
+            found = _estimate(regression, names, amplitudes, point, projected[rows])
+            sizes = [found[name] for name in one_sided]
+            impossible = regression.credible and max(sizes, default=0.0) <= 0 > min(sizes, default=0.0)
+            drop = 0.0 if impossible else max(float(np.sum((basis.T @ regression.residual) ** 2)) - price, 0.0)
+            size = np.array([found[names[a]] for a in amplitudes])
+            beyond = basis if begun is None else begun.beyond(regression, seen, size, rows)
+            tried.append(_Point(drop, found, basis, beyond, rows))
+    if not tried:
+        return None
+    best, *others = sorted(tried, key=lambda tried: -tried.drop)
+    beside = best.beside
+    if beside is None:
+        beside = regression.moved(np.array([best.values[names[a]] for a in amplitudes]) @ raw[best.rows])
+    rows = projected[best.rows]
+    lengths = np.maximum(np.linalg.norm(rows, axis=1), 1e-300)  # amplitudes differ in unit, and so by powers of ten
+    unit = rows / lengths[:, None]
+    spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv(unit @ unit.T, rcond=1e-10)), 0.0)) / lengths
+    errors = {names[a]: float(x) for a, x in zip(amplitudes, spread, strict=True)}
+    units = {p.name: p.unit for p in instance.declared()}
+    dof = best.basis.shape[1] + sum(p.kind == "shape" and p.fitted for p in instance.declared())
+    excess = max(regression.chi2 - regression.n, 1e-9)
+    p = chance(regression, best.beyond, dof) if best.drop > 0 and best.beyond.shape[1] else 1.0
+    near = others[: _NEAR_POINTS - 1]
+    return Candidate(
+        name=effect.name,
+        drop=best.drop,
+        predicted_gain=min(best.drop / excess, 1.0),
+        dof=dof,
+        p_value=p,
+        values=best.values,
+        errors=errors,
+        units=units,
+        signature=best.basis.T,
+        near=tuple(other.values for other in near),
+        near_signatures=tuple(other.basis.T for other in near),
+        beside=beside,
+    )
+
+
+def _balanced_point(
+    regression: Regression, effect: AbstractEffect, amplitudes: list[int], point: np.ndarray, raw: np.ndarray, moves:
+    Moves, rows: slice, some: np.ndarray | None = None,
+) -> _Point:  # fmt: skip
+    """One point of an effect's grid where there are sweeps: amplitudes, or `some` (q,) of them with the others at zero,
+    by the balance of the fundamental."""
+    if some is not None:
+        raw, moves = raw[some], moves.among(some)
+        amplitudes = [a for a, kept in zip(amplitudes, some, strict=True) if kept]
+    declared = effect.declared()
+    positive = np.array([declared[a].positive for a in amplitudes])
+    found: Balanced = balanced(regression, raw[:, : samples_of(regression)], moves, positive)
+    own = len(regression.directions)
+    values = {p.name: float(x) for p, x in zip(declared, point, strict=True)}
+    values |= {declared[a].name: float(x) for a, x in zip(amplitudes, found.step[own:], strict=True)}
+    sizes = [values[p.name] for p in declared if p.one_sided]
+    impossible = max(sizes, default=0.0) <= 0 > min(sizes, default=0.0)
+    drop = 0.0 if impossible else max(regression.chi2 - float(found.left @ found.left), 0.0)
+    explained = (regression.residual - found.left)[None]  # where the effect is small, its own projected column
+    basis = orthonormal(np.concatenate([explained, regression.project(found.slopes[own:])])[: len(raw)])
+    return _Point(drop, values, basis, basis, rows, regression.stepped(found.step[:own]))
+
+
+def _estimate(
+    regression: Regression, names: list[str], amplitudes: list[int], point: np.ndarray, rows: np.ndarray
+) -> dict[str, float]:
+    """Parameters of an effect at one point of its grid: the amplitudes by regression."""
+    lengths = np.maximum(np.linalg.norm(rows, axis=1), 1e-300)
+    size, _, _, _ = np.linalg.lstsq((rows / lengths[:, None]).T, regression.residual, rcond=1e-10)
+    size = size / lengths
+    found = dict(zip(names, (float(x) for x in point), strict=True))
+    return found | {names[a]: float(x) for a, x in zip(amplitudes, size, strict=True)}
+
+
+def _grid(effect: AbstractEffect, regression: Regression) -> list[np.ndarray]:
+    """Every combination of the shapes' grids, amplitudes at zero, SI."""
+    axes = []
+    for p in effect.declared():
+        if p.kind == "amplitude":
+            axes.append([0.0])
+        else:
+            told = regression.fit.campaign.settings.get(effect.name, {}).get(p.name)
+            grid = p.grid if p.fitted or len(p.grid) == 1 else (p.default,)
+            axes.append(
+                [float(told)]
+                if isinstance(told, float)
+                else [g * getattr(regression.fit.scales, p.scale) for g in grid]
+            )
+    return [np.array(point) for point in itertools.product(*axes)]
+
+
+def significant(candidates: Sequence[Candidate], alarms: float = 0.002) -> list[Candidate]:
+    """Those that chance would produce with at most the given probability, however many were tried (Bonferroni)."""
+    return [c for c in candidates if c.p_value * len(candidates) < alarms]

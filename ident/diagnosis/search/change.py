@@ -1,0 +1,95 @@
+"""One effect more, or one less: refits from a parent, and the entry of the lineage that says what came of it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...effects.effect import AbstractEffect
+from ...effects.registry import find, registry
+from ...fit import Fit, fit
+from ...fit.fit import minimise
+from ...fit.judge import Score
+from ...fit.rebuild import fit_at
+from ...fit.starts import starting_points
+from ...pulse import Report
+from ...threads import one_thread
+from ..linearised.regression import prepare
+from ..ranking.confirm import start_of, with_effect
+from ..ranking.score import score
+
+_FEW = 4  # steps after which the better of two starts is known
+ENOUGH = 25  # steps from the parent's values: a model that is as good without the effect, or with another, is near by
+
+
+@one_thread
+def add(parent: Fit, effect: str | type[AbstractEffect], report: Report = lambda _: None, others: int = 4) -> Fit:
+    """The parent's model with one effect more, fitted from the parent's values and the size that the score predicts,
+    and from so many `others` of its grids.
+
+    **Raises:** UserError if there is no such effect, the model has it, or it cannot act on this device.
+    """
+    effect = find(effect, registry(parent.campaign.effect_files)) if isinstance(effect, str) else effect
+    model = with_effect(parent, effect)
+    report(f"estimating {effect.name} along the measured motion")
+    found = score(prepare(parent), {effect.name: effect})
+    first = np.concatenate([parent.values, start_of(model, found[0] if found else None, parent.scales)])
+    grid = starting_points(model, first, parent.scales, others)[1:]
+    return fit(model, parent.campaign, initial=[first, *grid], report=report)
+
+
+@one_thread
+def remove(parent: Fit, name: str, report: Report = lambda _: None) -> Fit:
+    """The parent's model without one effect, fitted from the parent's values."""
+    return fit(parent.model - name, parent.campaign, initial=values_without(parent, name), report=report)
+
+
+def try_without(parent: Fit, name: str, start: Fit) -> Fit:
+    """The same for a comparison only: a model that lacks what it needs would crawl for long, and no number of it is
+    reported.
+
+    `start`: the fit before any effect was added. An effect may have taken over the stiffness or the damping; from its
+    linear parameters the model finds back.
+    """
+    model, rest = parent.model - name, values_without(parent, name)
+    linear = sum(p.kind == "linear" for p in model.parameters)
+    starts = [rest, np.concatenate([start.values[:linear], rest[linear:]])]
+    race = minimise(model, parent.campaign, initial=starts, most=_FEW)
+    found = minimise(model, parent.campaign, initial=race.values, most=ENOUGH, compared=True)
+    return fit_at(model, parent.campaign, found.values)
+
+
+def values_without(parent: Fit, name: str) -> np.ndarray:
+    """Values of all parameters but those of one effect."""
+    return np.array([v for p, v in zip(parent.model.parameters, parent.values, strict=True) if p.effect != name])
+
+
+def lineage_entry(
+    before: Fit, after: Fit, parent: str, *, added: str | None = None, removed: str | None = None
+) -> dict:
+    """What lineage.json keeps of one step: what changed, the errors, and the parameters that moved with it."""
+    moved = {
+        e.name: {"before": e.value, "after": after.value(e.name), "unit": e.unit, "standard_error": e.standard_error}
+        for e in before.estimates
+        if e.fitted and e.name in {p.name for p in after.model.parameters}
+    }
+    return {
+        "parent": parent,
+        "added": added,
+        "removed": removed,
+        "effects": list(after.model.names),
+        "before": errors(before),
+        "after": errors(after),
+        "parameters": moved,
+    }
+
+
+def errors(fitted: Fit) -> dict[str, Any]:
+    """Error over noise, over the signal, and rms error (SI), on fitted and on held-out records."""
+    return {"fitted": _score(fitted.fitted), "holdout": _score(fitted.holdout)}
+
+
+def _score(found: Score | None) -> dict[str, float] | None:
+    names = ("rmse", "error_over_noise", "error_over_signal")
+    return None if found is None else {name: getattr(found, name) for name in names}

@@ -1,0 +1,168 @@
+"""Terms that a greedy walk picked up too early: taken out when later ones make them superfluous, or swapped."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from ...effects.effect import AbstractEffect
+from ...fit import Fit
+from ...fit.rebuild import fit_at
+from ..evidence.criterion import VERY_STRONG, behind, criteria, predicts_worse
+from ..evidence.enough import ANOTHER_LAW, SAME_SHAPE, laws_differ_by, superfluous
+from ..linearised.regression import Regression, prepare
+from ..linearised.shorten import working
+from ..linearised.trajectory import Diverged
+from ..ranking.confirm import accept, confirm, is_possible
+from ..ranking.score import Candidate, score, significant
+from .change import ENOUGH, try_without, values_without
+from .parts import Parts, take_apart
+
+Library = Mapping[str, type[AbstractEffect]]
+_MOST_CHANGES = 10  # each has to be for the better, but by two measures: criterion and held-out error
+_PROMISING = 0.5  # of what the score of the one in place promises: a rival that promises less is not tried
+_HURT = 1.02  # held-out error may grow by this factor before a term is refused
+
+
+class Pruned(NamedTuple):
+    """The effects that are needed, in order, and the fit with them; `alike`: where one and a few simpler ones do as
+    well."""
+
+    names: tuple[str, ...]
+    fit: Fit
+    alike: tuple[Parts, ...]
+
+
+def hurts(before: Fit, after: Fit) -> bool:
+    """Whether held-out records are predicted worse, by more than laws of one kind and chance make of them."""
+    if before.holdout is None or after.holdout is None:
+        return False
+    if after.holdout.error_over_noise <= _HURT * before.holdout.error_over_noise:
+        return False
+    return _worse_in_each(before, after) and predicts_worse(before, after)
+
+
+def _worse_in_each(before: Fit, after: Fit) -> bool:
+    """Whether held-out records are predicted worse where each counts by its own error, whatever its noise floor: far
+    above the floors the record with the lowest would else decide alone, and outvote another that became ten times
+    better."""
+    pairs = [(a, b) for a, b in zip(before.scores, after.scores, strict=True) if a.holdout]
+    growth = [np.log(max(b.error_over_noise, 1.0) / max(a.error_over_noise, 1.0)) for a, b in pairs]
+    return bool(np.average(growth, weights=[a.n for a, _ in pairs]) > np.log(_HURT))
+
+
+def confirmed(before: Fit, after: Fit) -> bool:
+    """Whether held-out records are predicted better, or there are none."""
+    if before.holdout is None or after.holdout is None:
+        return True
+    return after.holdout.error_over_noise < before.holdout.error_over_noise
+
+
+def _hurts_more(before: Fit, after: Fit) -> bool:
+    """Whether held-out records lose more by another law than the fitted ones gain.
+
+    Beside an effect that is not sure yet, held-out error tells about that one's parameters rather than about the law.
+    """
+    if before.holdout is None or after.holdout is None or not hurts(before, after):
+        return False
+    return after.holdout.chi2 - before.holdout.chi2 > before.fitted.chi2 - after.fitted.chi2
+
+
+def _still_possible(after: Fit, before: Fit) -> bool:
+    """Whether the effects that were possible before a change are so after it: a stop may have bent what is gone."""
+    possible = lambda fit, effect: is_possible(fit.model, fit.values, effect, fit.scales)
+    able = {e.name for e in before.model.effects if possible(before, e)}
+    return all(possible(after, e) for e in after.model.effects if e.name in able)
+
+
+def _rivals(name: str, regression: Regression, library: Library) -> list[Candidate]:
+    """Who may stand in an effect's place: whoever scores better, and the best of those that it is mistaken for."""
+    scored = significant(score(regression, library))
+    enough = _PROMISING * next((c.drop for c in scored if c.name == name), 0.0)
+    candidates = [c for c in scored if c.drop > enough]
+    better = [c for c in candidates[:1] if c.name != name]
+    alike = [c for c in candidates if c.name in library[name].mistaken_for and c.name not in {b.name for b in better}]
+    return [*better, *alike[:1]]
+
+
+def _replaced(
+    name: str, last: Fit, full: Regression, regression: Regression, library: Library
+) -> tuple[str, Fit] | None:
+    """A rival in an effect's place, with the fit, if the criterion clearly prefers it; between laws that the fitted
+    records do not tell apart, or by no more than a simpler one may lack in shape, the held-out ones decide.
+
+    `regression`: without the effect. Refits start from what its presence has made of the other parameters.
+    """
+    rivals, rest = _rivals(name, regression, library), values_without(last, name)
+    tried = [confirm(regression, library[rival.name], rival, ENOUGH, rest) for rival in rivals]
+    tried = [found for found in tried if found.possible]
+    if not tried:
+        return None
+    best = tried[int(np.argmin(criteria(tried)))]
+    # A refit counts all of its parameters: with only those that it needs it may yet be better.
+    perhaps = behind(best, full) < len(library[best.candidate.name].parameters) * np.log(full.n)
+    simpler = best.model.numbers < last.model.numbers
+    alike = best.chi2 - full.fit_chi2 < (SAME_SHAPE if simpler else ANOTHER_LAW) * regression.excess
+    if not (perhaps or (alike and last.holdout is not None)):
+        return None
+    after = accept(best, regression.fit)
+    # A part of it is the simpler answer; a law with more numbers may owe its lead to them.
+    margin = 0.0 if best.candidate.name in library[name].contains else VERY_STRONG
+    wider = best.model.numbers > last.model.numbers
+    there = prepare(after)
+    lead = full.fit_chi2 - there.fit_chi2
+    clearly = perhaps and behind(full, there) > margin and not (wider and lead < laws_differ_by(regression, best.chi2))
+    wins = (not _hurts_more(last, after) if clearly else alike and hurts(after, last)) and _still_possible(after, last)
+    return (best.candidate.name, after) if wins else None
+
+
+def prune(last: Fit, added: list[str], library: Library, first: Regression, report: Callable[[str], None]) -> Pruned:
+    """What is left of the added effects once each has been questioned.
+
+    `first`: the regression before any was added.
+    """
+    names, given, last = list(added), last, working(last)
+    as_given = Pruned(tuple(added), given, ())
+    for _ in range(_MOST_CHANGES):
+        # The rivals of a single effect were weighed when it was added.
+        change = _changed(names, last, library, first, report) if len(names) > 1 else None
+        if change is None:
+            break
+        names, last = change
+    compared = take_apart(last, names, library, first.fit, report)
+    alike = tuple(parts for parts in compared if parts.near)
+    for parts in compared:
+        if parts.better:
+            at = names.index(parts.whole)
+            names, last = [*names[:at], *parts.names, *names[at + 1 :]], parts.fit
+    if names == added:
+        return as_given._replace(alike=alike)
+    if last.campaign is given.campaign:
+        return Pruned(tuple(names), last, alike)
+    # Swaps were judged on excerpts, which hold nothing out.
+    on_all = fit_at(last.model, given.campaign, last.values)
+    return as_given if hurts(given, on_all) else Pruned(tuple(names), on_all, alike)
+
+
+def _changed(
+    names: list[str], last: Fit, library: Library, first: Regression, report: Callable[[str], None]
+) -> tuple[list[str], Fit] | None:
+    """The effects and the fit after the first change that is for the better; None if there is none."""
+    full = prepare(last)
+    for i, name in enumerate(names):
+        if last.model.carries(name):
+            continue
+        report(f"does the model still need {name}?")
+        without = try_without(last, name, first.fit)
+        try:
+            regression = prepare(without)
+            if superfluous(regression, full, first) and _still_possible(without, last):
+                return [*names[:i], *names[i + 1 :]], without
+            # Where scores cannot be believed, every effect has been refitted already.
+            if full.credible and (found := _replaced(name, last, full, regression, library)) is not None:
+                return [*names[:i], found[0], *names[i + 1 :]], found[1]
+        except Diverged:  # without it, or with another in its place, the motion has no bound
+            continue
+    return None

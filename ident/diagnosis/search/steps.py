@@ -1,0 +1,67 @@
+"""What a walk from a model to a better one has found: its steps, and the whole of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Literal, NamedTuple
+
+from ...fit import Fit
+from ..linearised.regression import Regression
+from ..ranking.score import Candidate
+from .parts import Parts
+
+Verdict = Literal["adequate", "identified", "ambiguous", "not-in-library"]
+
+
+class Step(NamedTuple):
+    """One addition: what, how much it was predicted and confirmed to gain, what it ties with, and the fit after it.
+
+    `reasons`: why it ties, in words; `tied`: the candidates that do, as scored on `regression`, the fit before;
+    `instead`: where an effect and a few simpler ones do as well; `partner`: the effect that was added with it, where
+    neither alone explains what both do together.
+    """
+
+    added: str
+    predicted_gain: float
+    confirmed_gain: float
+    tie_set: tuple[str, ...]
+    role: Literal["effect", "shape-refinement"]
+    fit: Fit
+    reasons: tuple[str, ...] = ()
+    tied: tuple[Candidate, ...] = ()
+    regression: Regression | None = None
+    instead: Parts | None = None
+    partner: str | None = None
+
+
+class Walked(NamedTuple):
+    """A walk so far: the fit it began with, its steps, and the gains of what the first of them had tried."""
+
+    start: Fit
+    steps: tuple[Step, ...] = ()
+    gains: Mapping[str, float] = MappingProxyType({})
+
+
+@dataclass(frozen=True, eq=False)
+class Discovery:
+    """The whole walk.
+
+    **Arguments:** `start`: the fit it began with; `steps`: in order; `ranking`: candidates at the start, best first,
+    and `confirmed`: gain of those that were refitted; `remaining`: significant candidates at the end; `regression`: of
+    the end; `lacking`: share of the first excess that the named effects leave although it has a structure.
+    """
+
+    verdict: Verdict
+    start: Fit
+    steps: tuple[Step, ...]
+    ranking: tuple[Candidate, ...]
+    confirmed: Mapping[str, float]
+    remaining: tuple[Candidate, ...]
+    regression: Regression
+    lacking: float = 0.0
+
+    @property
+    def final(self) -> Fit:
+        return self.steps[-1].fit if self.steps else self.start

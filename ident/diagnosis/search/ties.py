@@ -1,0 +1,185 @@
+"""What the missing effect could be mistaken for: the names between which these records do not choose."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import chdtrc  # not `scipy.stats`, whose import takes half a second
+
+from ...campaign.device import Platform
+from ...effects.effect import AbstractEffect
+from ...fit.linear.independent import independent_samples
+from ..evidence.criterion import VERY_STRONG
+from ..evidence.enough import ANOTHER_LAW
+from ..evidence.equivalences import equivalence, exact_partners, what_separates
+from ..linearised.regression import Regression
+from ..ranking.confirm import Confirmed
+from ..ranking.score import Candidate
+
+TIED_SIGNATURE = 0.99  # share of a signature that another effect reproduces, above which a refit has to decide
+KNOWN_SIGNATURE = 0.95  # the same for effects that are known to pass for one another
+AS_MUCH = 0.9  # of what the best one explains: an effect that explains less is no rival, however few samples there are
+EXACT_SIGNATURE = 0.9  # the same for effects that no record of a linear device tells apart
+_CHANCE = 0.05  # probability, below which the further numbers of a law that contains another say something
+
+Library = Mapping[str, type[AbstractEffect]]
+
+
+class Tie(NamedTuple):
+    """An effect that explains the misfit as well.
+
+    **Arguments:** `behind`: by how much its information criterion is worse than the best one's; `confusability`: share
+    of the best one's contribution that it reproduces, 0 to 1; `why`, `separate`: in words.
+    """
+
+    name: str
+    behind: float
+    confusability: float
+    why: str
+    separate: str
+
+
+class TieSet(NamedTuple):
+    """The best effect and those that these records do not tell from it, nearest first."""
+
+    best: str
+    ties: tuple[Tie, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return (self.best, *(tie.name for tie in self.ties))
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """One sentence per tie."""
+        return tuple(f"{self.best} or {t.name}: {t.why}; to tell them apart: {t.separate}" for t in self.ties)
+
+
+def tie_set(
+    regression: Regression,
+    best: Candidate,
+    candidates: Iterable[Candidate],
+    library: Library,
+    confirmed: Iterable[Confirmed] = (),
+) -> TieSet:
+    """The effects between which the records do not choose.
+
+    With χ² left after each, n effective samples and d parameters, effect j stays beside the best b while
+
+        n ln(χ²_j/χ²_b) + d_j − d_b < 10,
+
+    as long as it explains nearly as much, so that a misfit of the laws themselves widens the set. A parameter counts
+    what chance gives it, 1, and not the ln n that selects a model: an effect that explains the data with one number
+    more is still an explanation. Only a law that contains the best one as a part pays, where there are traces, the full
+    price for its other parts, and is that one itself where they take no more than chance. n counts the independent
+    samples in what the best one leaves. Refits replace predictions where there are any; where there are none, an effect
+    whose signature is nearly the same, or is known to pass for the other, stays in. Where noise is small against the
+    misfit, laws of one kind differ by more than noise: a refit within that stays in, unless it needs several numbers
+    more to come as close.
+
+    **Arguments:** `candidates`: as scored on the same regression; `confirmed`: refits of some of them.
+    """
+    refits = {c.candidate.name: c for c in confirmed}
+    n = independent_of(regression, best)
+    found = []
+    for other in candidates:
+        if other.name == best.name:
+            continue
+        both = best.name in refits and other.name in refits
+        chosen = refits if both else {}
+        least, left = left_after(regression, best, chosen), left_after(regression, other, chosen)
+        # Its further parts would show in traces; on curves a mean and overtones are not seen, and say nothing.
+        wider = best.name in library[other.name].contains and bool(regression.fit.campaign.fitted)
+        price = float(np.log(regression.n)) if wider else 1.0
+        behind = n * float(np.log(left / least)) + price * (other.dof - best.dof)
+        as_much = left - least < max(VERY_STRONG, (1.0 - AS_MUCH) * (regression.excess + regression.n - least))
+        alike = reproduced(regression, best, other)
+        enough = KNOWN_SIGNATURE if equivalence(best.name, other.name) else TIED_SIGNATURE
+        shape = ANOTHER_LAW * regression.excess
+        as_simple = both and refits[other.name].model.numbers <= refits[best.name].model.numbers + 1
+        near = as_simple and not wider and left - least < shape
+        unseen_yet = (
+            not both and regression.credible and not wider and alike > enough and _may_catch_up(library[other.name])
+        )
+        if wider and both and _is_itself(refits[best.name], refits[other.name], n):
+            continue
+        if (behind < VERY_STRONG and as_much) or near or unseen_yet:
+            found.append(_tie(best, other, behind, alike, library))
+    named = {tie.name for tie in found}
+    in_motion = all(record.start != "rest" for record in regression.fit.campaign.fitted)
+    exact = exact_partners(best.name, library, _is_linear(regression), in_motion)
+    for other in candidates:
+        similar = in_motion or reproduced(regression, best, other) > EXACT_SIGNATURE
+        if other.name in exact and other.name not in named and similar:
+            found.append(_tie(best, other, float("nan"), 1.0, library))
+    return TieSet(best.name, tuple(sorted(found, key=lambda t: (not np.isnan(t.behind), t.behind))))
+
+
+def _is_itself(part: Confirmed, whole: Confirmed, n: float) -> bool:
+    """Whether a law that contains another has become that one: what its further numbers take is no more than chance."""
+    more = whole.model.numbers - part.model.numbers
+    return bool(chdtrc(more, max(n * np.log(part.chi2 / whole.chi2), 0.0)) > _CHANCE)
+
+
+def left_after(regression: Regression, candidate: Candidate, refits: Mapping[str, Confirmed]) -> float:
+    """χ² left with the candidate: of its refit if there is one, else as predicted; where scores cannot be believed, by
+    a short refit, which is compared with the fit as it was."""
+    before = regression.chi2 if regression.credible else regression.best_chi2
+    chi2 = refits[candidate.name].chi2 if candidate.name in refits else before - candidate.drop
+    return max(chi2, 1e-6 * regression.n)
+
+
+def independent_of(regression: Regression, best: Candidate) -> float:
+    """Effective number of independent samples in what the best candidate leaves."""
+    return independent_samples(regression.residual - (best.signature @ regression.residual) @ best.signature)
+
+
+def reproduced(regression: Regression, best: Candidate, other: Candidate) -> float:
+    """Share of what the best candidate takes from the residual that the other's columns reproduce, 0 to 1."""
+    taken = (best.signature @ regression.residual) @ best.signature
+    power = float(taken @ taken)
+    return float(np.sum((other.signature @ taken) ** 2) / power) if power > 0 else 0.0
+
+
+def _may_catch_up(effect: type[AbstractEffect]) -> bool:
+    """Whether a refit can move a shape off the grid on which the effect was scored."""
+    return any(p.kind == "shape" and p.fitted for p in effect.parameters)
+
+
+def _is_linear(regression: Regression) -> bool:
+    return not regression.fit.model.effects
+
+
+def _tie(best: Candidate, other: Candidate, behind: float, alike: float, library: Library) -> Tie:
+    known = equivalence(best.name, other.name)
+    if known is not None:
+        why = known.why
+    elif behind >= VERY_STRONG:
+        why = f"it explains within {100 * ANOTHER_LAW:.2g} % as much, and laws of one kind differ by that"
+    elif alike > 0.95:
+        why = f"on these records it reproduces {100 * alike:.3g} % of the same trace"
+    else:
+        why = "it explains the misfit as well within the noise"
+    return Tie(other.name, behind, alike, why, what_separates(library[best.name], library[other.name]))
+
+
+class Unseen(NamedTuple):
+    """An effect of which these records say nothing, and why."""
+
+    name: str
+    why: str
+
+
+def unseen(regression: Regression, candidates: Sequence[Candidate], library: Library) -> tuple[Unseen, ...]:
+    """Effects that cannot be seen in these records: whatever they do, the model's own parameters absorb it."""
+    model = regression.fit.model
+    scored = {c.name for c in candidates} | set(model.names)
+    found = []
+    for effect in library.values():
+        absent = effect.platform_only and not isinstance(model.device, Platform)
+        if effect.name in scored or absent or (effect.needs and effect.needs not in model.names):
+            continue
+        found.append(Unseen(effect.name, "the model's own parameters absorb all that it adds to these records"))
+    return tuple(found)

@@ -1,0 +1,84 @@
+"""Adding two effects at once, where neither explains alone what both do together (see `pairs`)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ...effects.effect import AbstractEffect
+from ...fit import Fit
+from ..evidence.criterion import VERY_STRONG, Left, behind
+from ..evidence.enough import adequate, not_worth_adding, worth_a_name
+from ..linearised.regression import Regression, prepare
+from ..linearised.shorten import working
+from ..linearised.trajectory import Diverged
+from ..ranking.confirm import accept, confirm
+from ..ranking.pairs import best_pair
+from ..ranking.score import Candidate, score
+from .prune import hurts
+from .steps import Step
+
+
+def hidden_by_each_other(
+    regression: Regression, candidates: Sequence[Candidate], single: tuple[str, Regression] | None, first: Regression
+) -> tuple[str, str] | None:
+    """Names of two effects that by their scores explain clearly more than the best single one, and than any two of
+    which that is one: those the next step finds.
+
+    `single`: its name and the regression with it, if there is one; `first`: the regression before any effect was added.
+    """
+    pair = best_pair(regression, candidates) if regression.credible else None
+    if pair is None:
+        return None
+    drop = (
+        (regression.chi2 - float(pair.left @ pair.left))
+        / max(regression.chi2 - regression.n, 1e-9)
+        * regression.to_explain
+    )
+    if not_worth_adding(regression, drop, first) or not worth_a_name(drop, first):
+        return None
+    if single is not None:
+        name, left = single
+        with_it = best_pair(regression, candidates, name)
+        if adequate(left) or with_it is None or behind(pair, with_it) > -VERY_STRONG:
+            return None
+    return pair.names if behind(pair, _instead(regression, single and single[1])) < -VERY_STRONG else None
+
+
+def both(
+    current: Fit,
+    regression: Regression,
+    names: Sequence[str],
+    library: Mapping[str, type[AbstractEffect]],
+    single: Regression | None,
+) -> tuple[list[Step], Regression] | None:
+    """Steps that add the named effects whatever the first of them gains alone, and the regression after them; None if
+    their refits are not clearly better than the `single` one, or than the model as it is, or worse than either on
+    held-out records."""
+    steps, before, now = [], current, regression
+    try:
+        for name, partner in zip(names, reversed(names), strict=True):
+            candidate = score(now, {name: library[name]})[0]
+            found = confirm(now, library[name], candidate)
+            if not np.isfinite(found.chi2) or (name == names[-1] and not found.possible):
+                return None
+            before = accept(found, before)
+            # What either is mistaken for shows only once both are in: the walk asks it at its end.
+            alike = (name, partner)
+            steps.append(
+                Step(
+                    name, candidate.predicted_gain, found.gain, alike, "effect", before, regression=now, partner=partner
+                )
+            )
+            now = prepare(working(before))
+    except Diverged:
+        return None
+    better = behind(Left(now.residual, now.numbers), _instead(regression, single)) < -VERY_STRONG
+    rivals = (current,) if single is None else (current, single.fit)
+    return (steps, now) if better and not any(hurts(rival, before) for rival in rivals) else None
+
+
+def _instead(regression: Regression, single: Regression | None) -> Left:
+    there = single or regression
+    return Left(there.residual, there.numbers)

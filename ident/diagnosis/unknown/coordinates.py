@@ -1,0 +1,60 @@
+"""The coordinates along the fitted records, and what functions of them would add to the readings.
+
+Forces are evaluated where the stage was measured to be, sensor terms on the model's own motion (see `trajectory`): on
+the measured one their rows would also contain the very noise that they are to explain.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from ...effects.dependence import Side
+from ...model import FREQUENCY
+from ..linearised.columns import push_columns
+from ..linearised.regression import Regression, by_record
+from .splines import Places, Size, places, sizes
+
+
+class Stage(NamedTuple):
+    """The coordinates along the records: of the motion that was measured, for forces, and of the model's, for sensors.
+
+    **Arguments:** `force_unit` N and `sensor_unit` m, in which missing terms are counted.
+    """
+
+    moved: tuple[Places, ...]
+    modelled: tuple[Places, ...]
+    ranges: dict[str, Size]
+    force_unit: float
+    sensor_unit: float
+
+
+def set_stage(regression: Regression) -> Stage:
+    """The coordinates along all fitted records."""
+    trajectories, scales = regression.trajectories, regression.fit.scales
+    largest, lanes = (scales.displacement, scales.voltage), trajectories.tape.lanes
+    moved = places(lanes, trajectories.paths, [1] * len(lanes), scales.period, largest)
+    own = places(
+        lanes, trajectories.own, [2 * span.substeps for span in trajectories.tape.spans], scales.period, largest
+    )
+    linear, omega = regression.fit.model.linear, 2 * np.pi * float(regression.fit.values[FREQUENCY])
+    force_unit = linear.mass * omega**2 * scales.displacement
+    return Stage(moved, own, sizes(moved), force_unit, scales.displacement)
+
+
+def rows_of(regression: Regression, stage: Stage, side: Side, functions: Callable[[Places], np.ndarray]) -> np.ndarray:
+    """Whitened rows (k, n) of functions of the coordinates, not projected.
+
+    **Arguments:** `functions`: from the coordinates of a record to (k, 1, points), in units of `force_unit` (pushed
+    through the model's dynamics) or, for a sensor, of `sensor_unit` (added to the readings).
+    """
+    trajectories = regression.trajectories
+    if side == "sensor":
+        shown = np.concatenate([functions(place)[:, 0] for place in stage.modelled], axis=1)
+        return by_record(regression, stage.sensor_unit * shown)
+    grids = [stage.force_unit * functions(place)[:, 0].T for place in stage.moved]
+    return by_record(
+        regression, push_columns(trajectories.tape, trajectories.dynamics, trajectories.tape.windows(grids))
+    )

@@ -1,0 +1,157 @@
+"""What a missing effect looks like when no effect of the library is it: where it acts, on what it depends, its formula.
+
+Source: S. F. Masri, T. K. Caughey, 1979, J. Appl. Mech. 46, 433 (force surfaces, here in output-error form);
+M. C. Kennedy, A. O'Hagan, 2001, J. R. Stat. Soc. B 63, 425 (what a model lacks as a function of its inputs).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ...effects.dependence import Side
+from ...model import FREQUENCY, QUALITY
+from ..evidence.coloured_noise import chance_of
+from ..linearised.regression import Regression
+from ..linearised.whiten import whiten
+from .coordinates import Stage, rows_of, set_stage
+from .formula import Formula, dictionary, long_formula, write_formula
+from .picture import Picture, draw
+from .subsets import TRIED, Ranked, dimension, rank, regress, smallest_sufficient, spline_rows
+from .words import describe, noise_followed
+
+_LACKING = 0.1  # of what the splines leave: a formula that lacks no more says as much as the splines of all rivals
+_MOST_TERMS = 6
+# What a term of a formula counts, and that there is none, in coordinates, where several sets explain the same.
+_PER_TERM, _WORDLESS = 0.08, 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Unknown:
+    """The missing term, as far as these records show it.
+
+    **Arguments:**
+
+    - `side`: "force" on the stage, "drive" (through the actuator) or "sensor"; `coordinates`: of "z", "v", "V", "dV"
+      (V̇/ω, V), "t", "1" (a constant) and "history" (what came before of the coordinate named with it).
+    - `drop` of χ² by `dof` spline directions; `share` of the excess over noise explained; `chi2_before` and
+      `chi2_after` per sample; `p_value`: of such a fall by chance, coloured noise and the number of tries allowed for.
+    - `alike`: other sets that explain as much; `others`: the best of the rest.
+    - `picture`: the function with its error; `formula`: in at most three terms, None if no term helps; `written`: what
+      an effect file is written from, the formula if it says as much as the splines; None if no term says anything.
+    - `sentences`: all this in words.
+    """
+
+    side: Side
+    coordinates: tuple[str, ...]
+    drop: float
+    dof: int
+    share: float
+    chi2_before: float
+    chi2_after: float
+    p_value: float
+    alike: tuple[Ranked, ...]
+    others: tuple[Ranked, ...]
+    picture: Picture
+    formula: Formula | None
+    written: Formula | None
+    sentences: tuple[str, ...]
+
+    def as_json(self) -> dict[str, Any]:
+        """The entry `unknown` of diagnosis.json."""
+        alike = [{"side": r.side, "coordinates": list(r.coordinates), "share": r.share} for r in self.alike]
+        return {
+            "side": self.side,
+            "coordinates": list(self.coordinates),
+            "formula": self.formula.text if self.formula is not None else "",
+            "formula_explains": self.explained(self.formula),
+            "explains": self.share,
+            "p_value": self.p_value,
+            "alike": alike,
+            "sentences": list(self.sentences),
+        }
+
+    def explained(self, formula: Formula | None) -> float:
+        """Share of the excess over noise that a formula explains."""
+        return 0.0 if formula is None else (self.chi2_before - formula.chi2_per_sample) / (self.chi2_before - 1.0)
+
+
+def find_unknown(regression: Regression) -> Unknown:
+    """The smallest set of coordinates whose functions explain what the fit leaves, and what that function is.
+
+    The answer is meant for a misfit that no effect of the library explains; `p_value` says whether there is any.
+    """
+    stage = set_stage(regression)
+    ranked = rank(regression, stage)
+    enough = smallest_sufficient(ranked)
+    chosen, formula = _settle(regression, stage, enough)
+    side, coordinates = chosen.side, chosen.coordinates
+    rows = spline_rows(regression, stage, side, coordinates)
+    solved = regress(rows, regression.residual)
+    p = min(1.0, TRIED * chance_of(regression, rows.T @ solved.spread))
+    complete = formula is not None and formula.complete
+    written = formula if formula and complete else long_formula(regression, stage, side, coordinates, chosen.drop)
+    if formula is not None and (written is None or formula.drop >= written.drop):
+        written = formula
+    alike = tuple(r for r in enough if r is not chosen and dimension(r) <= dimension(chosen) + 0.5)
+    others = tuple(r for r in ranked if r not in enough and not set(coordinates) < set(r.coordinates))[:3]
+    picture = draw(regression, stage, side, coordinates, solved)
+    before = regression.chi2 / regression.n
+    found = Unknown(side, coordinates, chosen.drop, chosen.dof, chosen.share, before, chosen.chi2_per_sample, p, alike,
+                    others, picture, formula, written, ())  # fmt: skip
+    return replace(found, sentences=describe(found))
+
+
+def followed_noise(found: Unknown, kept: float) -> Unknown:
+    """What was estimated, with the word that its simulation keeps only a share `kept` of what it explains along the
+    measured motion: slow noise that no floor holds moves that too, and is then read as its own cause."""
+    return replace(found, sentences=(*found.sentences, noise_followed(kept)))
+
+
+def _settle(regression: Regression, stage: Stage, enough: Sequence[Ranked]) -> tuple[Ranked, Formula | None]:
+    """Of sets that explain the same, the one with the shortest formula: one coordinate's splines may mimic a memory."""
+    first = enough[0]
+    rivals = [r for r in enough[1:] if not set(first.coordinates) <= set(r.coordinates) or r.side != first.side]
+    rivals = [r for r in rivals if dimension(r) <= 2.0][:4]
+    weakest = min(r.drop - r.dof for r in (first, *rivals))
+    least = weakest - _LACKING * max(regression.chi2 - weakest, float(regression.n))
+    judged = []
+    for found in (first, *rivals):
+        words = dictionary(regression, stage, found.side, found.coordinates)
+        formula = write_formula(regression, stage, found.side, words, found.drop)
+        says_it = formula if formula and formula.drop >= least else None
+        if not says_it and len(enough) > 1:
+            longer = write_formula(regression, stage, found.side, words, found.drop, _MOST_TERMS - 1)
+            says_it = longer if longer and longer.drop >= least else None
+        terms = len(says_it.terms) if says_it else _MOST_TERMS
+        if says_it is not None and not _possible(regression, stage, says_it):
+            says_it = None
+        cost = dimension(found) + _PER_TERM * terms + _WORDLESS * (says_it is None)
+        judged.append((cost, found.criterion, found, formula))
+        if len(judged) == 1 and terms <= 2 and dimension(first) <= 1:
+            break
+    best = min(judged, key=lambda j: j[:2])
+    return best[2], best[3]
+
+
+def _possible(regression: Regression, stage: Stage, formula: Formula) -> bool:
+    """Whether the linear part that a formula goes with is one: a memory may ask for a damping below zero."""
+    if formula.side == "sensor":
+        return True
+    terms = lambda place: np.stack([term.value(place) for term in formula.terms])
+    by_terms = formula.coefficients @ (rows_of(regression, stage, "force", terms) / stage.force_unit)
+    velocity = stage.ranges["v"].largest
+    linear = lambda place: np.stack([place["z"] / stage.ranges["z"].largest, place["v"] / velocity,
+                                     place["V"] / stage.ranges["V"].largest])  # fmt: skip
+    known = rows_of(regression, stage, "force", linear)
+    trajectories = regression.trajectories
+    left = np.concatenate(
+        [whiten(p, r[None])[0] for p, r in zip(regression.whitenings, trajectories.residuals, strict=True)]
+    )
+    change = np.linalg.lstsq(known.T, left - by_terms, rcond=1e-10)[0][1] * stage.force_unit / velocity
+    model, values = regression.fit.model, regression.fit.values
+    _, damping = model.spring_and_damper(float(values[FREQUENCY]), float(values[QUALITY]), model.linear.mass)
+    return damping - change > 0.0

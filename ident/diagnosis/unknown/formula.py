@@ -1,0 +1,181 @@
+"""A short formula for what the splines have found, written in simple terms.
+
+Terms are added one by one, several beginnings side by side, while each removes a fair part of what remains.
+
+Source: D. A. Furnival, R. W. Wilson, 1974, Technometrics 16, 499 (best subsets of regressors); the weight of a term is
+that of G. Schwarz, 1978, Ann. Stat. 6, 461, with 2 ln K for the choice among K terms.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ...effects.dependence import Side
+from ..linearised.regression import Regression
+from .coordinates import Stage, rows_of
+from .subsets import regress
+from .terms import Term, monomial, number, paired, remembered, single, table
+
+_BEAM = 12  # beginnings followed side by side
+_NEW = 1e-3  # squared share of a term that the others must leave for it to be added
+_WORTH = 0.2  # part of the remaining excess that a further term must remove
+_SAME, _LITTLE = 0.01, 0.1  # of what splines explain, and of what they leave: a formula that lacks no more says as much
+_BARELY = 0.02  # of χ² per sample: formulas closer than that are equally good, and the plainest is taken
+_LONGEST = 8
+
+_Beginning = tuple[float, tuple[int, ...]]  # fall of χ², and the terms chosen
+
+
+class Formula(NamedTuple):
+    """A sum of terms.
+
+    **Arguments:** `coefficients` and standard `errors`, one per term, SI; `drop` of χ²; `chi2_per_sample` after;
+    `complete`: whether it explains nearly as much as the splines; `text`: "F = −3.1e9 z³".
+    """
+
+    side: Side
+    terms: tuple[Term, ...]
+    coefficients: np.ndarray
+    errors: np.ndarray
+    drop: float
+    chi2_per_sample: float
+    complete: bool
+    text: str
+
+
+class Dictionary(NamedTuple):
+    """Terms with their projected rows (k, n), each of raw length one, and those `lengths`."""
+
+    terms: tuple[Term, ...]
+    rows: np.ndarray
+    lengths: np.ndarray
+
+
+def dictionary(regression: Regression, stage: Stage, side: Side, coordinates: tuple[str, ...]) -> Dictionary:
+    """The simple terms of a set of coordinates that the model does not absorb."""
+    names = [name for name in coordinates if name not in ("1", "history")]
+    terms = [monomial([])]
+    for name in names:
+        terms += single(name, stage.ranges[name])
+    if "history" in coordinates:
+        terms += remembered(names[0], stage.ranges[names[0]], regression.fit.scales.period)
+    elif len(names) == 2:
+        terms += paired(names[0], names[1])
+    return _measured(regression, stage, side, terms)
+
+
+def _measured(regression: Regression, stage: Stage, side: Side, terms: Sequence[Term]) -> Dictionary:
+    raw = rows_of(regression, stage, side, lambda place: np.stack([term.value(place) for term in terms]))
+    lengths = np.linalg.norm(raw, axis=1)
+    rows = regression.project(raw / np.maximum(lengths, 1e-300)[:, None])
+    new = (np.sum(rows**2, axis=1) > _NEW) & (lengths > 0)
+    return Dictionary(tuple(t for t, keep in zip(terms, new, strict=True) if keep), rows[new], lengths[new])
+
+
+def write_formula(
+    regression: Regression, stage: Stage, side: Side, words: Dictionary, spline_drop: float, longest: int = 3
+) -> Formula | None:
+    """The shortest formula of at most `longest` terms that explains what the splines explain, or the best there is.
+
+    None if no term says anything.
+    """
+    if not words.terms:
+        return None
+    gram, along = words.rows @ words.rows.T, words.rows @ regression.residual
+    goal = _goal(regression, spline_drop)
+    beam: list[_Beginning] = [(0.0, ())]
+    found = beam
+    for _ in range(longest):  # two terms may only say something together, so none is refused before the end
+        beam = _extend(gram, along, beam)
+        if not beam:
+            break
+        if _worth(regression, found[0], beam[0], len(words.terms), longest):
+            found = beam
+        if found[0][0] >= goal:
+            break
+    beam = found
+    same = beam[0][0] - _BARELY * regression.n
+    numbers = lambda chosen: sum(words.terms[i].number is not None for i in chosen)
+    plainest = min((chosen for drop, chosen in beam if drop >= same), key=numbers)
+    return fitted(regression, stage, side, words, plainest, goal) if plainest else None
+
+
+def _goal(regression: Regression, spline_drop: float) -> float:
+    """The fall of χ² from which a formula says as much as the splines."""
+    left = max(regression.chi2 - spline_drop, float(regression.n))
+    return max((1 - _SAME) * spline_drop, spline_drop - _LITTLE * left)
+
+
+def _extend(gram: np.ndarray, along: np.ndarray, beam: list[_Beginning]) -> list[_Beginning]:
+    """The best formulas with one term more."""
+    found: dict[tuple[int, ...], float] = {}
+    for drop, chosen in beam:
+        picked = list(chosen)
+        solved = np.linalg.solve(gram[np.ix_(picked, picked)], gram[picked]) if picked else np.zeros((0, len(along)))
+        left = np.diag(gram) - np.sum(gram[picked] * solved, axis=0)
+        gain = (along - solved.T @ along[picked]) ** 2 / np.where(left > _NEW * np.diag(gram), left, np.inf)
+        for j in np.argsort(-gain)[:_BEAM]:
+            if gain[j] > 0:
+                found[tuple(sorted((*chosen, int(j))))] = drop + float(gain[j])
+    return sorted(((drop, chosen) for chosen, drop in found.items()), reverse=True)[:_BEAM]
+
+
+def _worth(regression: Regression, before: _Beginning, after: _Beginning, choices: int, longest: int) -> bool:
+    """Whether the terms that one formula has more than another remove enough."""
+    more, gain = len(after[1]) - len(before[1]), after[0] - before[0]
+    left = max(1.0, (regression.chi2 - after[0]) / regression.n)
+    price = (np.log(regression.n) + 2 * np.log(choices)) * left
+    part = _WORTH if longest <= 3 else 0.1 * _WORTH
+    return gain > more * price and gain > (1 - (1 - part) ** more) * (regression.chi2 - before[0] - regression.n)
+
+
+def fitted(
+    regression: Regression, stage: Stage, side: Side, words: Dictionary, chosen: Sequence[int], goal: float
+) -> Formula:
+    """The formula of given terms, by least squares."""
+    picked = list(chosen)
+    solved = regress(words.rows[picked], regression.residual)
+    after = (regression.chi2 - solved.drop) / regression.n
+    unit = stage.sensor_unit if side == "sensor" else stage.force_unit
+    scale = unit / words.lengths[picked]
+    errors = np.linalg.norm(solved.spread, axis=1) * np.sqrt(max(after, 1.0)) * scale
+    terms = tuple(words.terms[i] for i in picked)
+    coefficients = solved.coefficients * scale
+    text = _text(side, terms, coefficients)
+    return Formula(side, terms, coefficients, errors, solved.drop, after, solved.drop >= goal, text)
+
+
+def long_formula(
+    regression: Regression, stage: Stage, side: Side, coordinates: tuple[str, ...], spline_drop: float
+) -> Formula | None:
+    """What a file is written from where no short formula is enough: a table of one coordinate, else many terms.
+
+    None if no term says anything: beside a motion that forgets how it began, all that any force does looks the same.
+    """
+    words = dictionary(regression, stage, side, coordinates)
+    if len(coordinates) == 2 and "history" not in coordinates:
+        words = _measured(regression, stage, side, [*words.terms, *paired(*coordinates, degree=7)])
+    found = write_formula(regression, stage, side, words, spline_drop, _LONGEST)
+    name = coordinates[0]
+    if found is None and words.terms:
+        found = fitted(regression, stage, side, words, [0], np.inf)
+    if len(coordinates) > 1 or name == "1":
+        return found
+    absorbed = name == "z" or (side != "sensor" and name in ("v", "V"))
+    words = _measured(regression, stage, side, table(name, stage.ranges[name], gauge=absorbed))
+    if not words.terms:
+        return found
+    curve = fitted(regression, stage, side, words, range(len(words.terms)), _goal(regression, spline_drop))
+    return found if found is not None and found.drop > curve.drop else curve
+
+
+def _text(side: Side, terms: Sequence[Term], coefficients: np.ndarray) -> str:
+    written = [(c / term.written, term.text) for term, c in zip(terms, coefficients, strict=True)]
+    parts = [f"{'−' if c < 0 else '+'} {number(abs(c))}{'' if text == '1' else ' ' + text}" for c, text in written]
+    joined = " ".join(parts)
+    if side == "sensor":
+        return f"reading = z {joined}"
+    return "F = " + (joined[2:] if joined.startswith("+ ") else "−" + joined[2:])

@@ -1,0 +1,171 @@
+"""On which coordinates does what is missing depend, and on which side does it act?
+
+A missing force is pushed through the model's own dynamics, a missing sensor term is added to the readings. Either is
+sought as a sum of splines of a few coordinates, by least squares on what the fit leaves, with everything that the model
+can absorb projected out. The smallest set of coordinates that explains almost as much as the best one is the answer.
+
+Source: S. F. Masri, T. K. Caughey, 1979, J. Appl. Mech. 46, 433 (force surfaces, here in output-error form);
+G. Schwarz, 1978, Ann. Stat. 6, 461 (the criterion).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from ...effects.dependence import Side
+from ..linearised.regression import Regression
+from .coordinates import Stage, rows_of
+from .splines import Places, one, pair
+
+SINGLES = (("z",), ("v",), ("V",), ("dV",), ("t",))
+PAIRS = (("z", "v"), ("z", "V"), ("z", "dV"), ("v", "V"), ("v", "dV"), ("V", "dV"), ("z", "t"), ("v", "t"), ("V", "t"))
+HISTORIES = (("z", "history"), ("V", "history"))
+TRIED = 35  # sets of coordinates, at most: what a chance probability is multiplied by
+_NEAR = 0.01  # of the best set's gain: a smaller set that lacks no more explains "almost as much" …
+_NEARLY_ALL, _NEAR_ALL = 0.995, 0.003  # … but less may be lacking where the best set explains everything
+_ALL = 0.999  # share from which nothing more is sought
+_NULL = 1e-7  # squared share of a combination of rows that must survive the projection
+
+
+class Ranked(NamedTuple):
+    """One set of coordinates on one side.
+
+    **Arguments:** `drop`: fall of χ²; `dof`: directions used; `share`: of the excess over noise that it explains;
+    `chi2_per_sample` after; `criterion`: χ² + dof ln n, in units of what is left (Schwarz).
+    """
+
+    side: Side
+    coordinates: tuple[str, ...]
+    drop: float
+    dof: int
+    share: float
+    chi2_per_sample: float
+    criterion: float
+
+
+def side_of(coordinates: Sequence[str]) -> Side:
+    """Where a force of these coordinates acts: what depends on the drive alone comes through the actuator."""
+    return "drive" if set(coordinates) & {"V", "dV"} and not set(coordinates) & {"z", "v"} else "force"
+
+
+def functions_of(stage: Stage, block: tuple[str, ...], place: Places) -> np.ndarray:
+    """The functions of one block, without dimension, (k, lanes, points)."""
+    if block == ("1",):
+        return np.ones((1, *place["z"].shape))
+    if block[-1] == "history":
+        return place[f"{block[0]} history"] / stage.ranges[block[0]].largest
+    if len(block) == 1:
+        return one(block[0], place, stage.ranges[block[0]])
+    return pair((block[0], block[1]), place, stage.ranges)
+
+
+def blocks_of(coordinates: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:
+    """The blocks of functions of a set of coordinates: those of each alone, and those of both."""
+    if len(coordinates) == 1:
+        return (coordinates,)
+    return (*((name,) for name in coordinates if name != "history"), coordinates)
+
+
+class Solution(NamedTuple):
+    """A regression on k rows.
+
+    **Arguments:** `drop`: fall of χ²; `dof`: directions used; `coefficients` (k,); `spread` (k, dof): the directions,
+    so that `rows.T @ spread` is orthonormal and `spread @ spread.T` is the covariance for white noise of one.
+    """
+
+    drop: float
+    dof: int
+    coefficients: np.ndarray
+    spread: np.ndarray
+
+
+def regress(rows: np.ndarray, target: np.ndarray) -> Solution:
+    """Least squares on rows (k, n), in the directions that the rows determine."""
+    gram = rows @ rows.T
+    scale = np.sqrt(np.diag(gram))
+    scale = np.maximum(scale, 1e-9 * np.max(scale))  # a function that is absorbed entirely weighs nothing
+    values, vectors = np.linalg.eigh(gram / scale / scale[:, None])
+    kept = values > _NULL * values[-1]
+    directions = vectors[:, kept] / np.sqrt(values[kept])
+    along = directions.T @ ((rows @ target) / scale)
+    spread = directions / scale[:, None]
+    return Solution(float(along @ along), int(kept.sum()), spread @ along, spread)
+
+
+def rank(regression: Regression, stage: Stage) -> list[Ranked]:
+    """Every set of coordinates on every side, best criterion first; pairs only if no single coordinate suffices."""
+    known: dict[tuple[bool, tuple[str, ...]], np.ndarray] = {}
+    found = [_judge(regression, stage, *tried, known) for tried in _candidates((("1",), *SINGLES, *HISTORIES))]
+    if max(r.share for r in found if r.coordinates[-1] != "history") < _ALL:
+        found += [_judge(regression, stage, *tried, known) for tried in _candidates(PAIRS)]
+    return sorted(found, key=lambda r: r.criterion)
+
+
+def _candidates(sets: Sequence[tuple[str, ...]]) -> Iterator[tuple[Side, tuple[str, ...]]]:
+    for coordinates in sets:
+        yield side_of(coordinates), coordinates
+        # A reading that follows the velocity is a late one, and a memory of the drive passes through linear dynamics
+        # unchanged: both are found under other names.
+        if "v" not in coordinates and coordinates != ("V", "history"):
+            yield "sensor", coordinates
+
+
+def _judge(
+    regression: Regression,
+    stage: Stage,
+    side: Side,
+    coordinates: tuple[str, ...],
+    known: dict[tuple[bool, tuple], np.ndarray],
+) -> Ranked:
+    solved = regress(_rows(regression, stage, side, coordinates, known), regression.residual)
+    after = (regression.chi2 - solved.drop) / regression.n
+    criterion = regression.chi2 - solved.drop + solved.dof * np.log(regression.n) * max(1.0, after)
+    share = (solved.drop - solved.dof) / max(regression.chi2 - regression.n, 1e-9)
+    return Ranked(side, coordinates, solved.drop, solved.dof, share, after, criterion)
+
+
+def _rows(
+    regression: Regression,
+    stage: Stage,
+    side: Side,
+    coordinates: tuple[str, ...],
+    known: dict[tuple[bool, tuple], np.ndarray],
+) -> np.ndarray:
+    parts = []
+    for block in blocks_of(coordinates):
+        rows = known.get((side == "sensor", block))
+        if rows is None:
+            rows = regression.project(rows_of(regression, stage, side, partial(functions_of, stage, block)))
+            if len(block) == 1:
+                known[side == "sensor", block] = rows
+        parts.append(rows)
+    return np.concatenate(parts)
+
+
+def spline_rows(regression: Regression, stage: Stage, side: Side, coordinates: tuple[str, ...]) -> np.ndarray:
+    """Projected whitened rows (k, n) of all functions of a set of coordinates."""
+    return _rows(regression, stage, side, coordinates, {})
+
+
+def spline_functions(stage: Stage, coordinates: tuple[str, ...], place: Places) -> np.ndarray:
+    """The same functions at given places, (k, lanes, points)."""
+    return np.concatenate([functions_of(stage, block, place) for block in blocks_of(coordinates)])
+
+
+def smallest_sufficient(ranked: Sequence[Ranked]) -> list[Ranked]:
+    """Those that explain almost as much as the best one, the smallest set first."""
+    gain = lambda r: r.drop - r.dof
+    best = max(ranked, key=gain)
+    near = _NEAR if best.share < _NEARLY_ALL else _NEAR_ALL
+    chance = 3.0 * np.sqrt(2.0 * best.dof) * max(1.0, best.chi2_per_sample)
+    enough = [r for r in ranked if gain(r) > gain(best) - max(near * gain(best), chance)]
+    return sorted(enough, key=lambda r: (dimension(r), r.criterion))
+
+
+def dimension(found: Ranked) -> int:
+    """How much a set of coordinates supposes: nothing for a constant, one for each coordinate, and for a memory."""
+    return 0 if found.coordinates == ("1",) else len(found.coordinates)

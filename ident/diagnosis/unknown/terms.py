@@ -1,0 +1,181 @@
+"""Simple functions of the coordinates: the words in which a formula for a missing effect is written.
+
+A term has one amplitude. Its length, width or time, where it has one, is a shape number of the effect that will be
+written from it. Values are SI.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from ...effects.effect import Scalar
+from .splines import UNITS, Places, Size, lagging, plays, quick, sharp
+
+_RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+_WAVES = np.linspace(1.5, 9.0, 16)  # sin(w x/largest)
+_HUMPS = (0.05, 0.1, 0.2, 0.4)  # widths of what acts near zero only, in parts of the largest value
+_TURNS = (0.006, 0.0125, 0.025, 0.05, 0.1, 0.2)  # widths of steps
+_GAPS = (0.3, 0.45, 0.6, 0.75)
+_STEP = 0.003  # width of a step that is too sharp to measure
+_PLAYS = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7)
+_LATE = (0.04, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 15.0, 50.0)  # periods; a fixed step follows none shorter
+_CHANGES = (0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.5)  # durations
+_KNOTS = 12  # of a table: as many as a fit still determines
+
+
+class Number(NamedTuple):
+    """A shape number of a term: `value` in SI `unit`; `fitted` if a fit may move it."""
+
+    name: str
+    unit: str
+    value: float
+    doc: str
+    fitted: bool
+
+
+class Term(NamedTuple):
+    """One function.
+
+    **Arguments:**
+
+    - `text`: for people ("z³"); `code`: in the names z, v, V, dV, t and `{n}`, its number, and `{h}`, its hidden state.
+    - `powers`: of the coordinates by whose units its amplitude's is divided; `written`: amplitude over the coefficient
+      in the text, where the number in the code divides out a unit that the text keeps.
+    - `memory`: "", "play" or "late"; of which coordinate is the first of `names`.
+    """
+
+    text: str
+    code: str
+    names: tuple[str, ...]
+    powers: tuple[tuple[str, int], ...]
+    value: Callable[[Places], np.ndarray]
+    number: Number | None = None
+    written: float = 1.0
+    memory: str = ""
+
+
+def monomial(powers: Iterable[tuple[str, int]]) -> Term:
+    """x^a y^b."""
+    powers = tuple((name, p) for name, p in powers if p)
+    text = " ".join(name if p == 1 else name + str(p).translate(_RAISED) for name, p in powers)
+    code = " * ".join(name if p == 1 else f"{name}**{p}" for name, p in powers)
+    value = lambda x: np.prod([x[name] ** p for name, p in powers], axis=0) if powers else np.ones_like(x["z"])
+    return Term(text or "1", code or "1.0", tuple(n for n, _ in powers), powers, value)
+
+
+def single(name: str, size: Size) -> list[Term]:
+    """Functions of one coordinate."""
+    n, largest, unit = name, size.largest, UNITS[name]
+    found = [monomial([(n, p)]) for p in (1, 2, 3, 5)]
+    if name == "t":
+        return found[:2] + [_exponential(n, part * largest) for part in _CHANGES]
+    length = lambda value, doc, fitted=True: Number(f"scale_{n}", unit, value, doc, fitted)
+    step = length(_STEP * largest, f"{n} over which the term turns", False)
+    found += [
+        Term(f"|{n}|", f"jnp.abs({n})", (n,), ((n, 1),), lambda x: np.abs(x[n])),
+        Term(f"|{n}| {n}", f"jnp.abs({n}) * {n}", (n,), ((n, 2),), lambda x: np.abs(x[n]) * x[n]),
+        Term(f"sign({n})", f"jnp.tanh({n} / {{n}})", (n,), (), lambda x: sharp(x[n] / largest), step),
+        Term(f"{n} √|{n}|", f"jnp.sign({n}) * jnp.abs({n} / {{n}}) ** 1.5", (n,), (),
+             lambda x: np.sign(x[n]) * np.abs(x[n] / largest) ** 1.5,
+             length(largest, f"{n} at which the term is its amplitude", False), largest**1.5),
+    ]  # fmt: skip
+    found += [_step(n, part * largest, length) for part in _TURNS]
+    found += [_wave(n, largest / w, length) for w in _WAVES]
+    found += [_hump(n, part * largest, length) for part in _HUMPS]
+    for sign, gap in itertools.product((1, -1), [part * largest for part in _GAPS]):
+        if gap < (size.high if sign > 0 else -size.low):
+            found.append(_contact(n, sign, gap, length))
+    return found
+
+
+def _wave(n: str, scale: float, length: Callable[..., Number]) -> Term:
+    own = length(scale, "length of the sine over 2π")
+    return Term(f"sin({n}/{number(scale)})", f"jnp.sin({n} / {{n}})", (n,), (), lambda x: np.sin(x[n] / scale), own)
+
+
+def _step(n: str, width: float, length: Callable[..., Number]) -> Term:
+    own = length(width, f"{n} over which the term turns")
+    return Term(f"tanh({n}/{number(width)})", f"jnp.tanh({n} / {{n}})", (n,), (), lambda x: np.tanh(x[n] / width), own)
+
+
+def _hump(n: str, width: float, length: Callable[..., Number]) -> Term:
+    value = lambda x: np.tanh(x[n] / (0.1 * width)) * np.exp(-((x[n] / width) ** 2))
+    own = length(width, f"{n} beyond which the term dies out")
+    code = f"jnp.tanh({n} / (0.1 * {{n}})) * jnp.exp(-(({n} / {{n}}) ** 2))"
+    return Term(f"sign({n}) exp(−({n}/{number(width)})²)", code, (n,), (), value, own)
+
+
+def _contact(n: str, sign: int, gap: float, length: Callable[..., Number]) -> Term:
+    code = f"jnp.maximum({n} - {{n}}, 0.0)" if sign > 0 else f"jnp.maximum(-{n} - {{n}}, 0.0)"
+    text = f"max({n} − {number(gap)}, 0)" if sign > 0 else f"max(−{n} − {number(gap)}, 0)"
+    return Term(text, code, (n,), ((n, 1),), lambda x: np.maximum(sign * x[n] - gap, 0.0), length(gap, "gap"))
+
+
+def _exponential(n: str, time: float) -> Term:
+    own = Number(f"scale_{n}", UNITS[n], time, "time in which the change dies out", True)
+    return Term(f"(1 − exp(−{n}/{number(time)}))", f"-jnp.expm1(-{n} / {{n}})", (n,), (),
+                lambda x: -np.expm1(-x[n] / time), own)  # fmt: skip
+
+
+def paired(first: str, second: str, degree: int = 4) -> list[Term]:
+    """Products of two coordinates."""
+    both = [((first, a), (second, b)) for a in range(1, degree) for b in range(1, degree + 1 - a)]
+    found = [monomial(powers) for powers in both]
+    for a, b in ((first, second), (second, first)):
+        if a != "t" and b != "t":
+            code = f"jnp.abs({a}) * {b}"
+            value = lambda x, a=a, b=b: np.abs(x[a]) * x[b]
+            found.append(Term(f"|{a}| {b}", code, (a, b), ((a, 1), (b, 1)), value))
+    return found
+
+
+def remembered(name: str, size: Size, period: float) -> list[Term]:
+    """Plays and relaxations of one coordinate, and its rate, a short delay; `period` of the resonance, s."""
+    found = [monomial([("v", 1)]) if name == "z" else Term("V̇", "rate", ("rate",), (("rate", 1),), lambda x: x["rate"])]
+    for width in (part * size.largest for part in _PLAYS):
+        own = Number(f"width_{name}", UNITS[name], width, "half width of the play", True)
+        value = lambda x, w=width: plays([x[name][0]], np.array([w]))[0]
+        found.append(Term(f"play({name}; {number(width)})", "{h}", (name,), ((name, 1),), value, own, memory="play"))
+    for time in (part * period for part in _LATE):
+        own = Number(f"time_{name}", "s", time, "relaxation time", True)
+        value = lambda x, tau=time: lagging(x[name], x["step"], tau, period)
+        after = f"{name} relaxed in {number(time)} s"
+        text, code = (f"({name} − {after})", f"({name} - {{h}})") if quick(time, period) else (f"({after})", "{h}")
+        found.append(Term(text, code, (name,), ((name, 1),), value, own, memory="late"))
+    return found
+
+
+def table(name: str, size: Size, gauge: bool) -> list[Term]:
+    """Cubic B-splines on evenly spaced knots, and a step: what a curve is written in that no simple term describes.
+
+    `gauge`: whether a straight line is in the model already; then the outermost spline is left out.
+    """
+    low, high = size.low / size.largest, size.high / size.largest
+    spacing = (high - low) / (_KNOTS - 3)
+    own = Number(f"scale_{name}", UNITS[name], size.largest, f"{name} at which the table ends", False)
+    found = []
+    for k in range(gauge, _KNOTS):
+        centre = low + (k - 1) * spacing
+        code = f"bump((jnp.clip({name} / {{n}}, {low:.6g}, {high:.6g}) - {centre:.6g}) / {spacing:.6g})"
+        code = code.replace("- -", "+ ")
+        value = lambda x, c=centre: bump((np.clip(x[name] / size.largest, low, high) - c) / spacing)
+        found.append(Term(f"bump {k}", code, (name,), (), value, own))
+    if name != "t":
+        found += [t for t in single(name, size) if "exp" not in t.text and t.text.startswith(("|", "sign", "tanh"))]
+    return found
+
+
+def number(value: float) -> str:
+    """A number as a formula has it: 3.1e9."""
+    mantissa, _, power = f"{value:.3g}".partition("e")
+    return f"{mantissa}e{int(power)}" if power else mantissa
+
+
+def bump(x: Scalar) -> Scalar:
+    """Cubic B-spline of whole-numbered knots: 2/3 at its centre, 0 from ±2."""
+    far = abs(x)
+    return (np.maximum(2 - far, 0.0) ** 3 - 4 * np.maximum(1 - far, 0.0) ** 3) / 6

@@ -1,0 +1,1 @@
+"""Where a model fails: by record, time, phase, motion, level, harmonic and frequency."""

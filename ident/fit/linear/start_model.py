@@ -1,0 +1,77 @@
+"""The model with which a campaign starts: its effects, on the linear model that its records ask for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import lru_cache
+
+from ...campaign.campaign import Campaign
+from ...campaign.device import Oscillator
+from ...errors import UserError
+from ...model import Model, build_model, make_effect
+from .choice import LEVELS, LinearChoice, choose_linear
+
+FURTHER = ("second-mode", "third-mode", "fourth-mode", "fifth-mode", "sixth-mode")
+"""The effects that the further modes of an oscillator are."""
+_ENOUGH = 100_000  # samples that compare linear models: of many records a part tells it, and the fit then sees all
+
+
+@lru_cache(maxsize=8)
+def linear_choice(campaign: Campaign) -> LinearChoice | None:
+    """How the linear candidates compare on the fitted records of a campaign; None for a platform, whose linear part is
+    known, and where there is nothing to fit."""
+    if not isinstance(campaign.device, Oscillator) or not campaign.fitted:
+        return None
+    records = campaign.fitted
+    every = math.ceil(sum(len(record.time) for record in records) / _ENOUGH)
+    told = 1 if {*FURTHER} & {*campaign.effects} else campaign.modes
+    try:
+        return choose_linear(records[::every], campaign.linear, modes=told)
+    except UserError as error:
+        raise UserError(error.what, where=_place(campaign), do=error.do) from None
+
+
+def _place(campaign: Campaign) -> str:
+    """Where a campaign says what its linear model is."""
+    return f"{campaign.path}, [model]" if campaign.path else ""
+
+
+def start_model(
+    campaign: Campaign, effects: Sequence[str] | None = None, report: Callable[[str], None] = lambda _: None
+) -> Model:
+    """The model of `build_model`, on the linear form that the records choose, with the constant that they need and the
+    starting values found on the way. What the campaign says of the linear part is left as it is said.
+
+    **Arguments:** as of `build_model`; `report`: called with progress in words.
+    """
+    model = build_model(campaign, effects)
+    if isinstance(campaign.device, Oscillator) and campaign.fitted:
+        report("comparing linear models")
+    choice = linear_choice(campaign)
+    if choice is None:
+        if campaign.linear not in ("auto", "oscillator"):
+            raise UserError(f'linear = "{campaign.linear}", but the linear part of a platform is an oscillator',
+                            where=_place(campaign),
+                            do='remove it, or write device = { kind = "oscillator" }')  # fmt: skip
+        if campaign.modes is not None and campaign.modes > 1:
+            what = f"modes = {campaign.modes} needs time records with their drive"
+            raise UserError(what, where=_place(campaign), do="remove it")
+        return model
+    chosen = choice.chosen
+    model = replace(model, form=chosen.form)
+    first, second, gain = (p.name for p in model.parameters[:3])
+    found = [(first, chosen.first), (second, chosen.second)]
+    found += [(gain, chosen.gain * model.linear.mass / model.linear.force_per_gain)] if chosen.gain else []
+    if chosen.level and not {*LEVELS.values()} & set(model.names):
+        model = model + make_effect(campaign, LEVELS[chosen.form])
+        found.append((model.parameters[-1].name, chosen.constant))
+    if not {*FURTHER} & set(model.names):
+        for name, mode in zip(FURTHER, chosen.further, strict=False):
+            model = model + make_effect(campaign, name)
+            travel = mode.gain / (2 * math.pi * mode.frequency) ** 2
+            values = {"travel": travel, "period": 1 / mode.frequency, "quality": mode.quality}
+            found += [(f"{name}.{key}", value) for key, value in values.items()]
+    known = {name for name, _ in model.start}
+    return replace(model, start=(*model.start, *((name, value) for name, value in found if name not in known)))

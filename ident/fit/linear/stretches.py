@@ -1,0 +1,153 @@
+"""A record as the searches for a linear model see it, and what an oscillator answers to its drive."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from ...campaign.noise.recursive import recursive_filter
+from ...campaign.record import Trace
+
+_MOST_SAMPLES = 4000  # of a record: enough to place a resonance, and long records stay cheap
+_CRITICAL = 0.4999  # quality below which a start in motion leaves two exponentials
+
+
+class Sums(NamedTuple):
+    """Of records without what the start may add to them: `forced` x·x, `both` x·y and `measured` y·y of the response x
+    to the drive for unit gain and of the measured y; `power` of what was there to explain."""
+
+    forced: float
+    both: float
+    measured: float
+    power: float
+
+
+class Stretch(NamedTuple):
+    """A record for the linear search: its liveliest stretch, the response divided by its `size`; `rest`: whether it
+    starts from rest; `power` of the response about its mean; `order` of the derivative of the displacement that it is;
+    `sums` that have been asked for, by frequency and quality."""
+
+    step: float
+    drive: np.ndarray
+    response: np.ndarray
+    size: float
+    rest: bool
+    driven: bool
+    power: float
+    order: int
+    sums: dict[tuple[float, float], Sums]
+
+
+@lru_cache(maxsize=256)
+def stretch_of(record: Trace) -> Stretch:
+    """A record for the linear search."""
+    part = _liveliest(record.response)
+    size = float(np.std(record.response[part])) or 1.0
+    rest = record.start == "rest" and part.start == 0
+    response = record.response[part] / size
+    power = float(np.sum((response - np.mean(response)) ** 2))
+    return Stretch(record.step, record.drive[part], response, size, rest, record.driven, power, record.order, {})
+
+
+def _liveliest(response: np.ndarray) -> slice:
+    """The stretch of a long record that moves most; a lab may wait long before it drives."""
+    starts = range(0, max(len(response) - _MOST_SAMPLES, 0) + 1, _MOST_SAMPLES // 2)
+    first = max(starts, key=lambda i: float(np.std(response[i : i + _MOST_SAMPLES])))
+    return slice(first, first + _MOST_SAMPLES)
+
+
+def highest_content(signal: np.ndarray, step: float) -> float:
+    """Frequency below which 99.9 % of a signal's power lies, Hz; (n,) samples, one every `step` s."""
+    power = np.abs(np.fft.rfft((signal - np.mean(signal)) * np.hanning(len(signal)))) ** 2
+    index = int(np.searchsorted(np.cumsum(power), 0.999 * np.sum(power)))
+    return max(index, 1) / (len(signal) * step)
+
+
+def oscillator_filter(frequency: float, quality: float, step: float, order: int = 0) -> tuple[np.ndarray, np.ndarray]:
+    """Digital filter (b, a) of z̈ + (ω0/Q) ż + ω0² z = u, exact for an input that is linear between samples; of z, or of
+    its derivative of some `order` up to 2.
+
+    The response to one triangle of input is the second difference of the response p(t) to a ramp; the poles are those
+    of the oscillator, so three terms of that response fix the numerator.
+
+    Source: K. J. Åström, B. Wittenmark, Computer-Controlled Systems, 1997, §2.3 (first-order hold).
+    """
+    omega = 2 * math.pi * frequency
+    decay = omega / (2 * quality)
+    ringing = cmath.sqrt(omega**2 - decay**2) or 1e-9 * omega
+    t = step * np.arange(4)
+    one, other = (np.exp((-decay + sign * 1j * ringing) * t) for sign in (1, -1))
+    cosine, sine = (
+        np.real(one + other) / 2,
+        np.real((one - other) / (2j * ringing)),
+    )  # decaying; sine over its frequency
+    if order == 0:
+        p = t / omega**2 - 2 * decay / omega**4 * (1.0 - cosine) + (2 * decay**2 - omega**2) / omega**4 * sine
+    elif order == 1:
+        p = (1.0 - cosine - decay * sine) / omega**2
+    else:
+        p = sine
+    a = np.array([1.0, -2 * cosine[1], math.exp(-2 * decay * step)])
+    g = np.array([p[1], p[2] - 2 * p[1], p[3] - 2 * p[2] + p[1]]) / step
+    return np.array([g[0], g[1] + a[1] * g[0], g[2] + a[1] * g[1] + a[2] * g[0]]), a
+
+
+def free_motion(stretch: Stretch, frequency: float, quality: float) -> np.ndarray:
+    """What a start in motion may add to the response, (n, 2)."""
+    omega = 2 * math.pi * frequency
+    t = stretch.step * np.arange(len(stretch.drive))
+    decay = np.exp(-omega / (2 * quality) * t)
+    if quality < _CRITICAL:  # two exponentials
+        fast, slow = _rates(omega, quality)
+        return np.stack([np.exp(-slow * t), np.exp(-fast * t)], axis=1)
+    ring = omega * math.sqrt(max(1 - 1 / (4 * quality**2), 1e-6)) * t
+    return np.stack([decay * np.cos(ring), decay * np.sin(ring)], axis=1)
+
+
+def _rates(omega: float, quality: float) -> tuple[float, float]:
+    """The fast and the slow rate (1/s) at which an overdamped oscillator comes to rest."""
+    fast = omega / (2 * quality) * (1 + math.sqrt(1 - 4 * quality**2))
+    return fast, omega**2 / fast
+
+
+def sums(stretches: Sequence[Stretch], frequency: float, quality: float) -> Sums:
+    """The records as a trial frequency and quality see them.
+
+    A driven record must be explained by its drive: the share of its power that is left beside its free motion counts.
+    A decay is free motion, and all of it counts.
+    """
+    alike: dict[tuple, list[Stretch]] = {}
+    for stretch in stretches:  # what is known is remembered: campaigns that differ by a record ask for the others again
+        if (frequency, quality) not in stretch.sums:
+            alike.setdefault(
+                (stretch.step, len(stretch.drive), stretch.rest, stretch.driven, stretch.order), []
+            ).append(stretch)
+    for group in alike.values():
+        for stretch, found in zip(group, _projected(group, frequency, quality), strict=True):
+            stretch.sums[frequency, quality] = found
+    return Sums(*np.sum([stretch.sums[frequency, quality] for stretch in stretches], axis=0))
+
+
+def _projected(stretches: Sequence[Stretch], frequency: float, quality: float) -> list[Sums]:
+    """`sums` of each of several records with one clock, start and sensor: one filter and one free motion serve all."""
+    first = stretches[0]
+    measured = np.stack([stretch.response for stretch in stretches])
+    forced = np.zeros_like(measured)  # to a decay a constant drive is a level, whatever the gain
+    if first.driven:
+        drives = np.stack([stretch.drive / stretch.size for stretch in stretches], axis=1)
+        forced = recursive_filter(*oscillator_filter(frequency, quality, first.step, first.order), drives).T
+    both = np.stack([forced, measured])
+    if first.rest:
+        both -= both.mean(axis=2, keepdims=True)
+    else:
+        constant = np.ones((len(first.drive), 1))
+        basis, _ = np.linalg.qr(np.hstack([constant, free_motion(first, frequency, quality)]))
+        both -= both @ basis @ basis.T
+    xx, xy, yy = (np.sum(both[i] * both[j], axis=1) for i, j in ((0, 0), (0, 1), (1, 1)))
+    powers = yy if first.driven else [stretch.power for stretch in stretches]
+    return [Sums(*map(float, found)) for found in zip(xx, xy, yy, powers, strict=True)]

@@ -1,0 +1,105 @@
+"""The missing term in one figure: force over its coordinate with its error, a map over two, or the loop of a memory."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...campaign.device import Device
+from ...diagnosis.unknown.find import Unknown
+from ...diagnosis.unknown.picture import Picture
+from ...diagnosis.unknown.splines import UNITS
+from ...diagnosis.unknown.words import percent, what
+from ..words.quantity import Scale, scale, show
+from .style import FAINT, INK, MODEL, label, new_axes, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_SHADE = "#c9dcea"  # two standard errors around the curve
+_NAMES = {"z": "displacement z", "v": "velocity v", "V": "drive V", "dV": "rate of the drive V̇/ω", "t": "time t"}
+
+
+def unknown_figure(unknown: Unknown, device: Device) -> Figure:
+    """What is missing from the model as a function of what it depends on.
+
+    One coordinate gives a curve with a band of two standard errors, two a map with its errors beside it, a memory the
+    loop of a record's last period, a constant its value in words.
+    """
+    picture = unknown.picture
+    figure = new_figure(10.6 if picture.kind == "map" else 7.4, 4.7)
+    _words(figure, unknown)
+    size = float(np.nanmax(np.abs(picture.value)))
+    unit = scale(size, picture.unit, device)
+    top = 0.72
+    if picture.kind == "value":
+        shown = show(float(picture.value[0]), float(picture.error[0]), picture.unit, device)
+        figure.text(0.5, 0.4, str(shown), fontsize=18, color=INK, ha="center")
+    elif picture.kind == "map":
+        worst = float(np.nanmax(picture.error))
+        _map(figure, (0.065, 0.125, 0.36, top - 0.125), picture, picture.value, unit, device, _what(unknown, unit))
+        errors = scale(worst, picture.unit, device)
+        _map(figure, (0.565, 0.125, 0.36, top - 0.125), picture, picture.error, errors, device,
+             f"its standard error ({errors.unit})")  # fmt: skip
+    else:
+        _curve(new_axes(figure, 0.11, 0.125, 0.86, top - 0.125), picture, unit, device, _what(unknown, unit))
+    return figure
+
+
+def _words(figure: Figure, unknown: Unknown) -> None:
+    words = what(unknown.side, unknown.coordinates)
+    figure.text(0.02, 0.95, f"Missing: {words}", fontsize=10.5, weight="bold", color=INK, va="center")
+    before, after = np.sqrt(unknown.chi2_before), np.sqrt(unknown.chi2_after)
+    text = f"explains {percent(unknown.share)} of the error above the noise; error/noise {before:.2f} → {after:.2f}"
+    figure.text(0.02, 0.895, text, fontsize=9.5, color=FAINT, va="center")
+    if unknown.formula is not None:
+        share = "" if unknown.formula.complete else f"   (explains {percent(unknown.explained(unknown.formula))})"
+        lines = textwrap.wrap(unknown.formula.text + share, int(12.0 * figure.get_figwidth()))[:2]
+        figure.text(0.02, 0.845, "\n".join(lines), fontsize=9.5, color=MODEL, va="top" if len(lines) > 1 else "center")
+
+
+def _what(unknown: Unknown, unit: Scale) -> str:
+    word = "sensor error" if unknown.side == "sensor" else "missing force"
+    return f"{word} ({unit.unit})"
+
+
+def _axis(name: str, grid: np.ndarray, device: Device) -> tuple[np.ndarray, str]:
+    unit = scale(float(np.max(np.abs(grid))), UNITS[name], device)
+    return grid / unit.factor, f"{_NAMES[name]} ({unit.unit})"
+
+
+def _curve(axes: Axes, picture: Picture, unit: Scale, device: Device, what: str) -> None:
+    x, words = _axis(picture.names[0], picture.grids[0], device)
+    value, error = picture.value / unit.factor, picture.error / unit.factor
+    if picture.kind == "curve":
+        axes.fill_between(x, value - 2 * error, value + 2 * error, color=_SHADE, lw=0)
+        note = "band: two standard errors. What is proportional to the coordinate is in the model already."
+    else:
+        note = f"last period of {picture.record}; typical standard error {np.median(error):.2g} {unit.unit}"
+    axes.plot(x, value, color=MODEL, lw=1.4)
+    axes.axhline(0, color=FAINT, lw=0.6)
+    axes.set_xlim(float(np.min(x)), float(np.max(x)))
+    if picture.kind == "curve":
+        inner = slice(4, -4)  # at its ends a spline knows little, and would flatten the rest
+        axes.set_ylim(float(np.min((value - 2 * error)[inner])), float(np.max((value + 2 * error)[inner])))
+    label(axes, words, what, note)
+
+
+def _map(
+    figure: Figure, place: tuple[float, float, float, float], picture: Picture, values: np.ndarray, unit: Scale,
+    device: Device, title: str,
+) -> None:  # fmt: skip
+    axes = new_axes(figure, *place)
+    x, x_words = _axis(picture.names[0], picture.grids[0], device)
+    y, y_words = _axis(picture.names[1], picture.grids[1], device)
+    signed = bool(np.nanmin(values) < 0)
+    most = float(np.nanmax(np.abs(values))) / unit.factor
+    shown = axes.pcolormesh(x, y, values.T / unit.factor, cmap="PuOr" if signed else "Blues",
+                            vmin=-most if signed else 0.0, vmax=most, shading="nearest", rasterized=True)  # fmt: skip
+    label(axes, x_words, y_words, title)
+    bar = figure.colorbar(shown, cax=figure.add_axes((place[0] + place[2] + 0.012, place[1], 0.012, place[3])))
+    bar.ax.tick_params(labelsize=8, colors=INK, length=2)
+    bar.outline.set_visible(False)  # type: ignore[operator]
