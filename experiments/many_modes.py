@@ -16,7 +16,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from ident.fit.linear.pieces import make_piece
+from ident.fit.linear.stretches import stretch_of
 
 from experiments.hidden_effects.generator import draw
 from experiments.hidden_effects.generator import write as write_case
@@ -67,7 +67,7 @@ def mimics(seed: int = 700) -> dict[tuple[str, float], float]:
                 write_case(case, Path(folder, "case"), Path(folder, "truth.json"))
                 records = read_campaign(Path(folder, "case")).fitted
             one = choose_linear(records, "oscillator", modes=1).chosen
-            tried = find_modes([make_piece(record) for record in records], (one.first, one.second), one.level)
+            tried = find_modes([stretch_of(record) for record in records], (one.first, one.second), one.level)
             found[effect, size] = min(modes.predicted for modes in tried) / tried[0].predicted
     return found
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from ident.campaign import Oscillator, Platform, read_campaign
-from ident.campaign.quality import judge
+from ident.campaign.quality.judge import judge
 from ident.errors import UserError
 from tests.broken import csv_text, signals
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.diagnosis.linearised.whiten import make_piece, whiten
+from ident.diagnosis.linearised.whiten import whiten, whitening_of
 
 N = 2000
 
@@ -18,7 +18,7 @@ def trace(step: float, period: float | None = None) -> Trace:
 
 def left(record: Trace, misfit: np.ndarray) -> float:
     """The share of a misfit's power that is no nuisance."""
-    seen = whiten(make_piece(record, None), misfit[None])[0]
+    seen = whiten(whitening_of(record, None), misfit[None])[0]
     return float(seen @ seen) / float(misfit @ misfit)
 
 
