@@ -16,13 +16,13 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from ident.fit.linear.stretches import stretch_of
 
 from experiments.hidden_effects.generator import draw
 from experiments.hidden_effects.generator import write as write_case
 from ident.campaign import read_campaign
 from ident.fit.linear.choice import choose_linear
 from ident.fit.linear.modes import find_modes
+from ident.fit.linear.stretches import stretch_of
 
 WINGS = {
     "four modes": ((4.9, 0.02, 0.5e-3), (7.3, 0.02, 2e-3), (9.1, 0.015, -1.2e-3), (12.5, 0.015, 0.8e-3)),
