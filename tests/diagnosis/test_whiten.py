@@ -41,3 +41,10 @@ def test_the_answer_to_a_drive_near_the_mains_is_no_hum():
     record = trace(5e-4, period=1 / (50.0 * 5e-4))
     assert left(record, np.cos(2 * np.pi * 50 * record.time)) > 0.99
     assert left(record, np.cos(2 * np.pi * 60 * record.time)) < 1e-9
+
+
+def test_two_periods_of_hum_are_no_misfit():
+    """Records of a platform last 40 ms: hum left in them made "not in the library" of a linear one."""
+    record = trace(0.04 / N)
+    assert left(record, np.sin(2 * np.pi * 50 * record.time + 0.4)) < 1e-6
+    assert left(record, np.ones(N)) > 0.9

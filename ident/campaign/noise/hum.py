@@ -14,12 +14,12 @@ MAINS = (50.0, 60.0)
 """Hz; hum is a nuisance of the laboratory, never a property of the device."""
 
 
-def told_apart(lines: Sequence[float], rate: float | None, n: int) -> list[float]:
+def told_apart(lines: Sequence[float], rate: float | None, n: int, periods: float = 2.5) -> list[float]:
     """Those of some lines that n samples tell from a constant and from the drive, whose harmonics lie `rate` apart (rad
-    per sample, as the lines). Of less than two and a half of its periods a line is a level that bends."""
+    per sample, as the lines). Of less than so many of its `periods` a line is a level that bends."""
     width = 2 * np.pi / n
     near = [rate is not None and abs(line - round(line / rate) * rate) < 1.5 * width for line in lines]
-    return [line for line, drive in zip(lines, near, strict=True) if 2.5 * width < line < 3.0 and not drive]
+    return [line for line, drive in zip(lines, near, strict=True) if periods * width < line < 3.0 and not drive]
 
 
 def with_hum(

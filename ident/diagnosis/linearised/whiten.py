@@ -13,6 +13,7 @@ from ...campaign.noise.recursive import convolved, recursive_filter
 from ...campaign.record import Trace
 
 _ORDER = 12
+_PERIODS = 1.5  # of a line from which it holds less than a tenth of a constant, 2/(π periods)²
 _DIED_OUT = 1e-12  # of an initial state's influence, before the first sample that counts
 
 
@@ -42,7 +43,7 @@ def whitening_of(record: Trace, by_start: np.ndarray | None) -> Whitening:
         whitening = whitening._replace(masked=record.masked[whitening.counted])
     n, k = len(record.time), np.arange(len(record.time))
     rate = 2 * np.pi / record.period if record.period is not None and 3 * record.period < n else None  # else no gaps
-    lines = told_apart([2 * np.pi * hz * record.step for hz in MAINS], rate, n - record.skip)
+    lines = told_apart([2 * np.pi * hz * record.step for hz in MAINS], rate, n - record.skip, _PERIODS)
     local = [f(line * k) for line in lines for f in (np.cos, np.sin)]
     if by_start is not None:
         seen = [(row, float(np.max(np.abs(row[whitening.counted])))) for row in by_start]
