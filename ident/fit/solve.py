@@ -64,8 +64,14 @@ class _Turn(NamedTuple):
 
 
 @program
-def _advance(nothing: None, point: Normal, trial: Normal, moved: Any, units: Any, reach: Any, first: Any) -> tuple:
-    """Accept or reject a trial that lies `moved` away from the point, then propose the next move; as of `_Turn`."""
+def _advance(
+    nothing: None, point: Normal, trial: Normal, moved: Any, units: Any, reach: Any, first: Any, refused: Any
+) -> tuple:
+    """Accept or reject a trial that lies `moved` away from the point, then propose the next move; as of `_Turn`.
+
+    After a trial that was `refused` the trust region does not grow at once: it would, along a valley, have every second
+    trial refused.
+    """
     # Here, because whoever has the compiled program needs neither, and importing both takes a third of a second.
     import lineax as lx
     import optimistix as optx
@@ -81,13 +87,14 @@ def _advance(nothing: None, point: Normal, trial: Normal, moved: Any, units: Any
     old, new = info_of(point, units), info_of(trial, units)
     state, tree = jax.tree.flatten(search.init(still, jax.eval_shape(info_of, point, units)))
     assert len(state) == 1  # a trust region is one number
-    step, accept, _, state = search.step(first, still, moved * units, old, new, jax.tree.unflatten(tree, [reach]))
+    step, accept, _, _ = search.step(first, still, moved * units, old, new, jax.tree.unflatten(tree, [reach]))
     accept = accept & jnp.isfinite(trial.cost)
+    step = jnp.where(accept & refused, jnp.minimum(step, reach), step)
     here = Normal(*(jnp.where(accept, b, a) for a, b in zip(point, trial, strict=True)))
     units = jnp.maximum(units, jnp.sqrt(jnp.diagonal(here.matrix)))
     info = info_of(here, units)
     move, _ = descent.step(step, descent.query(still, info, descent.init(still, info)))
-    return accept, units, move / units, jax.tree.leaves(state)[0]
+    return accept, units, move / units, step
 
 
 def _turn(point: Normal, trial: Normal, moved: np.ndarray, last: _Turn, first: bool) -> _Turn:
@@ -98,8 +105,9 @@ def _turn(point: Normal, trial: Normal, moved: np.ndarray, last: _Turn, first: b
     fill = lambda normal: Normal(normal.cost, np.pad(normal.gradient, (0, more)), matrix(normal))
     units = np.pad(last.units, (0, more), constant_values=1.0)
     accept, units, move, reach = _advance(
-        None, fill(point), fill(trial), np.pad(moved, (0, more)), units, last.reach, np.array(first)
-    )
+        None, fill(point), fill(trial), np.pad(moved, (0, more)), units, last.reach, np.array(first),
+        np.array(not last.accepted),
+    )  # fmt: skip
     return _Turn(bool(accept), np.asarray(units)[:size], np.asarray(move)[:size], np.asarray(reach))
 
 
@@ -147,6 +155,66 @@ def _farthest(data: Data) -> np.ndarray:
     return np.concatenate([reach, np.full(data.start_scale.shape[1] * len(moving(data)), np.inf)])
 
 
+class Search:
+    """A search from one starting point that can be left and gone on with.
+
+    **Arguments:** `begun`: the model at the start, if it is known; `compared`: whether the cost is only compared with
+    another model's.
+    """
+
+    def __init__(
+        self,
+        static: Static,
+        data: Data,
+        start: Unknowns,
+        robust: bool = False,
+        begun: Evaluation | None = None,
+        compared: bool = False,
+    ):
+        self.static, self._robust, self._compared = static, robust, compared
+        self.data, self._start, self._best = rescale(static, data, start, begun)
+        self._farthest = _farthest(self.data)
+        self._at = pack(self._start, self.data)
+        self._point = normal_equations(static, self.data, self._at, self._best, robust)
+        units = np.sqrt(np.diagonal(self._point.matrix))
+        self._turn = _Turn(True, units, np.zeros_like(self._at), np.array(_FIRST_STEP))
+        self.steps, self.converged, self.ended = 0, False, False
+
+    @property
+    def cost(self) -> float:
+        """Σ r² at the best point so far."""
+        return 2 * float(self._point.cost)
+
+    @property
+    def solution(self) -> Solution:
+        """Where it is."""
+        return Solution(unpack(self._at, self._start, self.data), self.cost, self.steps, self.converged, self._best)
+
+    def go_on(self, most: int, watch: Callable[[float], None] = lambda _: None, until: float = np.inf) -> None:
+        """Go on until it ends or has taken `most` steps in all; `watch`: called with Σ r² after every step; `until`:
+        the `time.monotonic()` after which no step is begun."""
+        while self.steps < most and not self.ended:
+            self._step()
+            watch(self.cost)
+            if time.monotonic() > until:
+                return
+
+    def _step(self) -> None:
+        change = np.clip(self._turn.move, -self._farthest, self._farthest)
+        found, trial = self._best, self._point
+        if self.steps:
+            found = evaluate(self.static, self.data, unpack(self._at + change, self._start, self.data))
+            trial = normal_equations(self.static, self.data, self._at + change, found, self._robust)
+        self.steps += 1
+        self._turn = _turn(self._point, trial, change, self._turn, self.steps == 1)
+        if self._turn.accepted:
+            self._at, self._point, self._best = self._at + change, trial, found
+        promised = _decrement(self._point, self._turn.units, self._farthest)
+        worth = _COMPARED * max(self.cost / self.data.count, 1.0) if self._compared else _SMALL_GAIN
+        self.converged = promised < worth + _SMALL_SHARE * float(self._point.cost)
+        self.ended = self.converged or float(self._turn.reach) < _LEAST_STEP
+
+
 def least_squares(
     static: Static,
     data: Data,
@@ -159,27 +227,7 @@ def least_squares(
     until: float = np.inf,
 ) -> tuple[Data, Solution]:
     """Minimise from one starting point in at most so many steps; the data as rescaled there, and the solution.
-
-    `begun`: the model at the start, if it is known; `watch`: called with Σ r² after every step; `compared`: whether the
-    cost is only compared with another model's; `until`: the `time.monotonic()` after which no step is begun.
-    """
-    data, start, found = rescale(static, data, start, begun)
-    farthest = _farthest(data)
-    y = pack(start, data)
-    point = trial = normal_equations(static, data, y, found, robust)
-    change, best, converged = np.zeros_like(y), found, False
-    turn = _Turn(True, np.sqrt(np.diagonal(point.matrix)), change, np.array(_FIRST_STEP))
-    for steps in range(1, most + 1):
-        turn = _turn(point, trial, change, turn, steps == 1)
-        if turn.accepted:
-            y, point, best = y + change, trial, found
-        watch(2 * float(point.cost))
-        promised = _decrement(point, turn.units, farthest)
-        worth = _COMPARED * max(2 * float(point.cost) / data.count, 1.0) if compared else _SMALL_GAIN
-        converged = promised < worth + _SMALL_SHARE * float(point.cost)
-        if converged or float(turn.reach) < _LEAST_STEP or time.monotonic() > until:
-            break
-        change = np.clip(turn.move, -farthest, farthest)
-        found = evaluate(static, data, unpack(y + change, start, data))
-        trial = normal_equations(static, data, y + change, found, robust)
-    return data, Solution(unpack(y, start, data), 2 * float(point.cost), steps, converged, best)
+    Arguments as of `Search`."""
+    search = Search(static, data, start, robust, begun, compared)
+    search.go_on(most, watch, until)
+    return search.data, search.solution
