@@ -50,6 +50,7 @@ def fit(
     initial: np.ndarray | Sequence[np.ndarray] | None = None,
     begun: np.ndarray | None = None,
     report: Report = lambda _: None,
+    most: int = solve.MAX_STEPS,
     until: float = np.inf,
 ) -> Fit:
     """Fit a model to the records of a campaign that are not held out.
@@ -63,14 +64,15 @@ def fit(
 
     **Arguments:** `sigma`: "known" (noise floors as given or estimated), "scaled" (error bars times the error over
     noise), "fitted" (each record's own residual); `robust`: large residuals count linearly; `report`: called with
-    progress in words; `until`: the `time.monotonic()` at which the search ends where it is, not converged.
+    progress in words; `most` steps per start; `until`: the `time.monotonic()` at which the search ends where it is,
+    not converged.
 
     **Raises:** UserError if there is nothing to fit.
     """
     if not campaign.fitted_sweeps:  # a curve tells gain and quality, whatever the traces do
         model = hold_quality(hold_gain(model, campaign.fitted), campaign.fitted)
     all_else = replace(model, undetermined=model.undetermined & {gain_of(model)})
-    search = partial(minimise, robust=robust, until=until)
+    search = partial(minimise, robust=robust, most=most, until=until)
     found = search(model, campaign, starts=starts, seed=seed, initial=initial, begun=begun, report=report)
     if model.undetermined != all_else.undetermined and found.error > _AT_THE_FLOOR:
         # What is left of the record's beginning may tell the quality factor after all.
@@ -83,7 +85,7 @@ def fit(
             model, found = held, search(held, campaign, initial=initial, report=report)
     if sigma == "fitted":
         campaign = _with_residual_noise(campaign, found)
-        again = fit(model, campaign, robust=robust, initial=found.values, report=report, until=until)
+        again = fit(model, campaign, robust=robust, initial=found.values, report=report, most=most, until=until)
         return replace(again, sigma="fitted", starts=found.starts)
     report("uncertainties")
     return finish(model, campaign, found, sigma)

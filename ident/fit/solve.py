@@ -6,12 +6,14 @@ once. Every unknown is measured in units of the longest column of the Jacobian t
 suits all of them. Damping starts light, because what keeps a far start in its basin is another rule: no positive
 parameter changes by more than a factor √e in one step.
 
-A search ends by its Newton decrement, the fall of the cost that an undamped step promises, none of them longer than
-that. The size of a step says nothing: along a narrow valley every damped step is small.
+A search ends by its Newton decrement, the fall of the cost that an undamped step promises within that rule. The size of
+a step says nothing: along a narrow valley every damped step is small. At a kink, where trials are refused however
+short, it ends when even all the steps that it has would not bring what is worth one.
 
 Sources: D. W. Marquardt, An algorithm for least-squares estimation of nonlinear parameters, J. SIAM 11 (1963) 431,
 §III; J. J. Moré, The Levenberg–Marquardt algorithm, Lecture Notes in Mathematics 630 (1978) 105, §4 (units);
-S. Boyd, L. Vandenberghe, Convex Optimization, 2004, §9.5.1 (decrement).
+S. Boyd, L. Vandenberghe, Convex Optimization, 2004, §9.5.1 (decrement); P. B. Stark, R. L. Parker, Bounded-variable
+least-squares, Computational Statistics 10 (1995) 129 (the same within limits).
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
+from scipy.optimize import lsq_linear
 
 from ..programs import program
 from .coordinates import slopes
@@ -112,21 +115,23 @@ def _turn(point: Normal, trial: Normal, moved: np.ndarray, last: _Turn, first: b
 
 
 def _decrement(normal: Normal, units: np.ndarray, farthest: np.ndarray) -> float:
-    """Fall of the cost that the undamped step promises, along the directions that the data determine; infinite where
-    the model's motion is so large that it cannot be said.
+    """The largest fall of the cost, by its quadratic model, of an undamped step in which no unknown goes farther than
+    it may; infinite where the model's motion is so large that it cannot be said.
 
-    Along each direction as far as one step may go. Towards a bound slope and curvature fade together, and an unlimited
-    step would promise the same for ever.
+    Directions that the data leave free promise nothing. Towards a bound slope and curvature fade together, and an
+    unlimited step would promise the same for ever.
     """
     if not (np.all(np.isfinite(normal.matrix)) and np.all(np.isfinite(normal.gradient))):
         return np.inf
     curvature, directions = np.linalg.eigh(normal.matrix / np.outer(units, units))
-    slope = directions.T @ (normal.gradient / units)
     seen = curvature > _FLAT * curvature.max(initial=0.0)
-    step = slope[seen] / curvature[seen]
-    asked = np.max(np.abs(step * directions[:, seen]) / (units * farthest)[:, None], axis=0, initial=0.0)
-    share = 1.0 / np.maximum(asked, 1.0)
-    return float(np.sum(slope[seen] * step * (share - 0.5 * share**2)))
+    root, directions = np.sqrt(curvature[seen]), directions[:, seen]
+    pull = directions.T @ (normal.gradient / units) / root
+    reach = units * farthest
+    if np.all(np.abs(directions @ (pull / root)) <= reach):
+        return 0.5 * float(pull @ pull)
+    left = lsq_linear(root[:, None] * directions.T, pull, (-reach, reach), method="bvls").cost
+    return 0.5 * float(pull @ pull) - float(left)
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a start whose motion has no bound has no scale either
@@ -147,6 +152,11 @@ def rescale(
     scale = data.scale * share
     found = found._replace(by_x=found.by_x * share[:, None])
     return data._replace(scale=scale, anchor=coordinates), Unknowns(np.zeros_like(scale), unknowns.starts), found
+
+
+def _fall(normal: Normal, move: np.ndarray) -> float:
+    """Fall of the cost that a move promises."""
+    return -float(normal.gradient @ move + 0.5 * move @ normal.matrix @ move)
 
 
 def _farthest(data: Data) -> np.ndarray:
@@ -177,7 +187,8 @@ class Search:
         self._at = pack(self._start, self.data)
         self._point = normal_equations(static, self.data, self._at, self._best, robust)
         units = np.sqrt(np.diagonal(self._point.matrix))
-        self._turn = _Turn(True, units, np.zeros_like(self._at), np.array(_FIRST_STEP))
+        self._next = np.zeros_like(self._at)
+        self._turn = _Turn(True, units, self._next, np.array(_FIRST_STEP))
         self.steps, self.converged, self.ended = 0, False, False
 
     @property
@@ -200,8 +211,7 @@ class Search:
                 return
 
     def _step(self) -> None:
-        change = np.clip(self._turn.move, -self._farthest, self._farthest)
-        found, trial = self._best, self._point
+        change, found, trial = self._next, self._best, self._point
         if self.steps:
             found = evaluate(self.static, self.data, unpack(self._at + change, self._start, self.data))
             trial = normal_equations(self.static, self.data, self._at + change, found, self._robust)
@@ -209,10 +219,12 @@ class Search:
         self._turn = _turn(self._point, trial, change, self._turn, self.steps == 1)
         if self._turn.accepted:
             self._at, self._point, self._best = self._at + change, trial, found
+        self._next = np.clip(self._turn.move, -self._farthest, self._farthest)
         promised = _decrement(self._point, self._turn.units, self._farthest)
         worth = _COMPARED * max(self.cost / self.data.count, 1.0) if self._compared else _SMALL_GAIN
         self.converged = promised < worth + _SMALL_SHARE * float(self._point.cost)
-        self.ended = self.converged or float(self._turn.reach) < _LEAST_STEP
+        hopeless = 0.0 <= _fall(self._point, self._next) * MAX_STEPS < worth  # negative where limits bend the move
+        self.ended = self.converged or hopeless or float(self._turn.reach) < _LEAST_STEP
 
 
 def least_squares(

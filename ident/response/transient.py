@@ -27,8 +27,8 @@ from .system import Block, Equation, System, assemble, begun, derivative, readin
 from .tape import BLOCK, BLOCKS, Chunk, Tape
 
 WIDTHS = (4, 8, 12, 16, 24)
-"""Numbers of directions that one march takes: those that fill the vector units (5 of them take longer than 8). The force
-laws cost more than the directions: 24 take 1.4 times as long as 8."""
+"""Numbers of directions that one march takes: those that fill the vector units (5 of them take longer than 8). The laws
+cost more than the directions: 24 take 1.4 times as long as 8."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -188,12 +188,12 @@ def is_possible(model: Model, values: np.ndarray, effect: AbstractEffect, scales
 def accept(confirmed: Confirmed, before: Fit) -> Fit:
     """The confirmed model as a Fit with uncertainties.
 
-    The refit saw excerpts of long records; a few steps then lead near the minimum of all samples, and the walk ends
-    with a fit to all.
+    The refit saw excerpts of long records; a few steps then lead near the minimum of all samples. A search that crawls
+    along a valley of a model in the making is left there too: the walk ends with a fit of its last one.
     """
     model, campaign, values = confirmed.model, before.campaign, confirmed.values
     if not is_long(campaign):
-        return fit(model, campaign, initial=values, begun=confirmed.begun)
+        return fit(model, campaign, initial=values, begun=confirmed.begun, most=_MOST_STEPS)
     return fit_at(model, campaign, minimise(model, campaign, initial=values, most=_RACE).values)
 
 
