@@ -24,13 +24,16 @@ from .linear.guess import LinearGuess
 from .linear.one_tone import gain_of, hold_dragged, hold_gain, hold_quality
 from .on_orbits import on_orbits
 from .problem import Data, Evaluation, Static, Unknowns, evaluate
+from .race import race
 from .result import Fit, SigmaChoice, Start
 from .settled import Search, settled
 from .starts import base_values, first_guess, random_points, scales_of, starting_points
 
 _KEPT_STARTS = 4  # of the grid, the ones whose first error is smallest
+_IN_A_RACE = 6  # the same of starts whose ends are only compared
 _AT_THE_FLOOR = 1.02  # error over noise with which no further start of the grid can be better
 _REWEIGHED = 4  # times that the noise of curves is carried through the model anew, at most
+_NEAR = 0.01  # of the cost: the search itself goes the rest
 _ROUNDS = 2  # in which initial states are fitted before a search: they enter almost linearly
 _SPREAD = 0.3  # of a parameter, by which random starts move it at most
 _SETTLED = 0.01  # relative change of the cost by new weights that is not worth another search
@@ -47,6 +50,7 @@ def fit(
     initial: np.ndarray | Sequence[np.ndarray] | None = None,
     begun: np.ndarray | None = None,
     report: Report = lambda _: None,
+    most: int = solve.MAX_STEPS,
     until: float = np.inf,
 ) -> Fit:
     """Fit a model to the records of a campaign that are not held out.
@@ -60,14 +64,15 @@ def fit(
 
     **Arguments:** `sigma`: "known" (noise floors as given or estimated), "scaled" (error bars times the error over
     noise), "fitted" (each record's own residual); `robust`: large residuals count linearly; `report`: called with
-    progress in words; `until`: the `time.monotonic()` at which the search ends where it is, not converged.
+    progress in words; `most` steps per start; `until`: the `time.monotonic()` at which the search ends where it is,
+    not converged.
 
     **Raises:** UserError if there is nothing to fit.
     """
     if not campaign.fitted_sweeps:  # a curve tells gain and quality, whatever the traces do
         model = hold_quality(hold_gain(model, campaign.fitted), campaign.fitted)
     all_else = replace(model, undetermined=model.undetermined & {gain_of(model)})
-    search = partial(minimise, robust=robust, until=until)
+    search = partial(minimise, robust=robust, most=most, until=until)
     found = search(model, campaign, starts=starts, seed=seed, initial=initial, begun=begun, report=report)
     if model.undetermined != all_else.undetermined and found.error > _AT_THE_FLOOR:
         # What is left of the record's beginning may tell the quality factor after all.
@@ -80,7 +85,7 @@ def fit(
             model, found = held, search(held, campaign, initial=initial, report=report)
     if sigma == "fitted":
         campaign = _with_residual_noise(campaign, found)
-        again = fit(model, campaign, robust=robust, initial=found.values, report=report, until=until)
+        again = fit(model, campaign, robust=robust, initial=found.values, report=report, most=most, until=until)
         return replace(again, sigma="fitted", starts=found.starts)
     report("uncertainties")
     return finish(model, campaign, found, sigma)
@@ -121,33 +126,50 @@ def minimise(
     points = told or starting_points(model, base, scales)
     if not told and starts:
         points = [base, *random_points(model, base, starts, _SPREAD, seed)]
-    candidates = _first_errors(static, data, points, bool(told), begun)[: None if starts or told else _KEPT_STARTS]
+    candidates = _first_errors(static, data, points, bool(told), begun)
+    if compared or not (starts or told):
+        candidates = candidates[: _IN_A_RACE if told else _KEPT_STARTS]
     per_sample = lambda cost: float(np.sqrt(cost / data.count))
-    solutions = []
-    for number, (first, there, at, known) in enumerate(candidates, 1):
-        stage = f"least squares, start {number} of {len(candidates)}"
-        report(stage)
-        pulse = Pulse(report, stage)
-        watch = lambda cost, pulse=pulse: pulse.beat(f"error over noise {per_sample(cost):.3g}")
+
+    def begun_at(there: Data, at: Unknowns, known: Evaluation | None) -> solve.Search:
+        own = static
         if told:  # else the first search says which of several orbits a steady record shows
             own, there, at = on_orbits(static, there, records, at)
             known = None if there.steady else known
-        else:
-            own = static
-        found = solve.least_squares(own, there, at, robust, most, known, watch, compared, until)
-        solutions.append((per_sample(first), own, *found))
-        if time.monotonic() > until or (not starts and not told and per_sample(solutions[-1][3].cost) < _AT_THE_FLOOR):
-            break
+        return solve.Search(own, there, at, robust, known, compared)
+
+    def go_on(number: int, one: solve.Search, most: int) -> None:
+        stage = f"least squares, start {number} of {len(candidates)}"
+        report(stage)
+        pulse = Pulse(report, stage)
+        one.go_on(most, lambda cost: pulse.beat(f"error over noise {per_sample(cost):.3g}"), until)
+
+    if compared:
+        searches = [begun_at(*start) for _, *start in candidates]
+        race(searches, most, go_on)
+    else:
+        searches = []
+        for number, (_, *start) in enumerate(candidates, 1):
+            searches.append(begun_at(*start))
+            go_on(number, searches[-1], most)
+            enough = not starts and not told and per_sample(searches[-1].cost) < _AT_THE_FLOOR
+            if time.monotonic() > until or enough:
+                break
     # All starts had the same weights; those of the best one's model are its own.
-    chosen = min(range(len(solutions)), key=lambda i: _finite(solutions[i][3].cost))
-    first, static, data, best = solutions[chosen]
+    chosen = min(range(len(searches)), key=lambda i: _finite(searches[i].cost))
+    static, data, best = searches[chosen].static, searches[chosen].data, searches[chosen].solution
+    pulse = Pulse(report, "least squares")
+    watch = lambda cost: pulse.beat(f"error over noise {per_sample(cost):.3g}")
     search = lambda static, data, unknowns, most, begun=None: solve.least_squares(
         static, data, unknowns, robust, most, begun, watch, compared, until
     )
     static, data, best = settled(static, data, records, best, search, most, compared)
     data, best = _reweighed(static, data, best, search, most)
-    solutions[chosen] = (first, static, data, best)
-    table = tuple(Start(first, per_sample(s.cost), s.steps, s.converged) for first, _, _, s in solutions)
+    ends = [best if i == chosen else one.solution for i, one in enumerate(searches)]
+    table = tuple(
+        Start(per_sample(first), per_sample(end.cost), end.steps, end.converged)
+        for (first, *_), end in zip(candidates, ends, strict=False)
+    )
     return Minimum(static, data, best, table, scales)
 
 
@@ -193,7 +215,7 @@ def _first_errors(
         there = at_values(data, static, point)
         unknowns = begin(there, static) if begun is None else begin_at(there, static, begun)
         if known and static.starts_free:
-            unknowns, found = fit_starts(static, there, unknowns, _ROUNDS)
+            unknowns, found = fit_starts(static, there, unknowns, _ROUNDS, _NEAR)
         else:
             found = evaluate(static, there, unknowns)
         judged.append((float(found.residuals @ found.residuals), there, unknowns, found))

@@ -12,15 +12,20 @@ _LEAST = 1 / 16  # of a step: a shorter one gains nothing
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a motion without bound has no scale
-def fit_starts(static: Static, data: Data, unknowns: Unknowns, rounds: int = _ROUNDS) -> tuple[Unknowns, Evaluation]:
+def fit_starts(
+    static: Static, data: Data, unknowns: Unknowns, rounds: int = _ROUNDS, enough: float = 0.0
+) -> tuple[Unknowns, Evaluation]:
     """Gauss–Newton on the initial states alone, in so many rounds at most; they enter almost linearly, but where a loop
-    remembers them: steps that gain nothing are halved. Never worse than where it began; the model there too."""
+    remembers them: steps that gain nothing are halved. Never worse than where it began; the model there too.
+
+    `enough`: share of the cost that is not worth another round.
+    """
     light = np.where(np.arange(data.start_scale.shape[1]) < 2, 1e-6, 1.0)
     best, kept = unknowns, evaluate(static, data, unknowns)
     least, share = _cost(kept, best, light), 1.0
     for _ in range(rounds):
-        steps = _steps(data, kept, best, light)
-        if steps is None or share * np.max(np.abs(steps), initial=0.0) < _STILL:
+        steps, promised = _steps(data, kept, best, light)
+        if steps is None or share * np.max(np.abs(steps), initial=0.0) < _STILL or promised < enough * least:
             break
         trial = Unknowns(best.x, best.starts - share * steps)
         found = evaluate(static, data, trial)
@@ -36,18 +41,19 @@ def _cost(found: Evaluation, unknowns: Unknowns, light: np.ndarray) -> float:
     return float(found.residuals @ found.residuals + np.sum((light * unknowns.starts) ** 2))
 
 
-def _steps(data: Data, found: Evaluation, unknowns: Unknowns, light: np.ndarray) -> np.ndarray | None:
-    """Steps (records, s) to where the initial states would fit best if they entered linearly; None if the motion has no
-    bound."""
-    steps = np.zeros_like(unknowns.starts)
+def _steps(data: Data, found: Evaluation, unknowns: Unknowns, light: np.ndarray) -> tuple[np.ndarray | None, float]:
+    """Steps (records, s) to where the initial states would fit best if they entered linearly, None if the motion has no
+    bound; the fall of the cost that they promise."""
+    steps, promised = np.zeros_like(unknowns.starts), 0.0
     for record, own in enumerate(data.tape.slices):
         slope = found.by_start[:, own]
         gram = slope @ slope.T
         pull = slope @ found.residuals[own] + light**2 * unknowns.starts[record]
         if not (np.all(np.isfinite(gram)) and np.all(np.isfinite(pull))):
-            return None
+            return None, 0.0
         # A start of which nothing is left where samples count stays as it was read; of an overdamped motion
         # displacement and velocity at the start leave the same trace.
         inverse = np.linalg.pinv(gram + np.diag(light**2), rcond=1e-12, hermitian=True)
         steps[record] = inverse @ pull * (data.start_scale[record] > 0)
-    return steps
+        promised += float(pull @ steps[record])
+    return steps, promised

@@ -6,12 +6,14 @@ once. Every unknown is measured in units of the longest column of the Jacobian t
 suits all of them. Damping starts light, because what keeps a far start in its basin is another rule: no positive
 parameter changes by more than a factor √e in one step.
 
-A search ends by its Newton decrement, the fall of the cost that an undamped step promises, none of them longer than
-that. The size of a step says nothing: along a narrow valley every damped step is small.
+A search ends by its Newton decrement, the fall of the cost that an undamped step promises within that rule. The size of
+a step says nothing: along a narrow valley every damped step is small. At a kink, where trials are refused however
+short, it ends when even all the steps that it has would not bring what is worth one.
 
 Sources: D. W. Marquardt, An algorithm for least-squares estimation of nonlinear parameters, J. SIAM 11 (1963) 431,
 §III; J. J. Moré, The Levenberg–Marquardt algorithm, Lecture Notes in Mathematics 630 (1978) 105, §4 (units);
-S. Boyd, L. Vandenberghe, Convex Optimization, 2004, §9.5.1 (decrement).
+S. Boyd, L. Vandenberghe, Convex Optimization, 2004, §9.5.1 (decrement); P. B. Stark, R. L. Parker, Bounded-variable
+least-squares, Computational Statistics 10 (1995) 129 (the same within limits).
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
+from scipy.optimize import lsq_linear
 
 from ..programs import program
 from .coordinates import slopes
@@ -64,8 +67,14 @@ class _Turn(NamedTuple):
 
 
 @program
-def _advance(nothing: None, point: Normal, trial: Normal, moved: Any, units: Any, reach: Any, first: Any) -> tuple:
-    """Accept or reject a trial that lies `moved` away from the point, then propose the next move; as of `_Turn`."""
+def _advance(
+    nothing: None, point: Normal, trial: Normal, moved: Any, units: Any, reach: Any, first: Any, refused: Any
+) -> tuple:
+    """Accept or reject a trial that lies `moved` away from the point, then propose the next move; as of `_Turn`.
+
+    After a trial that was `refused` the trust region does not grow at once: it would, along a valley, have every second
+    trial refused.
+    """
     # Here, because whoever has the compiled program needs neither, and importing both takes a third of a second.
     import lineax as lx
     import optimistix as optx
@@ -81,13 +90,14 @@ def _advance(nothing: None, point: Normal, trial: Normal, moved: Any, units: Any
     old, new = info_of(point, units), info_of(trial, units)
     state, tree = jax.tree.flatten(search.init(still, jax.eval_shape(info_of, point, units)))
     assert len(state) == 1  # a trust region is one number
-    step, accept, _, state = search.step(first, still, moved * units, old, new, jax.tree.unflatten(tree, [reach]))
+    step, accept, _, _ = search.step(first, still, moved * units, old, new, jax.tree.unflatten(tree, [reach]))
     accept = accept & jnp.isfinite(trial.cost)
+    step = jnp.where(accept & refused, jnp.minimum(step, reach), step)
     here = Normal(*(jnp.where(accept, b, a) for a, b in zip(point, trial, strict=True)))
     units = jnp.maximum(units, jnp.sqrt(jnp.diagonal(here.matrix)))
     info = info_of(here, units)
     move, _ = descent.step(step, descent.query(still, info, descent.init(still, info)))
-    return accept, units, move / units, jax.tree.leaves(state)[0]
+    return accept, units, move / units, step
 
 
 def _turn(point: Normal, trial: Normal, moved: np.ndarray, last: _Turn, first: bool) -> _Turn:
@@ -98,27 +108,30 @@ def _turn(point: Normal, trial: Normal, moved: np.ndarray, last: _Turn, first: b
     fill = lambda normal: Normal(normal.cost, np.pad(normal.gradient, (0, more)), matrix(normal))
     units = np.pad(last.units, (0, more), constant_values=1.0)
     accept, units, move, reach = _advance(
-        None, fill(point), fill(trial), np.pad(moved, (0, more)), units, last.reach, np.array(first)
-    )
+        None, fill(point), fill(trial), np.pad(moved, (0, more)), units, last.reach, np.array(first),
+        np.array(not last.accepted),
+    )  # fmt: skip
     return _Turn(bool(accept), np.asarray(units)[:size], np.asarray(move)[:size], np.asarray(reach))
 
 
 def _decrement(normal: Normal, units: np.ndarray, farthest: np.ndarray) -> float:
-    """Fall of the cost that the undamped step promises, along the directions that the data determine; infinite where
-    the model's motion is so large that it cannot be said.
+    """The largest fall of the cost, by its quadratic model, of an undamped step in which no unknown goes farther than
+    it may; infinite where the model's motion is so large that it cannot be said.
 
-    Along each direction as far as one step may go. Towards a bound slope and curvature fade together, and an unlimited
-    step would promise the same for ever.
+    Directions that the data leave free promise nothing. Towards a bound slope and curvature fade together, and an
+    unlimited step would promise the same for ever.
     """
     if not (np.all(np.isfinite(normal.matrix)) and np.all(np.isfinite(normal.gradient))):
         return np.inf
     curvature, directions = np.linalg.eigh(normal.matrix / np.outer(units, units))
-    slope = directions.T @ (normal.gradient / units)
     seen = curvature > _FLAT * curvature.max(initial=0.0)
-    step = slope[seen] / curvature[seen]
-    asked = np.max(np.abs(step * directions[:, seen]) / (units * farthest)[:, None], axis=0, initial=0.0)
-    share = 1.0 / np.maximum(asked, 1.0)
-    return float(np.sum(slope[seen] * step * (share - 0.5 * share**2)))
+    root, directions = np.sqrt(curvature[seen]), directions[:, seen]
+    pull = directions.T @ (normal.gradient / units) / root
+    reach = units * farthest
+    if np.all(np.abs(directions @ (pull / root)) <= reach):
+        return 0.5 * float(pull @ pull)
+    left = lsq_linear(root[:, None] * directions.T, pull, (-reach, reach), method="bvls").cost
+    return 0.5 * float(pull @ pull) - float(left)
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a start whose motion has no bound has no scale either
@@ -141,10 +154,77 @@ def rescale(
     return data._replace(scale=scale, anchor=coordinates), Unknowns(np.zeros_like(scale), unknowns.starts), found
 
 
+def _fall(normal: Normal, move: np.ndarray) -> float:
+    """Fall of the cost that a move promises."""
+    return -float(normal.gradient @ move + 0.5 * move @ normal.matrix @ move)
+
+
 def _farthest(data: Data) -> np.ndarray:
     """How far each unknown may go in one step, (u,)."""
     reach = np.where(np.isfinite(data.lower), _FARTHEST / data.scale, np.inf)
     return np.concatenate([reach, np.full(data.start_scale.shape[1] * len(moving(data)), np.inf)])
+
+
+class Search:
+    """A search from one starting point that can be left and gone on with.
+
+    **Arguments:** `begun`: the model at the start, if it is known; `compared`: whether the cost is only compared with
+    another model's.
+    """
+
+    def __init__(
+        self,
+        static: Static,
+        data: Data,
+        start: Unknowns,
+        robust: bool = False,
+        begun: Evaluation | None = None,
+        compared: bool = False,
+    ):
+        self.static, self._robust, self._compared = static, robust, compared
+        self.data, self._start, self._best = rescale(static, data, start, begun)
+        self._farthest = _farthest(self.data)
+        self._at = pack(self._start, self.data)
+        self._point = normal_equations(static, self.data, self._at, self._best, robust)
+        units = np.sqrt(np.diagonal(self._point.matrix))
+        self._next = np.zeros_like(self._at)
+        self._turn = _Turn(True, units, self._next, np.array(_FIRST_STEP))
+        self.steps, self.converged, self.ended = 0, False, False
+
+    @property
+    def cost(self) -> float:
+        """Σ r² at the best point so far."""
+        return 2 * float(self._point.cost)
+
+    @property
+    def solution(self) -> Solution:
+        """Where it is."""
+        return Solution(unpack(self._at, self._start, self.data), self.cost, self.steps, self.converged, self._best)
+
+    def go_on(self, most: int, watch: Callable[[float], None] = lambda _: None, until: float = np.inf) -> None:
+        """Go on until it ends or has taken `most` steps in all; `watch`: called with Σ r² after every step; `until`:
+        the `time.monotonic()` after which no step is begun."""
+        while self.steps < most and not self.ended:
+            self._step()
+            watch(self.cost)
+            if time.monotonic() > until:
+                return
+
+    def _step(self) -> None:
+        change, found, trial = self._next, self._best, self._point
+        if self.steps:
+            found = evaluate(self.static, self.data, unpack(self._at + change, self._start, self.data))
+            trial = normal_equations(self.static, self.data, self._at + change, found, self._robust)
+        self.steps += 1
+        self._turn = _turn(self._point, trial, change, self._turn, self.steps == 1)
+        if self._turn.accepted:
+            self._at, self._point, self._best = self._at + change, trial, found
+        self._next = np.clip(self._turn.move, -self._farthest, self._farthest)
+        promised = _decrement(self._point, self._turn.units, self._farthest)
+        worth = _COMPARED * max(self.cost / self.data.count, 1.0) if self._compared else _SMALL_GAIN
+        self.converged = promised < worth + _SMALL_SHARE * float(self._point.cost)
+        hopeless = 0.0 <= _fall(self._point, self._next) * MAX_STEPS < worth  # negative where limits bend the move
+        self.ended = self.converged or hopeless or float(self._turn.reach) < _LEAST_STEP
 
 
 def least_squares(
@@ -159,27 +239,7 @@ def least_squares(
     until: float = np.inf,
 ) -> tuple[Data, Solution]:
     """Minimise from one starting point in at most so many steps; the data as rescaled there, and the solution.
-
-    `begun`: the model at the start, if it is known; `watch`: called with Σ r² after every step; `compared`: whether the
-    cost is only compared with another model's; `until`: the `time.monotonic()` after which no step is begun.
-    """
-    data, start, found = rescale(static, data, start, begun)
-    farthest = _farthest(data)
-    y = pack(start, data)
-    point = trial = normal_equations(static, data, y, found, robust)
-    change, best, converged = np.zeros_like(y), found, False
-    turn = _Turn(True, np.sqrt(np.diagonal(point.matrix)), change, np.array(_FIRST_STEP))
-    for steps in range(1, most + 1):
-        turn = _turn(point, trial, change, turn, steps == 1)
-        if turn.accepted:
-            y, point, best = y + change, trial, found
-        watch(2 * float(point.cost))
-        promised = _decrement(point, turn.units, farthest)
-        worth = _COMPARED * max(2 * float(point.cost) / data.count, 1.0) if compared else _SMALL_GAIN
-        converged = promised < worth + _SMALL_SHARE * float(point.cost)
-        if converged or float(turn.reach) < _LEAST_STEP or time.monotonic() > until:
-            break
-        change = np.clip(turn.move, -farthest, farthest)
-        found = evaluate(static, data, unpack(y + change, start, data))
-        trial = normal_equations(static, data, y + change, found, robust)
-    return data, Solution(unpack(y, start, data), 2 * float(point.cost), steps, converged, best)
+    Arguments as of `Search`."""
+    search = Search(static, data, start, robust, begun, compared)
+    search.go_on(most, watch, until)
+    return search.data, search.solution

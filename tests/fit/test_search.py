@@ -1,10 +1,13 @@
-"""How a search ends: where no parameter is worth a step, and near a bound too."""
+"""How a search ends: where no parameter is worth a step, and near a bound too; and which of several goes on."""
 
 from __future__ import annotations
+
+from collections import Counter
 
 import numpy as np
 
 from ident.fit.normal import Normal
+from ident.fit.race import race
 from ident.fit.solve import _decrement
 
 
@@ -18,3 +21,34 @@ def test_towards_a_bound_a_step_promises_no_more_than_it_reaches() -> None:
     assert np.all(np.array(promised) <= 0.5 * np.array([1.0, 1e-2, 1e-4]))
     free = Normal(np.array(0.5), np.array([1e-2, 0.0]), np.diag([1e-4, 1.0]))
     assert _decrement(free, np.ones(2), np.full(2, np.inf)) == 0.5  # as the books have it
+
+
+def test_an_unknown_that_may_hardly_move_does_not_hold_back_one_that_may() -> None:
+    """Both bend the residuals alike. Along the common directions a step is as short as the first may go, and it
+    promised nothing: searches ended at 230 times the cost of their minimum."""
+    normal = Normal(np.array(60.0), np.array([0.0, 10.0]), np.array([[1.0, 0.9], [0.9, 1.0]]))
+    promised = _decrement(normal, np.ones(2), np.array([1e-9, np.inf]))
+    assert np.isclose(promised, 50.0, rtol=1e-6)  # of the second alone, 10²/2
+
+
+class _Falling:
+    """A search whose cost is known at every step."""
+
+    def __init__(self, costs: list[float]):
+        self.costs, self.steps = costs, 0
+
+    @property
+    def cost(self) -> float:
+        return self.costs[min(self.steps, len(self.costs)) - 1]
+
+
+def test_ever_fewer_starts_go_on() -> None:
+    fast, late, lost, worse = (_Falling([9, 5, c, c / 2, c / 4]) for c in (2.0, 3.0, float("inf"), 4.0))
+    taken: Counter[int] = Counter()
+
+    def go_on(number: int, one: _Falling, most: int) -> None:
+        taken[number] += most - one.steps
+        one.steps = most
+
+    race([worse, fast, lost, late], 20, go_on)  # type: ignore[arg-type, list-item]
+    assert taken == {1: 3, 3: 3, 4: 6, 2: 20}

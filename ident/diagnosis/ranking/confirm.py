@@ -3,7 +3,7 @@ predicts."""
 
 from __future__ import annotations
 
-import itertools
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -44,13 +44,13 @@ class Confirmed(NamedTuple):
     begun: np.ndarray | None = None
 
 
-_MOST_STARTS = 6
+_FREED = 5  # points of earlier shapes from which a refit starts too
 _SPRING = ("force", ("z",))  # what a law of the displacement alone depends on
 _ABSENT = 0.05  # of an effect's largest amplitude: a smaller one is as good as none
 _FAINT = 0.01  # of what the score predicts: nearly absent, so that the motion is the one without it
 _OFF_BOUND = 3.0
 _LEAVES = 1.2  # χ² per sample: a memory that leaves more may have started in the wrong place
-_RACE = 12  # steps of every start; the best one goes on
+_RACE = 12  # steps of the best start, before earlier shapes are freed
 _MOST_STEPS = 60  # a rival that needs more crawls along a valley and comes no nearer
 
 
@@ -84,26 +84,22 @@ def _refitted(
     starts = [np.concatenate([base, start_of(model, one, before.scales)]) for one in scored]
     if candidate.beside is not None:
         starts.insert(1, np.concatenate([candidate.beside, start_of(model, candidate, before.scales)]))
-    own = _winner(model, before, starts)
-    found = weigh(regression, model, candidate, _winner(model, before, [own, *_reprofiled(model, own, before)]), most)
+    if freed := _grids(model, before):
+        own = minimise(model, before.campaign, initial=starts, most=_RACE, compared=True).values
+        starts = [own, *(_with(own, i, value) for i, value in freed)]
+    found = weigh(regression, model, candidate, starts, most)
     if np.isfinite(found.chi2):
         if takes_over(model) and found.chi2 > _LEAVES * regression.n:
             taken = split_starts(regression, model, base)
-            other = weigh(regression, model, candidate, _winner(model, before, taken), most) if taken else found
+            starts = [found.values, *taken] if found.possible else taken  # else it could win, and be refused
+            other = weigh(regression, model, candidate, starts, most) if taken else found
             return min(found, other, key=lambda one: (not one.possible, one.chi2))
         return found
     # Damping of the wrong sign, as scores may predict it where little is known, has no motion to start from.
     amplitudes = {p.name for p in model.effects[-1].declared() if p.kind == "amplitude"}
     faint = {name: _FAINT * value for name, value in candidate.values.items() if name in amplitudes}
     start = start_of(model, candidate._replace(values={**candidate.values, **faint}), before.scales)
-    return weigh(regression, model, candidate, np.concatenate([base, start]), most)
-
-
-def _winner(model: Model, before: Fit, starts: list[np.ndarray]) -> np.ndarray:
-    """Where the best of several starts is after a few steps; a single one as it is."""
-    if len(starts) == 1:
-        return starts[0]
-    return minimise(model, before.campaign, initial=starts[:_MOST_STARTS], most=_RACE, compared=True).values
+    return weigh(regression, model, candidate, [np.concatenate([base, start])], most)
 
 
 def with_effect(before: Fit, effect: type[AbstractEffect]) -> Model:
@@ -127,13 +123,15 @@ def base_of(regression: Regression) -> np.ndarray:
     return values
 
 
-def weigh(regression: Regression, model: Model, candidate: Candidate, start: np.ndarray, most: int) -> Confirmed:
-    """Refit a model from a start, in at most so many steps, and weigh it against the regression's own.
+def weigh(
+    regression: Regression, model: Model, candidate: Candidate, starts: Sequence[np.ndarray], most: int
+) -> Confirmed:
+    """Refit a model from the best of some starts, in at most so many steps, and weigh it against the regression's own.
 
     Of the last effect's amplitudes with one sign those that end on the wrong side are held at zero and the rest is
     refitted: a stop may stand on one side only. An effect of which nothing remains is impossible.
     """
-    found = _weighed(regression, model, candidate, start, most)
+    found = _weighed(regression, model, candidate, starts, most)
     if found.possible or not np.isfinite(found.chi2):
         return found
     one_sided = {f"{model.effects[-1].name}.{p.name}" for p in model.effects[-1].declared() if p.one_sided}
@@ -143,11 +141,13 @@ def weigh(regression: Regression, model: Model, candidate: Candidate, start: np.
     bounded = replace(model, held=model.held | {model.parameters[i].name for i in wrong})
     values = found.values.copy()
     values[wrong] = 0.0
-    return _weighed(regression, bounded, candidate, values, most)
+    return _weighed(regression, bounded, candidate, [values], most)
 
 
-def _weighed(regression: Regression, model: Model, candidate: Candidate, start: np.ndarray, most: int) -> Confirmed:
-    found = minimise(model, regression.fit.campaign, initial=start, most=most, compared=True)
+def _weighed(
+    regression: Regression, model: Model, candidate: Candidate, starts: Sequence[np.ndarray], most: int
+) -> Confirmed:
+    found = minimise(model, regression.fit.campaign, initial=starts, most=most, compared=True)
     readings = found.best.found.readings
     rows = [
         (record.response - readings[own])[None]
@@ -188,12 +188,12 @@ def is_possible(model: Model, values: np.ndarray, effect: AbstractEffect, scales
 def accept(confirmed: Confirmed, before: Fit) -> Fit:
     """The confirmed model as a Fit with uncertainties.
 
-    The refit saw excerpts of long records; a few steps then lead near the minimum of all samples, and the walk ends
-    with a fit to all.
+    The refit saw excerpts of long records; a few steps then lead near the minimum of all samples. A search that crawls
+    along a valley of a model in the making is left there too: the walk ends with a fit of its last one.
     """
     model, campaign, values = confirmed.model, before.campaign, confirmed.values
     if not is_long(campaign):
-        return fit(model, campaign, initial=values, begun=confirmed.begun)
+        return fit(model, campaign, initial=values, begun=confirmed.begun, most=_MOST_STEPS)
     return fit_at(model, campaign, minimise(model, campaign, initial=values, most=_RACE).values)
 
 
@@ -215,17 +215,18 @@ def start_of(model: Model, candidate: Candidate | None, scales: DataScales) -> n
     return np.array(values)
 
 
-def _reprofiled(model: Model, first: np.ndarray, before: Fit) -> list[np.ndarray]:
-    """Starts with the shapes of earlier effects at each point of their grids."""
-    starts = []
-    for i, p in enumerate(model.parameters[: len(before.values)]):
-        if p.kind == "shape" and p.fitted and len(p.grid) > 1:
-            for g in p.grid:
-                point = first.copy()
-                point[i] = g * getattr(before.scales, p.scale)
-                starts.append(point)
-    return (
-        starts
-        if len(starts) < _MOST_STARTS
-        else list(itertools.islice(starts, 0, None, len(starts) // _MOST_STARTS + 1))
-    )
+def _grids(model: Model, before: Fit) -> list[tuple[int, float]]:
+    """Position and value of the shapes of earlier effects at the points of their grids, a few of all."""
+    points = [
+        (i, g * getattr(before.scales, p.scale))
+        for i, p in enumerate(model.parameters[: len(before.values)])
+        if p.kind == "shape" and p.fitted and len(p.grid) > 1
+        for g in p.grid
+    ]
+    return points[:: max(-(-len(points) // _FREED), 1)]
+
+
+def _with(values: np.ndarray, index: int, value: float) -> np.ndarray:
+    changed = values.copy()
+    changed[index] = value
+    return changed

@@ -38,7 +38,7 @@ def _glimpsed(regression: Regression, candidate: Candidate, effect: type[Abstrac
     before = regression.fit
     model = with_effect(before, effect)
     start = np.concatenate([base_of(regression), start_of(model, candidate, before.scales)])
-    found = weigh(regression, model, candidate, start, FEW)
+    found = weigh(regression, model, candidate, [start], FEW)
     if not np.isfinite(found.chi2):
         return candidate._replace(drop=0.0, predicted_gain=0.0)
     return candidate._replace(

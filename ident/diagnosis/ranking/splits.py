@@ -11,7 +11,6 @@ import itertools
 
 import numpy as np
 
-from ...fit.fit import minimise
 from ...model import Model
 from ...response import Equation
 from ..linearised.columns import Terms, contributions, no_histories
@@ -19,7 +18,6 @@ from ..linearised.regression import Regression
 
 _SHARES = (0.3, 0.6)  # of the stiffness, taken over
 _LEAST_DAMPING = 0.1  # of the linear part's: what is left to it at the least
-_FEW, _KEPT = 3, 2  # steps after which the better starts are known, and how many of them go on
 
 
 def takes_over(model: Model) -> bool:
@@ -29,7 +27,7 @@ def takes_over(model: Model) -> bool:
 
 
 def split_starts(regression: Regression, model: Model, base: np.ndarray) -> list[np.ndarray]:
-    """The best starts (m,) SI of a model whose last effect carries a part of the stiffness, over its whole grid.
+    """Starts (m,) SI of a model whose last effect carries a part of the stiffness, over its whole grid.
 
     **Arguments:** `base`: values of the parameters before that effect's.
     """
@@ -56,9 +54,7 @@ def split_starts(regression: Regression, model: Model, base: np.ndarray) -> list
             start[0] = base[0] * np.sqrt(1 - share)
             start[1] = 2 * np.pi * start[0] * mass / left
             starts.append(start)
-    campaign = regression.fit.campaign
-    ended = [minimise(model, campaign, initial=start, most=_FEW) for start in starts]
-    return [found.values for found in sorted(ended, key=lambda found: found.error)[:_KEPT]]
+    return starts
 
 
 def _likeness(regression: Regression, model: Model, values: np.ndarray, size: int) -> list[tuple[float, float]]:

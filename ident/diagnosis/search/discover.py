@@ -94,7 +94,7 @@ def continue_from(
         if needed.names != tuple(s.added for s in steps):
             steps = _replayed(start, needed, library, at_best)
             steps = _without_refuted(start, steps, prepare(working(steps[-1].fit)))  # the laws before it have changed
-    if steps and is_long(start.campaign):
+    if steps and (is_long(start.campaign) or not steps[-1].fit.converged):
         report("fitting all samples")
         last = steps[-1].fit
         steps[-1] = steps[-1]._replace(fit=fit(last.model, last.campaign, initial=last.values))
