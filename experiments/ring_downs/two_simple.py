@@ -1,4 +1,6 @@
-"""A pendulum in air, let go: drag and softening, or one law with many shapes?  `python -m experiments.ring_downs.two_simple`
+"""A pendulum in air, let go: drag and softening, or one law with many shapes?
+
+Run by `python -m experiments.ring_downs.two_simple`.
 
 The angle of a pendulum with quadratic drag, integrated by SciPy, is read by a camera:
 
@@ -92,7 +94,8 @@ def main() -> None:
             told.append(set(names) >= HIDDEN or any(set(step.tie_set) >= HIDDEN for step in found.steps))
             print(f"seed {seed} let go from {often}, angle {case.angle:.2f}, drag {case.drag:.3f}, noise "
                   f"{case.noise / case.angle:.2%}: {found.verdict:14} {walked:60} "
-                  f"{found.start.fitted.error_over_noise:.3g} -> {found.final.fitted.error_over_noise:.3f}", flush=True)  # fmt: skip
+                  f"{found.start.fitted.error_over_noise:.3g} -> {found.final.fitted.error_over_noise:.3f}",
+                  flush=True)  # fmt: skip
     print(f"{len(told)} campaigns: drag and softening are the answer, or one of two, in {np.mean(told):.2f}")
     assert np.mean(told) > HALF_OF_THEM, told
 

@@ -22,7 +22,7 @@ def is_that_member(
     """Whether a family is to be called by the name of one of its members: it leaves less than that, but by no more than
     puts a name in doubt.
 
-    No device has a law of a whole power to the last digit, and to say "quadratic" is not wrong because a fit finds 1.96.
+    No device has a law of a whole power to the last digit: to say "quadratic" is not wrong because a fit finds 1.96.
 
     **Arguments:** χ² left by either, and the `excess` over noise of the fit without them.
     """

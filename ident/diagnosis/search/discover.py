@@ -308,9 +308,7 @@ def _in_order(tried: list[Confirmed], regression: Regression) -> list[Confirmed]
     if not order:
         return []
     first = type(order[0].model.effects[-1])
-    member = lambda found: is_that_member(
-        first, found.model.effects[-1], order[0].chi2, found.chi2, regression.excess
-    )
+    member = lambda found: is_that_member(first, found.model.effects[-1], order[0].chi2, found.chi2, regression.excess)
     return sorted(order, key=lambda found: not member(found))
 
 

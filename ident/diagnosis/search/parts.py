@@ -18,7 +18,6 @@ from ..ranking.confirm import accept, confirm
 from ..ranking.score import score, significant
 from .change import try_without
 
-
 _TWO = 2  # numbers that two effects have at least
 
 

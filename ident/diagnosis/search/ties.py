@@ -75,10 +75,10 @@ def tie_set(
     what chance gives it, 1, and not the ln n that selects a model: an effect that explains the data with one number
     more is still an explanation. Only a law that contains the best one as a part pays, where there are traces, the full
     price for its other parts, and is that one itself where they take no more than chance; a family is its member also
-    where it takes less than puts a name in doubt. n counts the independent samples in what the best one leaves. Refits replace predictions where there are any; where there are none, an effect
-    whose signature is nearly the same, or is known to pass for the other, stays in. Where noise is small against the
-    misfit, laws of one kind differ by more than noise: a refit within that stays in, unless it needs several numbers
-    more to come as close.
+    where it takes less than puts a name in doubt. n counts the independent samples in what the best one leaves.
+    Refits replace predictions where there are any; where there are none, an effect whose signature is nearly the same,
+    or is known to pass for the other, stays in. Where noise is small against the misfit, laws of one kind differ by
+    more than noise: a refit within that stays in, unless it needs several numbers more to come as close.
 
     **Arguments:** `candidates`: as scored on the same regression; `confirmed`: refits of some of them.
     """

@@ -12,9 +12,9 @@ class PowerLawStiffness(AbstractEffect):
     """A spring that hardens or softens by a power of the displacement: F = −k z (|z/z₀|ⁿ⁻¹ − 1)/(n − 1), n fitted.
 
     z₀ is the largest displacement measured; there the linear spring has its whole force, and k is how much the
-    stiffness F/z grows with ln z. k > 0 hardens, k < 0 softens, whatever n. A law |z|ⁿ and no linear spring beside
-    it is k = (n − 1) times the linear stiffness: contacts of round bodies have n = 3/2 (Hertz), cones 2, rubber and wire
-    ropes 0.7-1.3; n = 3 is a cubic spring, n → 1 the stiffness k ln z. Below a hundredth of z₀ it is constant.
+    stiffness F/z grows with ln z. k > 0 hardens, k < 0 softens, whatever n. A law |z|ⁿ with no linear spring beside it
+    is k = (n − 1) times the linear stiffness: contacts of round bodies have n = 3/2 (Hertz), of cones 2, rubber and
+    wire ropes 0.7-1.3; n = 3 is a cubic spring, n → 1 the stiffness k ln z. Below a hundredth of z₀ it is constant.
     """
 
     name = "power-law-stiffness"
