@@ -27,7 +27,7 @@ runtime.configure()
 from ident.campaign import read_campaign  # noqa: E402  (JAX must be configured first)
 from ident.diagnosis.search.discover import discover  # noqa: E402
 from ident.diagnosis.search.steps import Discovery  # noqa: E402
-from ident.effects.registry import built_in  # noqa: E402
+from ident.effects.registry import Registry, built_in  # noqa: E402
 from ident.fit.linear.start_model import start_model  # noqa: E402
 
 PER_PERIOD = 20
@@ -70,12 +70,14 @@ def write(case: Pendulum, folder: Path, levels: tuple[float, ...], periods: int)
     (folder / "campaign.toml").write_text(text, encoding="utf-8")
 
 
-def found_in(case: Pendulum, levels: tuple[float, ...], periods: int = 60) -> Discovery:
+def found_in(
+    case: Pendulum, levels: tuple[float, ...], periods: int = 60, library: Registry | None = None
+) -> Discovery:
     """What the tool makes of it."""
     with tempfile.TemporaryDirectory() as folder:
         write(case, Path(folder), levels, periods)
         campaign = read_campaign(folder)
-        return discover(start_model(campaign), campaign, built_in())
+        return discover(start_model(campaign), campaign, library or built_in())
 
 
 def main() -> None:
