@@ -72,6 +72,8 @@ def take_apart(
                 current = accept(trial, current)
                 regression, names = prepare(current), [*names, best.name]
             for early in names[:-1]:  # taken up for want of those that came later
+                if current.model.carries(early):
+                    continue
                 less = try_without(current, early, start)
                 if behind(rest := prepare(less), regression) < 0:
                     current, regression, names = less, rest, [other for other in names if other != early]
