@@ -43,7 +43,15 @@ LIBRARY = {
     "power-law-stiffness",
     "power-law-damping",
 }
-SHARP = {"coulomb-friction", "power-law-damping", "stribeck-friction", "end-stop", "bouc-wen", "bouc-wen-drive", "prandtl-ishlinskii"}
+SHARP = {
+    "coulomb-friction",
+    "power-law-damping",
+    "stribeck-friction",
+    "end-stop",
+    "bouc-wen",
+    "bouc-wen-drive",
+    "prandtl-ishlinskii",
+}
 STRENGTH = {"residual-stress": 0.5, "arch-force": 4.0, "coulomb-friction": 5e-4, "stribeck-friction": 5e-4}
 
 
