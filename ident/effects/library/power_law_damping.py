@@ -17,8 +17,8 @@ class PowerLawDamping(AbstractEffect):
     name = "power-law-damping"
     equation = "F = −c |ż/v₀|ⁿ sign ż"
     source = (
-        "Rudinger, Tuned mass damper with fractional derivative and nonlinear damping, 2007, Eng. Struct. 29, 1; "
-        "n of fluid dampers: Soong & Constantinou (eds.), Passive and Active Structural Vibration Control, 1994, ch. 3"
+        "Soong & Constantinou (eds.), Passive and Active Structural Vibration Control in Civil Engineering, 1994 "
+        "(fluid dampers); n = 0 and 2: Nayfeh & Mook, Nonlinear Oscillations, 1979, ch. 3"
     )
     mistaken_for = ("squeeze-film-damping",)
     contains = ("coulomb-friction", "quadratic-damping", "cubic-damping")

@@ -20,8 +20,8 @@ class PowerLawStiffness(AbstractEffect):
     name = "power-law-stiffness"
     equation = "F = −k z (|z/z₀|ⁿ⁻¹ − 1)/(n − 1)"
     source = (
-        "Kovacic & Rakaric, Oscillators with a fractional-order restoring force, 2010, Commun. Nonlinear Sci. Numer. "
-        "Simul. 15, 1888; contacts: K. L. Johnson, Contact Mechanics, 1985, §4.2 and §5.2"
+        "I. Kovacic, Nonlinear Oscillations: Exact Solutions and their Approximations, 2020, ch. 2; "
+        "contacts: K. L. Johnson, Contact Mechanics, 1985, §4.2 and §5.2"
     )
     mistaken_for = ("end-stop",)
     contains = ("cubic-stiffness",)
