@@ -87,21 +87,23 @@ LAWS: tuple[Law, ...] = (
     Law("sensor-offset", "sensor", ("1",), alike=("static-force",)),
     Law("sine-force", "force", ("z",), lambda rng, own: (rng.uniform(3.0, 6.0), 0.0, 0.0), in_library=False),
     Law("voltage-quadratic-stiffness", "force", ("z", "e"), in_library=False),
-    Law("root-stiffness", "force", ("z",), in_library=False),
+    Law("power-law-stiffness", "force", ("z",), lambda rng, own: (rng.uniform(1.3, 1.8) if own else 1.5, 0.0, 0.0)),
     Law("voltage-damping", "force", ("v", "e"), in_library=False),
     Law("stribeck-friction", "force", ("v",), lambda rng, own: (0.005, rng.uniform(0.5, 1.5), rng.uniform(0.1, 0.3)),
         in_library=False),
     # Where the plate is, in either direction.
     Law("electrostatic-force", "force", ("z", "e"),
         lambda rng, own: (rng.choice([-1, 1]) * rng.uniform(2.0, 5.0), 0.0, 0.0)),
+    Law("power-law-damping", "force", ("v",),
+        lambda rng, own: (rng.choice([rng.uniform(0.4, 0.7), rng.uniform(1.3, 1.7)]) if own else 1.5, 0.0, 0.0)),
 )  # fmt: skip
 
 NAMES = tuple(law.name for law in LAWS)
 INDEX = {name: i for i, name in enumerate(NAMES)}
 
 (STRESS, ARCH, CUBIC, QUADRATIC, VOLT, K_DRIFT, STOP, STATIC, MODE, VISCO, COULOMB, V2, V3, SQUEEZE, C_DRIFT, BOUC,
- PZT, PLAYS, BOUC_E, E2, CREEP, LAG_E, BEND, LAG_S, CROSS, S_DRIFT, OFFSET, SINE, Z2E, ROOT, VE, STRIBECK,
- PLATE) = range(len(LAWS))  # fmt: skip
+ PZT, PLAYS, BOUC_E, E2, CREEP, LAG_E, BEND, LAG_S, CROSS, S_DRIFT, OFFSET, SINE, Z2E, POWER_Z, VE, STRIBECK,
+ PLATE, POWER_V) = range(len(LAWS))  # fmt: skip
 
 
 @njit(error_model="numpy")
@@ -172,8 +174,10 @@ def force(z, v, e, t, h, q1, q2, c, s, g):
     if c[SINE] != 0:
         f -= c[SINE] * math.sin(s[SINE, 0] * z)
     f -= c[Z2E] * z * z * e + c[VE] * e * v
-    if c[ROOT] != 0:
-        f -= c[ROOT] * z * math.sqrt(abs(z))
+    if c[POWER_Z] != 0:
+        f -= c[POWER_Z] * z * abs(z) ** (s[POWER_Z, 0] - 1)
+    if c[POWER_V] != 0:
+        f -= c[POWER_V] * math.copysign(abs(v) ** s[POWER_V, 0], v)
     if c[STRIBECK] != 0:
         peak = 1 + s[STRIBECK, 1] * math.exp(-((v / s[STRIBECK, 2]) ** 2))
         f -= c[STRIBECK] * math.tanh(v / s[STRIBECK, 0]) * peak

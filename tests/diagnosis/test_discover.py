@@ -38,8 +38,8 @@ def test_nothing_is_named_where_nothing_is_hidden() -> None:
     assert found.final.fitted.error_over_noise < 1.1
 
 
-@pytest.mark.parametrize("effect", ["root-stiffness", "voltage-damping"])
-def test_a_law_that_no_library_has_gets_no_name_that_is_sure(effect: str) -> None:
+@pytest.mark.parametrize("effect", ["power-law-stiffness", "voltage-damping"])
+def test_a_law_that_the_library_has_not_gets_no_name_that_is_sure(effect: str) -> None:
     found = discovered(33, effect)
     assert found.start.fitted.error_over_noise > 5
     assert found.verdict in ("ambiguous", "not-in-library")

@@ -7,6 +7,8 @@ import pytest
 
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
+from experiments.ring_downs.two_simple import LEVELS, found_in
+from experiments.ring_downs.two_simple import draw as draw_pendulum
 from ident.campaign.device import Oscillator, Platform
 from ident.diagnosis.diagnose import measure_next
 from ident.diagnosis.ranking.confirm import is_possible
@@ -47,6 +49,16 @@ def test_where_one_name_does_as_well_as_two_both_answers_are_given() -> None:
     assert step.instead is not None and set(step.instead.names) == hidden
     for proposed in measure_next(found, built_in()):
         assert {"residual-stress", " and ".join(step.instead.names)} == set(proposed.separates)
+
+
+@pytest.mark.parametrize("levels", LEVELS.values(), ids=LEVELS)
+def test_drag_and_softening_of_a_decay_are_no_hysteresis(levels: tuple[float, ...]) -> None:
+    """A loop with four numbers bends to both, and came first, alone and sure."""
+    names = ("bouc-wen", "quadratic-damping", "cubic-damping", "cubic-stiffness")
+    found = found_in(draw_pendulum(8104), levels, library={name: built_in()[name] for name in names})
+    told = {name for step in found.steps for name in step.tie_set}
+    assert {"quadratic-damping", "cubic-stiffness"} <= told and "cubic-damping" not in told
+    assert found.verdict == "ambiguous" and any(step.instead for step in found.steps)
 
 
 def test_a_friction_that_drives_is_no_friction() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -13,8 +14,9 @@ from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.diagnosis.evidence.equivalences import EQUIVALENCES, equivalence, what_separates
+from ident.diagnosis.evidence.family import is_family_of
 from ident.diagnosis.linearised.regression import Regression, prepare
-from ident.diagnosis.ranking.score import Candidate
+from ident.diagnosis.ranking.score import Candidate, score
 from ident.diagnosis.search.discover import discover
 from ident.diagnosis.search.ties import independent_of, tie_set, unseen
 from ident.effects.registry import built_in
@@ -97,6 +99,27 @@ def test_a_law_that_contains_another_is_that_one_where_its_further_numbers_say_n
     library = {name: LIBRARY[name] for name in ("electrostriction", "electrostatic-force", "coulomb-friction")}
     found = discover(Model(campaign.device), campaign, library)
     assert [step.tie_set for step in found.steps] == [(hidden,)] and found.verdict == "identified"
+
+
+@pytest.mark.parametrize(("hidden", "law"), [("quadratic-damping", "own"), ("power-law-damping", "plain")])
+def test_a_family_is_called_by_its_member_where_it_is_one(hidden: str, law: Literal["own", "plain"]) -> None:
+    """A device's drag is quadratic but for its slowest motion; a fitted power of 2.1 then leaves less, and had become
+    the name."""
+    case = draw(7300, (hidden,), size=0.02, noise=0.01, detail=law)
+    campaign = campaign_of(case)
+    library = {name: LIBRARY[name] for name in ("quadratic-damping", "cubic-damping", "power-law-damping")}
+    found = discover(Model(campaign.device), campaign, library)
+    assert [step.tie_set for step in found.steps] == [(hidden,)] and found.verdict == "identified"
+    if hidden == "power-law-damping":
+        assert found.final["exponent"].value == pytest.approx(1.5, abs=4 * (found.final["exponent"].error or 0.0))
+
+
+def test_beside_a_member_its_family_is_no_further_law(regression: Regression) -> None:
+    member = LIBRARY["cubic-damping"]()
+    beside = replace(regression, fit=replace(regression.fit, model=regression.fit.model + member), scored={})
+    assert is_family_of(LIBRARY["power-law-damping"], member)
+    assert not is_family_of(LIBRARY["residual-stress"], LIBRARY["cubic-stiffness"]())  # the drive acts there, too
+    assert score(beside, {"power-law-damping": LIBRARY["power-law-damping"]}) == []
 
 
 def test_on_curves_a_law_that_contains_another_stays_beside_it(regression: Regression) -> None:

@@ -19,7 +19,7 @@ from tests.effects.harness import STIFFNESS, make, measured
 
 INTERFACE = (
     "residual-stress, arch-force, cubic-stiffness, quadratic-stiffness, voltage-stiffness, stiffness-drift, end-stop, "
-    "quintic-stiffness, third-mode, fourth-mode, fifth-mode, sixth-mode, "
+    "quintic-stiffness, power-law-stiffness, power-law-damping, third-mode, fourth-mode, fifth-mode, sixth-mode, "
     "static-force, second-mode, viscoelastic-support, coulomb-friction, quadratic-damping, cubic-damping, "
     "squeeze-film-damping, damping-drift, bouc-wen, pzt-hysteresis, prandtl-ishlinskii, bouc-wen-drive, "
     "electrostriction, electrostatic-force, creep, drive-lag, sensor-nonlinearity, sensor-lag, sensor-crosstalk, "

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from ident.effects.effect import Drive, State
 from tests.effects.harness import (
     DAMPING,
     DURATION,
@@ -52,6 +53,14 @@ SMOOTH_LAWS = {
 
 KINKED_LAWS = {
     "quadratic-damping": (dict(c2=C / 2e-2), lambda t, z, v, h: -C * v * abs(v) / 2e-2),
+    "power-law-stiffness": (
+        dict(stiffness=0.1 * K, exponent=2.2, displacement=5e-6),
+        lambda t, z, v, h: -0.1 * K * z * (abs(z / 5e-6) ** 1.2 - 1) / 1.2,
+    ),
+    "power-law-damping": (
+        dict(damping=C * 2e-2, exponent=1.4, velocity=2e-2),
+        lambda t, z, v, h: -C * v * abs(v / 2e-2) ** 0.4,
+    ),
     "coulomb-friction": (
         dict(friction=0.05 * C * 2e-2, velocity=4e-4),
         lambda t, z, v, h: -0.05 * C * 2e-2 * np.tanh(v / 4e-4),
@@ -85,6 +94,24 @@ def test_end_stop_is_a_bumper_or_a_hertzian_contact_on_either_side(exponent, abo
 
     stop = make("end-stop", above=above * K, below=below * K, gap=gap, exponent=exponent, asymmetry=lower / gap)
     assert_agrees(stop, Physics(force), KINKED)
+
+
+def test_power_laws_contain_the_named_ones():
+    z, v = np.linspace(-5e-6, 5e-6, 41), np.linspace(-2e-2, 2e-2, 41)
+    largest = {"displacement": 5e-6}
+
+    def push(name, **values):
+        return np.array(make(name, **values).force(State(z, v), Drive(0.0, 0.0, 1.0, 1.0), 0.0))
+
+    cubic = push("power-law-stiffness", stiffness=2.0, exponent=3.0, **largest)
+    np.testing.assert_allclose(cubic, push("cubic-stiffness", k3=1 / 25e-12) + z, atol=2e-4 * 5e-6)
+    for exponent in (1.0, 1.0 + 1e-9, 1.0 + 1e-5):
+        near = push("power-law-stiffness", stiffness=2.0, exponent=exponent, **largest)
+        np.testing.assert_allclose(near, -z * np.log((z / 5e-6) ** 2 + 1e-4), atol=1e-4 * 5e-6)
+    for exponent, part in ((2.0, dict(c2=1 / 4e-4)), (3.0, dict(c3=1 / 8e-6))):
+        name = {2.0: "quadratic-damping", 3.0: "cubic-damping"}[exponent]
+        found = push("power-law-damping", damping=1.0, exponent=exponent, velocity=2e-2)
+        np.testing.assert_allclose(found, push(name, **part), atol=2e-4)
 
 
 def test_second_mode_is_a_second_oscillator_under_the_same_voltage():

@@ -12,7 +12,7 @@ def test_the_law_itself_leaves_nothing() -> None:
 
 
 def test_another_law_leaves_what_can_be_seen() -> None:
-    case = draw(3, ("root-stiffness",), size=0.02, noise=0.003, length=800, records=4)
+    case = draw(3, ("power-law-stiffness",), size=0.02, noise=0.003, length=800, records=4)
     assert left_by(case, ["coulomb-friction"]) > 100 * SEEN
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.signal import lsim
 
 from experiments.hidden_effects.generator import draw, write
@@ -18,6 +19,7 @@ from ident.campaign.read import read_campaign
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.errors import UserError
 from ident.fit import fit
+from ident.fit.linear.choice import choose_linear
 from ident.fit.linear.start_model import linear_choice, start_model
 from ident.fit.linear.stretches import oscillator_filter
 from ident.report.words.tables import record_sheet
@@ -140,3 +142,21 @@ def _sine_of_two(ratio: float) -> Trace:
     sigma = NOISE * float(np.std(answer))
     noise = np.random.default_rng(int(100 * ratio)).normal(size=N)
     return Trace(f"{ratio}.csv", t, drive, answer + sigma * noise, one, one, NoiseFloor(sigma), "rest")
+
+
+def test_a_motion_that_repeats_itself_does_not_turn_friction_into_modes() -> None:
+    """An axis without a spring goes to and fro under a controller, four times the same: modes with as many numbers as
+    the motion has lines meet it, and predict one half from the other."""
+    period, mass, viscous, dry, count = 6.0, 95.0, 200.0, 20.0, 1200
+    wanted = lambda t: 0.1 * (1 - np.cos(2 * np.pi * t / period)) ** 2
+    force = lambda t, y: 9000.0 * (wanted(t) - y[0]) - 900.0 * y[1]
+
+    def motion(t: float, y: np.ndarray) -> list[float]:
+        return [y[1], (force(t, y) - viscous * y[1] - dry * np.tanh(y[1] / 1e-3) - 3.0) / mass]
+
+    t = np.linspace(0.0, 4 * period, count)
+    y = solve_ivp(motion, (0.0, t[-1]), [0.0, 0.0], "LSODA", t, rtol=1e-8, atol=1e-10).y
+    drive, one, sigma = force(t, y) / 35.0, Channel("m", 1.0), 1e-5
+    reading = y[0] + sigma * np.random.default_rng(3).normal(size=count)
+    record = Trace("axis.csv", t, drive, reading, one, one, NoiseFloor(sigma), "unknown")
+    assert not choose_linear([record]).chosen.further

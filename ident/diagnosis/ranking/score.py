@@ -22,6 +22,7 @@ from ...model import Model, make_effect
 from ...pulse import Report
 from ...response import Equation
 from ..evidence.coloured_noise import chance
+from ..evidence.family import is_family_of
 from ..linearised.balance import Balanced, balanced, samples_of
 from ..linearised.basis import orthonormal
 from ..linearised.curve_columns import Moves, curve_columns
@@ -77,8 +78,16 @@ _NEAR_POINTS = 5  # of a grid, kept as starts: the best of them may lead into a 
 def score(
     regression: Regression, library: Mapping[str, type[AbstractEffect]], report: Report = lambda _: None
 ) -> list[Candidate]:
-    """Every candidate of the library that the model does not have, best first; each is scored once on a regression."""
-    missing = [effect for effect in library.values() if effect.name not in regression.fit.model.names]
+    """Every candidate of the library that the model does not have, best first; each is scored once on a regression.
+
+    A family of which the model has a member is none: that one with other numbers would stand in its place, not beside.
+    """
+    there = regression.fit.model.effects
+    missing = [
+        effect
+        for effect in library.values()
+        if effect.name not in regression.fit.model.names and not any(is_family_of(effect, one) for one in there)
+    ]
     new = [effect for effect in missing if effect not in regression.scored]
     regression.scored.update(
         zip(new, at_once(lambda effect: _score_one(regression, effect), new, report, "scores"), strict=True)

@@ -20,6 +20,7 @@ from ...fit.start_score import taken_by_starts
 from ...model import Model
 from ..evidence.criterion import VERY_STRONG, behind, criteria
 from ..evidence.enough import ANOTHER_LAW, adequate, contradicted, laws_differ_by, not_worth_adding, worth_a_name
+from ..evidence.family import is_that_member
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, working
 from ..linearised.trajectory import Diverged
@@ -296,13 +297,19 @@ def _weighed_ties(
 
 
 def _in_order(tried: list[Confirmed], regression: Regression) -> list[Confirmed]:
-    """Those that can be, best first; of those that differ by no more than laws of one kind do the simplest first."""
+    """Those that can be, best first; of those that differ by no more than laws of one kind do the simplest first, and a
+    member before its family."""
     tried = [found for found in tried if found.possible]
     weighed = dict(zip((found.candidate.name for found in tried), criteria(tried), strict=True))
     order = sorted(tried, key=lambda found: weighed[found.candidate.name])
     limit = order[0].chi2 + laws_differ_by(regression, order[0].chi2) if order else 0.0
     near = sorted((found for found in order if found.chi2 <= limit), key=lambda found: found.model.numbers)
-    return near + [found for found in order if found.chi2 > limit]
+    order = near + [found for found in order if found.chi2 > limit]
+    if not order:
+        return []
+    first = type(order[0].model.effects[-1])
+    member = lambda found: is_that_member(first, found.model.effects[-1], order[0].chi2, found.chi2, regression.excess)
+    return sorted(order, key=lambda found: not member(found))
 
 
 def _verdict(steps: list[Step], regression: Regression, first: Regression, lacks: float, contradicted: bool) -> Verdict:

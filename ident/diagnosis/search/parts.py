@@ -1,4 +1,4 @@
-"""An effect that contains simpler ones, taken apart: are a few of these the whole truth?"""
+"""An effect that contains simpler ones, or has numbers to spare, taken apart: are a few of these the whole truth?"""
 
 from __future__ import annotations
 
@@ -7,15 +7,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...effects.effect import AbstractEffect
+from ...effects.effect import AbstractEffect, Parameter
 from ...fit import Fit
 from ..evidence.criterion import STRONG, behind
 from ..evidence.enough import ANOTHER_LAW
+from ..evidence.family import is_family_of
 from ..linearised.regression import prepare
 from ..linearised.trajectory import Diverged
 from ..ranking.confirm import accept, confirm
 from ..ranking.score import score, significant
 from .change import try_without
+
+_TWO = 2  # numbers that two effects have at least
 
 
 class Parts(NamedTuple):
@@ -43,34 +46,64 @@ def take_apart(
     start: Fit,
     report: Callable[[str], None],
 ) -> list[Parts]:
-    """The added effects that simpler ones out of what they `contain` explain as well, up to the first that they
-    explain better.
+    """The added effects that simpler ones explain as well, up to the first that they explain better.
 
     A law with several parameters mimics any two of the simple ones that it implies, and a walk that adds one effect at
-    a time meets it first. But one name is a simpler answer than two: each further one costs 2 ln(size of the library).
-    Beyond that the evidence must be strong for either answer; in between, both are given.
+    a time meets it first. One with many bends to what any two do that it does not imply. But one name is a simpler
+    answer than two: each further one costs 2 ln(size of the library). Beyond that the evidence must be strong for
+    either answer; in between, both are given.
     """
     alike: list[Parts] = []
-    for effect in (library[name] for name in added):
-        simple = {n: library[n] for n in effect.contains if n in library and n not in last.model.names}
-        if not simple or last.model.carries(effect.name):
+    for name in added:
+        mine = next(effect for effect in last.model.effects if effect.name == name)
+        simple = _simpler(mine, last, library)
+        if not simple or last.model.carries(name):
             continue
-        report(f"is {effect.name} the sum of simpler effects?")
-        whole, current, names = prepare(last), try_without(last, effect.name, start), []
+        report(f"is {name} the sum of simpler effects?")
+        whole, current, names = prepare(last), try_without(last, name, start), []
         try:
             regression = without = prepare(current)
             while best := next(iter(significant(score(regression, simple))), None):
                 trial = confirm(regression, simple[best.name], best)
-                if not (trial.possible and behind(trial, regression) < 0):
+                # With more numbers than the whole has they are no simpler, however well they do.
+                many = best.name not in mine.contains and trial.numbers > whole.numbers
+                if many or not (trial.possible and behind(trial, regression) < 0):
                     break
                 current = accept(trial, current)
                 regression, names = prepare(current), [*names, best.name]
+            for early in names[:-1]:  # taken up for want of those that came later
+                if current.model.carries(early):
+                    continue
+                less = try_without(current, early, start)
+                if behind(rest := prepare(less), regression) < 0:
+                    current, regression, names = less, rest, [other for other in names if other != early]
         except Diverged:  # a motion without bound explains nothing
             continue
         worse = behind(regression, whole) + 2 * np.log(len(library)) * (len(names) - 1)
         if names and worse < -STRONG:
             near = whole.fit_chi2 - regression.fit_chi2 < ANOTHER_LAW * without.excess
-            return [*alike, Parts(effect.name, tuple(names), current, True, last, near)]
+            return [*alike, Parts(name, tuple(names), current, True, last, near)]
         if names and worse < STRONG:
-            alike.append(Parts(effect.name, tuple(names), current, False, last))
+            alike.append(Parts(name, tuple(names), current, False, last))
     return alike
+
+
+def _simpler(
+    mine: AbstractEffect, last: Fit, library: Mapping[str, type[AbstractEffect]]
+) -> dict[str, type[AbstractEffect]]:
+    """What may stand in an effect's place with others: what it contains, and, if it has more numbers than two effects
+    need, any of which it has room for two."""
+    room = _numbers(mine.declared()) // 2 if _numbers(mine.declared()) > _TWO else 0
+    fits = lambda effect: effect.name in mine.contains or _numbers(effect.parameters) <= room
+    there = [effect for effect in last.model.effects if effect is not mine]
+    return {
+        name: effect
+        for name, effect in library.items()
+        if fits(effect)
+        and name not in last.model.names
+        and not any(is_family_of(type(one), effect()) or is_family_of(effect, one) for one in there)
+    }
+
+
+def _numbers(parameters: Sequence[Parameter]) -> int:
+    return sum(p.fitted for p in parameters)

@@ -12,6 +12,7 @@ from ...fit import Fit
 from ...fit.rebuild import fit_at
 from ..evidence.criterion import VERY_STRONG, behind, criteria, predicts_worse
 from ..evidence.enough import ANOTHER_LAW, SAME_SHAPE, laws_differ_by, superfluous
+from ..evidence.family import is_that_member
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
@@ -101,6 +102,9 @@ def _replaced(
     if not tried:
         return None
     best = tried[int(np.argmin(criteria(tried)))]
+    mine = next(effect for effect in last.model.effects if effect.name == name)
+    if is_that_member(type(best.model.effects[-1]), mine, best.chi2, full.fit_chi2, regression.excess):
+        return None
     # A refit counts all of its parameters: with only those that it needs it may yet be better.
     perhaps = behind(best, full) < len(library[best.candidate.name].parameters) * np.log(full.n)
     simpler = best.model.numbers < last.model.numbers

@@ -14,6 +14,7 @@ from ...fit.linear.independent import independent_samples
 from ..evidence.criterion import VERY_STRONG
 from ..evidence.enough import ANOTHER_LAW
 from ..evidence.equivalences import equivalence, exact_partners, what_separates
+from ..evidence.family import is_that_member
 from ..linearised.regression import Regression
 from ..ranking.confirm import Confirmed
 from ..ranking.score import Candidate
@@ -73,11 +74,11 @@ def tie_set(
     as long as it explains nearly as much, so that a misfit of the laws themselves widens the set. A parameter counts
     what chance gives it, 1, and not the ln n that selects a model: an effect that explains the data with one number
     more is still an explanation. Only a law that contains the best one as a part pays, where there are traces, the full
-    price for its other parts, and is that one itself where they take no more than chance. n counts the independent
-    samples in what the best one leaves. Refits replace predictions where there are any; where there are none, an effect
-    whose signature is nearly the same, or is known to pass for the other, stays in. Where noise is small against the
-    misfit, laws of one kind differ by more than noise: a refit within that stays in, unless it needs several numbers
-    more to come as close.
+    price for its other parts, and is that one itself where they take no more than chance; a family is its member also
+    where it takes less than puts a name in doubt. n counts the independent samples in what the best one leaves.
+    Refits replace predictions where there are any; where there are none, an effect whose signature is nearly the same,
+    or is known to pass for the other, stays in. Where noise is small against the misfit, laws of one kind differ by
+    more than noise: a refit within that stays in, unless it needs several numbers more to come as close.
 
     **Arguments:** `candidates`: as scored on the same regression; `confirmed`: refits of some of them.
     """
@@ -103,7 +104,7 @@ def tie_set(
         unseen_yet = (
             not both and regression.credible and not wider and alike > enough and _may_catch_up(library[other.name])
         )
-        if wider and both and _is_itself(refits[best.name], refits[other.name], n):
+        if both and _is_itself(refits[best.name], refits[other.name], n if wider else None, regression.excess):
             continue
         if (behind < VERY_STRONG and as_much) or near or unseen_yet:
             found.append(_tie(best, other, behind, alike, library))
@@ -117,10 +118,14 @@ def tie_set(
     return TieSet(best.name, tuple(sorted(found, key=lambda t: (not np.isnan(t.behind), t.behind))))
 
 
-def _is_itself(part: Confirmed, whole: Confirmed, n: float) -> bool:
-    """Whether a law that contains another has become that one: what its further numbers take is no more than chance."""
+def _is_itself(part: Confirmed, whole: Confirmed, n: float | None, excess: float) -> bool:
+    """Whether a law has become one that it contains: what its further numbers take is no more than chance, so many `n`
+    independent samples given, or no more than members of a family differ by."""
+    laws = type(whole.model.effects[-1]), part.model.effects[-1]
+    if is_that_member(*laws, whole.chi2, part.chi2, excess):
+        return True
     more = whole.model.numbers - part.model.numbers
-    return bool(chdtrc(more, max(n * np.log(part.chi2 / whole.chi2), 0.0)) > _CHANCE)
+    return n is not None and bool(chdtrc(more, max(n * np.log(part.chi2 / whole.chi2), 0.0)) > _CHANCE)
 
 
 def left_after(regression: Regression, candidate: Candidate, refits: Mapping[str, Confirmed]) -> float:

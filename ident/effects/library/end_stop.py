@@ -16,7 +16,9 @@ class EndStop(AbstractEffect):
     name = "end-stop"
     equation = "F = −k_a g ((z − g)₊/g)ⁿ + k_b g ((−z − a g)₊/g)ⁿ"
     source = "K. L. Johnson, Contact Mechanics, 1985, §4.2"
-    mistaken_for = ("cubic-stiffness", "quadratic-stiffness", "quintic-stiffness", "sensor-nonlinearity")
+    mistaken_for = (
+        "cubic-stiffness", "quadratic-stiffness", "quintic-stiffness", "power-law-stiffness", "sensor-nonlinearity"
+    )  # fmt: skip
     steps_per_period = 120
 
     above = amplitude("N/m", "contact stiffness of the upper stop, k_a", one_sided=True)

@@ -18,7 +18,7 @@ class SqueezeFilmDamping(AbstractEffect):
     name = "squeeze-film-damping"
     equation = "F = −c [(1 − z/g)⁻³ − 1] ż"
     source = "Bao & Yang, Squeeze film air damping in MEMS, 2007, Sens. Actuators A 136, 3, §2"
-    mistaken_for = ("cubic-damping", "quadratic-damping")
+    mistaken_for = ("cubic-damping", "quadratic-damping", "power-law-damping")
 
     damping = amplitude("N*s/m", "damping by the film in the open gap, c", one_sided=True)
     gap = shape(

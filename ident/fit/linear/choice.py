@@ -7,19 +7,21 @@ searched. What a candidate leaves of the signal and the numbers that it needs gi
 
 the least of which wins (G. Schwarz, Ann. Statist. 6 (1978) 461). What a linear model leaves is no white noise where an
 effect is missing, so n counts its independent samples: (Σ P)²/Σ P² of its power spectrum, and not the samples of the
-record; a constant or a spring is then not bought with what a missing effect leaves.
+record; a constant or a spring is then not bought with what a missing effect leaves. Further modes are bought with the
+samples that are there (`_priced`).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 from scipy import optimize
 
+from ...campaign.campaign import MOST_MODES
 from ...campaign.record import Trace
 from ...errors import UserError
 from ...model import ABOVE_THE_DRIVE
@@ -110,7 +112,7 @@ def choose_linear(records: Sequence[Trace], told: str = "auto", *, modes: int | 
     found += [*searched(False), *(searched(True) if level else [])]
     if driven and not level and min(found, key=lambda c: c.left).level:
         found += searched(True)
-    found, price = _weighed(stretches, found)
+    found, n = _weighed(stretches, found)
     moved = all(record.order == 0 for record in records)  # a rate has no gain to a steady drive
     allowed = [c for c in found if c.form in names and (moved or c.form != "quasi-static")]
     if modes is not None and modes > 1:
@@ -123,8 +125,11 @@ def choose_linear(records: Sequence[Trace], told: str = "auto", *, modes: int | 
     chosen = min(allowed, key=lambda c: c.criterion)
     # Two modes together may resemble no single one: whichever form has won, more are looked for.
     alone = [c for c in allowed if c.form == "oscillator"]
-    more = _with_modes(records, stretches, min(alone, key=lambda c: c.criterion), modes) if alone and driven else []
-    more = [candidate._replace(criterion=price(candidate)) for candidate in more]
+    one = min(alone, key=lambda c: c.criterion) if alone and driven else None
+    most = modes or next((m - 1 for m in range(2, MOST_MODES + 1) if not _room(one, m, n)), MOST_MODES) if one else 0
+    more = [] if one is None or most < 2 else _with_modes(records, stretches, one, modes, most)
+    rise = lambda c: _priced(c, n) - _priced(chosen, n) if modes is None else _plain(c, n) - _plain(chosen, n)
+    more = [c._replace(criterion=chosen.criterion + rise(c)) for c in more]
     if modes is not None and modes > 1 and more:
         chosen = more[-1]
     elif more:
@@ -132,20 +137,41 @@ def choose_linear(records: Sequence[Trace], told: str = "auto", *, modes: int | 
     return LinearChoice(tuple(sorted([*found, *more], key=lambda c: c.criterion)), chosen, told)
 
 
+def _numbers(one: Candidate, modes: int) -> int:
+    return one.numbers + 3 * (modes - 1)
+
+
+def _room(one: Candidate, modes: int, n: float) -> bool:
+    """Whether there are samples for so many modes in what one form leaves."""
+    return n > _numbers(one, modes) + 2
+
+
+def _priced(c: Candidate, n: float) -> float:
+    """The criterion for few samples: n ln(left) + k ln n · n/(n − k − 2), and no model with more numbers than samples.
+
+    A motion that repeats itself is a few lines, which any filter with as many numbers meets, and it predicts from one
+    half of such a record what is in the other. So modes are bought with the samples that are there, and no fewest.
+
+    Source: A. D. R. McQuarrie, Statist. Probab. Lett. 44 (1999) 79.
+    """
+    free = n - c.numbers - 2
+    return math.inf if free <= 0 else 2 * n * math.log(max(c.left, 1e-12)) + c.numbers * math.log(n) * n / free
+
+
 def _with_modes(
-    records: Sequence[Trace], stretches: Sequence[Stretch], one: Candidate, told: int | None
+    records: Sequence[Trace], stretches: Sequence[Stretch], one: Candidate, told: int | None, most: int
 ) -> list[Candidate]:
-    """The oscillator with two modes, with three, …, if the campaign asks for them or records show them: what they
-    predict of records that were left out must be the greater part of what one mode leaves, noise included."""
+    """The oscillator with two modes, with three, … up to `most`, if the campaign asks for them or records show them:
+    what they predict of records that were left out must be the greater part of what one mode leaves, noise included."""
     noise = sum((r.noise.sigma / p.size) ** 2 * len(p.response) for r, p in zip(records, stretches, strict=True))
     least = math.sqrt(noise / sum(stretch.power for stretch in stretches))
     if told == 1 or (told is None and least > one.left / _GREATER_PART):
         return []
-    found = find_modes(stretches, (one.first, one.second), one.level, told)
+    found = find_modes(stretches, (one.first, one.second), one.level, told, most)
     if told is None and found[-1].predicted > min(found[0].predicted, found[-1].alone) / _GREATER_PART:
         return []
     return [
-        one._replace(left=m.left, numbers=one.numbers + 3 * (len(m.modes) - 1), first=m.modes[0].frequency,
+        one._replace(left=m.left, numbers=_numbers(one, len(m.modes)), first=m.modes[0].frequency,
                      second=m.modes[0].quality, gain=m.modes[0].gain, constant=m.constant, further=m.modes[1:])
         for m in found[1:]
     ]  # fmt: skip
@@ -223,14 +249,16 @@ def _rows(
     return np.concatenate(rows), np.concatenate(targets)
 
 
-def _weighed(
-    stretches: Sequence[Stretch], found: Sequence[Candidate]
-) -> tuple[list[Candidate], Callable[[Candidate], float]]:
-    """The candidates with their criterion, best first; and the criterion."""
+def _weighed(stretches: Sequence[Stretch], found: Sequence[Candidate]) -> tuple[list[Candidate], float]:
+    """The candidates with their criterion, best first; and the independent samples in what the best one leaves."""
     best = min(found, key=lambda c: c.left)
     form = FORMS.get(best.form)
     point = None if form is None else form.point(best.first, best.second)
     rows, targets = _rows(stretches, form, best.level, point, best.form)
-    n = max(independent_samples(solved(rows, targets)[1]), _FEWEST)
-    price = lambda c: 2 * n * math.log(max(c.left, 1e-12)) + c.numbers * math.log(n)
-    return sorted((c._replace(criterion=price(c)) for c in found), key=lambda c: c.criterion), price
+    n = independent_samples(solved(rows, targets)[1])
+    return sorted((c._replace(criterion=_plain(c, n)) for c in found), key=lambda c: c.criterion), n
+
+
+def _plain(c: Candidate, n: float) -> float:
+    n = max(n, _FEWEST)
+    return 2 * n * math.log(max(c.left, 1e-12)) + c.numbers * math.log(n)

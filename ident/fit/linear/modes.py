@@ -58,18 +58,22 @@ class Modes(NamedTuple):
 
 
 def find_modes(
-    stretches: Sequence[Stretch], first: tuple[float, float], level: bool, told: int | None = None
+    stretches: Sequence[Stretch],
+    first: tuple[float, float],
+    level: bool,
+    told: int | None = None,
+    most: int = MOST_MODES,
 ) -> list[Modes]:
     """The best model of one mode, of two, … as long as records that were left out are predicted better.
 
     **Arguments:** `first`: frequency (Hz) and quality of the one mode; `level`: whether the model has a constant (the
-    search always has); `told`: how many modes there are, whatever they predict.
+    search always has); `told`: how many modes there are, whatever they predict; `most`: how many may be looked for.
     """
     stretches = _some(stretches)
     folds = _folds(stretches)
     points = np.log([first])
     found = [_described(stretches, points, level, folds)]
-    while len(points) < (told or MOST_MODES):
+    while len(points) < (told or most):
         points = _searched(stretches, np.vstack([points, _next(stretches, points)]))
         one = _described(stretches, points, level, folds)
         if told is None and (_overlap(one.modes) or not one.predicted < found[-1].predicted):

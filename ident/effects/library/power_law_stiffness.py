@@ -1,0 +1,38 @@
+"""A spring whose stiffness follows any power of the displacement."""
+
+import jax.numpy as jnp
+
+from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+
+_SMALL = 0.01  # of the reference displacement: below, the stiffness is constant, for powers under one have none at zero
+_LINEAR = 1e-3  # of the logarithm of a stiffness ratio: below, (eˣ − 1)/x is 1 + x/2 to the last digit but one
+
+
+class PowerLawStiffness(AbstractEffect):
+    """A spring that hardens or softens by a power of the displacement: F = −k z (|z/z₀|ⁿ⁻¹ − 1)/(n − 1), n fitted.
+
+    z₀ is the largest displacement measured; there the linear spring has its whole force, and k is how much the
+    stiffness F/z grows with ln z. k > 0 hardens, k < 0 softens, whatever n. A law |z|ⁿ with no linear spring beside it
+    is k = (n − 1) times the linear stiffness: contacts of round bodies have n = 3/2 (Hertz), of cones 2, rubber and
+    wire ropes 0.7-1.3; n = 3 is a cubic spring, n → 1 the stiffness k ln z. Below a hundredth of z₀ it is constant.
+    """
+
+    name = "power-law-stiffness"
+    equation = "F = −k z (|z/z₀|ⁿ⁻¹ − 1)/(n − 1)"
+    source = (
+        "I. Kovacic, Nonlinear Oscillations: Exact Solutions and their Approximations, 2020, ch. 2; "
+        "contacts: K. L. Johnson, Contact Mechanics, 1985, §4.2 and §5.2"
+    )
+    mistaken_for = ("end-stop",)
+    contains = ("cubic-stiffness",)
+
+    stiffness = amplitude("N/m", "growth of F/z with ln z at the reference displacement, k")
+    exponent = shape("1", "power of the displacement, n", grid=(0.6, 1.4, 2.0), limits=(0.3, 5.0))
+    displacement = shape("m", "reference displacement, z₀", grid=(1.0,), scale="displacement", fitted=False)
+
+    def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
+        length = 0.5 * jnp.log((state.z / self.displacement) ** 2 + _SMALL**2)
+        growth = (self.exponent - 1.0) * length
+        small = jnp.abs(growth) < _LINEAR
+        ratio = jnp.where(small, 1.0 + growth / 2.0, jnp.expm1(growth) / jnp.where(small, 1.0, growth))
+        return -self.stiffness * state.z * length * ratio
