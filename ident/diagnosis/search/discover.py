@@ -70,7 +70,7 @@ def continue_from(
     current = steps[-1].fit if steps else start
     while look.worth_it and look.real and len(steps) < most:
         alone = not_worth_adding(look.regression, max(promised(c, look.regression) for c in look.real), first)
-        if alone and not hidden_by_each_other(look.regression, look.candidates, None, first):
+        if alone and not hidden_by_each_other(look.regression, look.candidates, None, first, library):
             break
         found = _best_step(current, look, gains if not steps else {})
         if found is None:
@@ -217,7 +217,7 @@ def _best_step(current: Fit, look: Look, gains: dict[str, float]) -> tuple[list[
         else _best(tried, regression, current, first)
     )
     single = best and (best.confirmed.candidate.name, best.left)
-    if names := hidden_by_each_other(regression, look.candidates, single, first):
+    if names := hidden_by_each_other(regression, look.candidates, single, first, library):
         look.report(f"trying {' and '.join(names)} together")
         if two := both(current, regression, names, library, best and best.left):
             return two
