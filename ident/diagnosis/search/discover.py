@@ -25,7 +25,7 @@ from ..linearised.shorten import is_long, working
 from ..linearised.trajectory import Diverged
 from ..ranking.confirm import Confirmed, accept, confirm
 from ..ranking.look import Library, Look, best_drop, first_look, possible, promised
-from ..ranking.score import Candidate, score, significant
+from ..ranking.score import Candidate, kept_more_than_chance, score, significant
 from ..side_by_side import at_once
 from .change import try_without
 from .lacking import lacking
@@ -266,11 +266,16 @@ def _best(tried: list[Confirmed], regression: Regression, current: Fit, first: R
 
 
 def _accepted(tried: list[Confirmed], regression: Regression, current: Fit) -> Iterator[tuple[Confirmed, Fit]]:
-    """The refits that the criterion prefers to the model as it is, with what they are on all samples, best first.
+    """The refits that the criterion prefers to the model as it is, and whose gain chance would not produce either, with
+    what they are on all samples, best first.
 
     Where the parameters bend far to mimic what is missing, excerpts do not tell how well a refit does on the rest.
     """
-    better = [found for found in _in_order(tried, regression) if behind(found, regression) <= 0]
+    better = [
+        found
+        for found in _in_order(tried, regression)
+        if behind(found, regression) <= 0 and kept_more_than_chance(found.candidate, found.chi2, regression)
+    ]
     if regression.credible or not is_long(current.campaign):
         yield from ((found, accept(found, current)) for found in better)
     else:
