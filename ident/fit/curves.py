@@ -32,6 +32,7 @@ from ..response.periodic import Periodic, steps_per_period
 
 _SHARE = 0.1  # of the noise floor of all points together: so far the solver's step may move the response
 _REACH = 0.5  # of the scale of an unknown: as far as a slope is followed
+_NEAR = 1e-2  # of it: what a slope leaves of such a step is its square, and as small as the last one of a search
 _FINEST, _COARSEST = 1e-6, 1e-3  # of the response, whatever the noise
 
 
@@ -43,19 +44,20 @@ class Known(NamedTuple):
     directions: np.ndarray | None = None
     by: np.ndarray | None = None
 
-    def moved_to(self, model: Periodic) -> np.ndarray:
+    def moved_to(self, model: Periodic) -> tuple[np.ndarray, bool]:
         """Where the unknowns, (points, n + 2), are to first order at the values of another model; as they are, if that
-        is further than a slope reaches; NaN where there was no response."""
+        is further than a slope reaches; NaN where there was no response. And whether all are so near that one look will
+        find them."""
         unknowns = np.where(self.found.converged[:, None], self.found.unknowns, np.nan)
         if self.directions is None or self.by is None:
-            return unknowns
+            return unknowns, False
         change = model.values - self.found.model.values
         share = np.linalg.lstsq(self.directions.T, change, rcond=None)[0]
         step, scale = np.einsum("d,dpk->pk", share, self.by), self.found.seat.scale
         n = step.shape[1] - 1
         farthest = np.max(np.abs(step / scale[:, : n + 1])[:, [0, 1, n]], axis=1)
         unknowns[:, : n + 1] += np.where((farthest < _REACH)[:, None], step, 0.0)
-        return unknowns
+        return unknowns, bool(np.all(farthest < _NEAR) and np.all(self.found.converged))
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,11 +98,16 @@ class Curves:
         after = len(self.phase) + np.cumsum(self.phased) - 1
         return np.concatenate([points, after[points][self.phased[points]]])
 
-    def solve(self, equation: Equation, values: np.ndarray) -> Controlled:
-        """The model's steady responses with the measured amplitudes."""
+    def solve(self, equation: Equation, values: np.ndarray, directions: np.ndarray | None = None) -> Controlled:
+        """The model's steady responses with the measured amplitudes; `directions`, (d, m) of the values, along which
+        the slopes will be asked for."""
         model = Periodic(equation, np.asarray(values, float), self.steps)
         known = self.known.get(equation)
-        found = at_amplitude(model, self.points, None if known is None else known.moved_to(model))
+        if known is None:
+            found = at_amplitude(model, self.points)
+        else:
+            start, near = known.moved_to(model)
+            found = at_amplitude(model, self.points, start, directions if near else None)
         self.known[equation] = Known(found)
         return found
 

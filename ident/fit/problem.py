@@ -136,7 +136,7 @@ def evaluate(static: Static, data: Data, unknowns: Unknowns) -> Evaluation:
     by_start = change[p : p + starts]
     if data.curves is None:
         return Evaluation(values, found, residuals, change[:p], by_start, begin)
-    steady = data.curves.solve(static.equation, values)
+    steady = data.curves.solve(static.equation, values, directions[:p])
     own = data.curves.residuals(steady)
     residuals = np.concatenate([residuals, np.where(np.abs(own) < _WORST, own, _WORST)])
     bent = data.curves.slopes(steady, directions[:p])

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .periodic import FREQUENCY, Look, Periodic, Seat, empty_look, ride
+from .periodic import BY_FREQUENCY, FREQUENCY, Look, Periodic, Seat, empty_look, ride
 
 _CLOSE = 1e-4  # of the scale: the last step of Newton's method towards the curve, which leaves its square
 _MOST = 1500  # points of a curve
@@ -149,7 +149,7 @@ def _followed(model: Periodic, levels: np.ndarray, loads: np.ndarray, bands: np.
     paths = [_Path() for _ in levels]
     tangent = np.zeros((len(levels), n + 1))
     tangent[:, n] = 1.0 if rising else -1.0
-    seen = model.look(w, seat, _along(n))
+    seen = model.look(w, seat, BY_FREQUENCY)
     tangent = _tangents(seen, seat, tangent)
     step = np.full(len(levels), 0.05)
     active, whole = np.flatnonzero(begun), np.zeros(len(levels), bool)
@@ -198,7 +198,7 @@ def settle(model: Periodic, unknowns: np.ndarray, seat: Seat) -> tuple[np.ndarra
     look, good, left = empty_look(len(w), n, n), np.zeros(len(w), bool), np.arange(len(w))
     for _ in range(_SETTLING):
         there = seat.some(left)
-        seen = model.look(w[left], there, np.eye(n, n + 2))
+        seen = model.look(w[left], there, BY_FREQUENCY).along(slice(n))
         equations = seen.miss / there.scale[:, :n]
         matrix = np.moveaxis(seen.miss_slope / there.scale[None, :, :n], 0, 2)
         with np.errstate(invalid="ignore", over="ignore"):
@@ -279,10 +279,6 @@ def _UNKNOWN(n: int) -> list[int]:
     return [*range(n), n + 1]
 
 
-def _along(n: int) -> np.ndarray:
-    return np.eye(n + 2)[_UNKNOWN(n)]
-
-
 def _tangents(seen: Look, seat: Seat, before: np.ndarray) -> np.ndarray:
     """Unit tangents (points, n + 1) of the curve, in scaled unknowns, on the side of those before."""
     n = seen.miss.shape[1]
@@ -305,7 +301,7 @@ def _corrected(
     left = np.arange(len(w))
     for _ in range(_ROUNDS):
         there = seat.some(left)
-        seen = model.look(w[left], there, _along(n))
+        seen = model.look(w[left], there, BY_FREQUENCY)
         equations = seen.miss / there.scale[:, :n]
         matrix = np.moveaxis(seen.miss_slope / there.scale[None, :, :n], 0, 2)
         matrix = np.concatenate([matrix, tangent[left, None]], axis=1)

@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .periodic import FREQUENCY, SHARE, Look, Periodic, Seat, empty_look, ride
+from .periodic import BY_FREQUENCY, BY_SHARE, FREQUENCY, SHARE, Look, Periodic, Seat, empty_look, ride
 from .steady_memory import STUCK
 
 _CLOSE = 1e-4  # of the scale of an unknown: the last step of Newton's method, which leaves its square
@@ -53,7 +53,7 @@ class Controlled:
 
     **Arguments:** `unknowns`: (points, n + 2) y, s, f; `jacobian`: (points, n + 1, n + 1) of the equations by y and s;
     `seen`: one period from there, along y and s; `converged`: (points,), what did not is the balance of the fundamental
-    alone.
+    alone; `beside`: the same period along directions of the values that were asked for beforehand.
     """
 
     model: Periodic
@@ -63,6 +63,7 @@ class Controlled:
     jacobian: np.ndarray
     seen: Look
     converged: np.ndarray
+    beside: Beside | None = None
 
     @property
     def share(self) -> np.ndarray:
@@ -82,8 +83,10 @@ class Controlled:
 
     def moves(self, directions: np.ndarray) -> Moved:
         """Derivatives along directions (d, m) of the values."""
-        found = self.model.look_by_values(self.unknowns, self.seat, directions)
-        return self._answer(*self._asked(found))
+        if self.beside is None or not np.array_equal(self.beside.directions, directions):
+            seen = self.model.look(self.unknowns, self.seat, BY_SHARE, directions)
+            return self._answer(*self._asked(seen.along(slice(self.model.size + 1, None))))
+        return self._answer(*self._asked(self.beside.seen))
 
     def slopes(self, directions: np.ndarray) -> np.ndarray:
         """Derivatives of `needed` along directions (d, m) of the values, (d, points)."""
@@ -100,9 +103,8 @@ class Controlled:
     @property
     def by_frequency(self) -> np.ndarray:
         """Derivative of `needed` by the frequency, (points,) V/Hz."""
-        along = np.zeros((1, self.model.size + 2))
-        along[0, FREQUENCY] = 1.0
-        found = self.model.look(self.unknowns, self.seat, along)
+        n = self.model.size
+        found = self.model.look(self.unknowns, self.seat, BY_FREQUENCY).along(slice(n, n + 1))
         return self._answer(*self._asked(found)).needed[0] / self.seat.scale[:, FREQUENCY]
 
     def multipliers(self) -> np.ndarray:
@@ -136,11 +138,24 @@ class Moved(NamedTuple):
     needed: np.ndarray
 
 
+class Beside(NamedTuple):
+    """One period of all points, `seen` along `directions` (d, m) of the values."""
+
+    directions: np.ndarray
+    seen: Look
+
+
 @np.errstate(over="ignore", invalid="ignore")  # a motion without bound does not converge, which is told
-def at_amplitude(model: Periodic, points: Points, start: np.ndarray | None = None) -> Controlled:
+def at_amplitude(
+    model: Periodic, points: Points, start: np.ndarray | None = None, directions: np.ndarray | None = None
+) -> Controlled:
     """The steady responses of a model with the amplitudes of the points; `start`, (points, n + 2), from where the
     search begins if they are known nearly. Points that are not found from there, or of which nothing is known (NaN),
-    are searched from the balance, and those that it leads astray from their neighbours."""
+    are searched from the balance, and those that it leads astray from their neighbours.
+
+    `directions`, (d, m) of the values, along which derivatives will be asked for: where one look finds all points it
+    brings them along, and no second one is needed.
+    """
     n = model.size
     first = np.full((len(points.level), n + 2), np.nan) if start is None else start.copy()
     new = ~np.all(np.isfinite(first), axis=1)
@@ -153,28 +168,29 @@ def at_amplitude(model: Periodic, points: Points, start: np.ndarray | None = Non
                              np.broadcast_to(np.where(hidden > 0, hidden, 1.0), (len(first), n - 2)),
                              np.ones(len(first)), 1e-3 * points.frequency])  # fmt: skip
     seat = Seat(points.level, points.load, scale)
-    search = _newton(model, points, first, seat)
+    search = _newton(model, points, first, seat, directions)
     lost = ~search.found & ~new
     if np.any(lost):
         few = points.some(lost)
         first[lost] = begin(model, few)
         search.put(lost, _newton(model, few, first[lost], seat.some(lost)))
     _lead_on(model, points, seat, search)
-    w, seen, found = search
+    w, seen, found = search.unknowns, search.look, search.found
     lost = ~found
     if np.any(lost):
         w[lost] = first[lost]
-        seen.put(lost, model.look(w[lost], seat.some(lost), np.eye(n + 1, n + 2)))
-    return Controlled(model, points, w, seat, _equations(seen, seat, points)[1], seen, found)
+        seen.put(lost, model.look(w[lost], seat.some(lost), BY_SHARE))
+    return Controlled(model, points, w, seat, _equations(seen, seat, points)[1], seen, found, search.beside)
 
 
 class _Search(NamedTuple):
     """Newton's method on its way: `unknowns`; what the last look there said, its `tone` moved on with the last step;
-    and which points are `found`."""
+    and which points are `found`; what the first look said `beside`, if it found them all."""
 
     unknowns: np.ndarray
     look: Look
     found: np.ndarray
+    beside: Beside | None = None
 
     def put(self, rows: np.ndarray, other: _Search) -> None:
         """Take over some points of another search."""
@@ -182,7 +198,9 @@ class _Search(NamedTuple):
         self.look.put(rows, other.look)
 
 
-def _newton(model: Periodic, points: Points, start: np.ndarray, seat: Seat) -> _Search:
+def _newton(
+    model: Periodic, points: Points, start: np.ndarray, seat: Seat, directions: np.ndarray | None = None
+) -> _Search:
     """Newton's method from a start. Once a step is small the next would be its square: none is taken to see that."""
     n, left = model.size, np.arange(len(start))
     search = _Search(start.copy(), empty_look(len(start), n, n + 1), np.zeros(len(start), bool))
@@ -190,7 +208,8 @@ def _newton(model: Periodic, points: Points, start: np.ndarray, seat: Seat) -> _
     least, waited = miss.copy(), np.zeros(len(start), int)
     for _ in range(_MOST):
         own, there = points.some(left), seat.some(left)
-        seen = model.look(w[left], there, np.eye(n + 1, n + 2))
+        seen = model.look(w[left], there, BY_SHARE, directions)
+        more, seen = seen.along(slice(n + 1, None)), seen.along(slice(n + 1))
         equations, jacobian = _equations(seen, there, own)
         now = np.max(np.abs(equations), axis=1)
         # At the kink of a play full steps may lead to and fro for ever.
@@ -208,7 +227,9 @@ def _newton(model: Periodic, points: Points, start: np.ndarray, seat: Seat) -> _
         w[left[on], : n + 1] += step[on] * there.scale[on, : n + 1]
         search.look.put(left, seen.moved(step))
         search.found[left] = close & (w[left, SHARE] > 0)
-        left = left[on & ~close]
+        if directions is not None and np.all(search.found):
+            search = search._replace(beside=Beside(directions, more))
+        left, directions = left[on & ~close], None
         if not len(left):
             break
     return search

@@ -21,20 +21,20 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array, lax
 
-from ..effects.effect import AbstractEffect, State
-from ..programs import Program, program
+from ..effects.effect import State
+from ..programs import program
 from .lane import Numbers
 from .memory import Seen
-from .runge_kutta import runge_kutta, stages, steps_of
+from .one_period import Driven, bound, carried, circle, driven, from_the_start, given_force, march, step_by_step, tones
 from .steady_memory import driven_memory, steady_memory
-from .system import Equation, System, assemble, derivative, reading, slices, tangents
+from .system import Equation, slices, tangents
 
 SHARE, FREQUENCY = -2, -1  # places of s and f in the unknowns w = (y, s, f) of a point
+BY_SHARE, BY_FREQUENCY = (1.0, 0.0), (0.0, 1.0)  # ways in the plane of s and f
 POINTS = 32  # looked at side by side: one program for any number of them
-_WIDTHS = (4, 8, 12, 16)  # directions of one look along values; along unknowns as many as a search takes
-_STEPS = (64, 96, 128, 256)  # of the solver per period
+_WIDTHS = (4, 8, 12, 16)  # directions of one look along values
+_STEPS = (48, 64, 96, 128, 256)  # of the solver per period
 
 
 def steps_per_period(finest: int, allowed: float) -> int:
@@ -90,6 +90,15 @@ class Look(NamedTuple):
         tone = self.tone + np.einsum("pk,kp->p", step, self.tone_slope)
         return self._replace(tone=tone, swing=self.swing + np.einsum("pk,kp->p", step, self.swing_slope))
 
+    def beside(self, other: Look) -> Look:
+        """The same with the directions of another look at the same points after its own."""
+        slopes = (np.concatenate(both) for both in zip(self[3:], other[3:], strict=True))
+        return Look(*self[:3], *slopes)
+
+    def along(self, directions: slice) -> Look:
+        """The same along some of its directions."""
+        return Look(*self[:3], *(part[directions] for part in self[3:]))
+
     def put(self, rows: np.ndarray, other: Look) -> None:
         """Take over some points from another look along the same directions."""
         for part, new in zip(self[:3], other[:3], strict=True):
@@ -123,151 +132,62 @@ class Periodic:
         """Cosine and sine of the phase on the half-step grid, (2, 2 steps + 1)."""
         return circle(self.steps)
 
-    def look(self, unknowns: np.ndarray, seat: Seat, along: np.ndarray) -> Look:
-        """One period from `unknowns` (points, n + 2), and how it changes along directions (d, n + 2) of them, in units
-        of the seat's scale."""
-        return self._seen(by_unknowns, unknowns, seat, along, (min(self.size + 1, _WIDTHS[-1]),))
-
-    def look_by_values(self, unknowns: np.ndarray, seat: Seat, directions: np.ndarray) -> Look:
-        """The same along directions (d, m) of the values."""
-        return self._seen(by_values, unknowns, seat, directions, _WIDTHS)
-
-    def _seen(
-        self, program: Program, unknowns: np.ndarray, seat: Seat, along: np.ndarray, widths: tuple[int, ...]
+    def look(
+        self, unknowns: np.ndarray, seat: Seat, way: tuple[float, float], directions: np.ndarray | None = None
     ) -> Look:
-        d = len(along)
-        width = next((w for w in widths if w >= d), widths[-1])
-        if d > width:  # more directions than one program takes
-            parts = [self._seen(program, unknowns, seat, part, widths) for part in (along[:width], along[width:])]
-            return Look(*parts[0][:3], *(np.concatenate([part[k] for part in parts]) for k in range(3, 6)))
-        along = np.concatenate([along, np.zeros((width - d, along.shape[1]))])
+        """One period from `unknowns` (points, n + 2), and how it changes by each number of the state, along a `way` in
+        the plane of s and f, all in units of the seat's scale, and then, if they are given, along `directions` (q, m)
+        of the values."""
+        q, n, given = 0, self.size, None
+        if directions is not None:
+            q = min(len(directions), _WIDTHS[-1])
+            given = _filled(directions[:q], next(w for w in _WIDTHS if w >= q))
         found = []
         for rows in batches(len(unknowns)):
-            arrays = (self.values, unknowns[rows], along, *seat.some(rows), self.circle)
-            found.append(program(self.equation, self.equation.constants, *arrays))
+            arrays = (self.values, unknowns[rows], np.array(way), given, *seat.some(rows), self.circle)
+            found.append(one_look(self.equation, self.equation.constants, *arrays))
         miss, slope, shown, shown_slope = joined(found, len(unknowns))
         tone, tone_slope = shown[0] + 1j * shown[1], shown_slope[0] + 1j * shown_slope[1]
-        return Look(miss.T, tone, shown[2], np.moveaxis(slope, 0, 2)[:d], tone_slope[:d], shown_slope[2, :d])
+        own = Look(miss.T, tone, shown[2], np.swapaxes(slope, 1, 2), tone_slope, shown_slope[2])
+        own = own.along(slice(n + 1 + q))
+        if directions is None or q == len(directions):
+            return own
+        return own.beside(self.look(unknowns, seat, way, directions[q:]).along(slice(n + 1, None)))
 
 
-def bound(equation: Equation, constants: Numbers, values: Numbers, load: Any, frequency: Any) -> System:
-    """The system of a model under a sine of a frequency, Hz."""
-    system = assemble(equation, constants, values)
-    return system._replace(mass=system.mass + load, omega=2 * math.pi * frequency)
-
-
-def undispersed(system: System, step: Any) -> System:
-    """The system that the solver, in steps h, integrates as the given one: what steps of fourth order do to an
-    oscillation of frequency ω, θ = ωh, is to slow it by θ⁴/120 and to damp it by ω θ⁵/144, and is taken off."""
-    theta = system.omega * step
-    mass = system.mass / (1 + theta**4 / 60)
-    return system._replace(mass=mass, damping=system.damping - mass * system.omega * theta**5 / 72)
-
-
-def circle(steps: int) -> np.ndarray:
-    """Cosine and sine of a phase on the half-step grid of a period, (2, 2 steps + 1). They are given to the programs:
-    XLA would compute them for every point again."""
-    angle = np.pi / steps * np.arange(2 * steps + 1)
-    return np.stack([np.cos(angle), np.sin(angle)])
-
-
-def one_period(equation: Equation, system: System, y: Any, level: Any, frequency: Any, circle: Any) -> tuple[Any, Any]:
-    """The state after a period, (n,), and the readings at the beginning of each step, (steps,).
-
-    A memory of the drive alone has settled before the motion begins: it is part of the force.
-    """
-    parts = slices(equation)
-    step = 2.0 / (frequency * (circle.shape[1] - 1))
-    system = undispersed(system, step)
-    forces = []
-    for effect, own in zip(system.effects, parts, strict=True):
-        if own is None:
-            path = driven_memory(effect, system.gain, level, frequency, circle)
-            forces.append(_given(effect, system, path, level * circle[0], -level * system.omega * circle[1]))
-    # Cosine and sine are those of all points: only a remembered force has to be kept for each.
-    grids = (circle[0], circle[1], *((sum(forces),) if forces else ()))
-
-    def advance(state: tuple, x: Any) -> tuple:
-        at = [(level * cosine, -level * system.omega * sine, 0.0, *push) for cosine, sine, *push in stages(x)]
-        slope = jax.jit(lambda y, now: derivative(system, parts, y, now))  # traced once instead of four times
-        shown = reading(system, parts, state, at[0][:3], slope(state, at[0])[1])
-        return runge_kutta(slope, state, at, step), shown
-
-    after, shown = lax.scan(advance, tuple(y), steps_of(grids))
-    return jnp.stack(after), shown
-
-
-def _given(effect: AbstractEffect, system: System, path: Array, voltage: Any, rate: Any) -> Array:
-    """(points,) N that an effect with hidden states (h, points) gives through the actuator."""
-    acting = lambda h, u, r: effect.drive(tuple(h), system.drive(u, r), 0.0)
-    return jax.vmap(acting, in_axes=(1 if effect.state0() else None, 0, 0))(path, voltage, rate)
-
-
-def tones(shown: Array, slopes: Array, circle: Any) -> tuple[Array, Array]:
-    """Real and imaginary part of the fundamental relative to cos ωt, and half the peak-to-peak value, (3, points), of
-    readings (steps, points); and their derivatives (3, d, points) by the readings' (steps, d, points)."""
-    cosine, sine = circle[:, :-1:2]
-    weights = 2.0 / len(cosine) * jnp.stack([cosine, -sine])
-    (top, top_slope), (bottom, bottom_slope) = _peak(shown, slopes), _peak(-shown, -slopes)
-    both = jnp.concatenate([jnp.tensordot(weights, shown, 1), 0.5 * (top + bottom)[None]])
-    swing = 0.5 * (top_slope + bottom_slope)
-    return both, jnp.concatenate([jnp.tensordot(weights, slopes, 1), swing[None]])
-
-
-def _peak(shown: Array, slopes: Array) -> tuple[Array, Array]:
-    """The highest points of periodic curves, by the parabola through the highest sample and its neighbours, (points,);
-    and their derivatives (d, points)."""
-    highest = jnp.argmax(shown, axis=0)
-    rows = [(highest + i) % shown.shape[0] for i in (-1, 0, 1)]
-    near = [jnp.take_along_axis(shown, row[None], 0)[0] for row in rows]
-    near_slopes = [jnp.take_along_axis(slopes, row[None, None], 0)[0] for row in rows]
-    return tangents(_vertex, tuple(near), tuple(near_slopes))
-
-
-def _vertex(before: Any, here: Any, after: Any) -> Any:
-    bend = before - 2 * here + after
-    return here - (after - before) ** 2 / (8 * jnp.where(bend < 0, bend, -jnp.inf))
+def _filled(rows: np.ndarray, count: int) -> np.ndarray:
+    return np.concatenate([rows, np.zeros((count - len(rows), rows.shape[1]))])
 
 
 @program
-def by_unknowns(
-    equation: Equation, constants: Numbers, values: Numbers, unknowns: Numbers, along: Numbers, level: Numbers,
-    load: Numbers, scale: Numbers, circle: Numbers,
+def one_look(
+    equation: Equation, constants: Numbers, values: Numbers, unknowns: Numbers, way: Numbers,
+    directions: Numbers | None, level: Numbers, load: Numbers, scale: Numbers, circle: Numbers,
 ) -> tuple:  # fmt: skip
-    """`Periodic.look` of one set of points, points last."""
-    kicks = jnp.asarray(scale).T
-    there = lambda w: _all_points(equation, constants, values, w, level, load, circle)
-    points = jnp.asarray(unknowns).T
-    ahead = lambda kick: jax.jvp(there, (points,), (kick[:, None] * kicks,))
-    (end, shown), (slope, shown_slope) = jax.vmap(ahead, out_axes=(None, 1))(along)
-    own = jnp.asarray(along)[:, :SHARE].T[..., None] * kicks[:SHARE, None]
-    return end - points[:SHARE], slope - own, *tones(shown, shown_slope, circle)
+    """`Periodic.look` of one set of points, points last. They are the last axis of everything, tangents too: so they
+    fill the processor's vector units."""
+    points, units = jnp.asarray(unknowns).T, jnp.asarray(scale).T
+    each = lambda function, *parts: jax.vmap(function, in_axes=-1, out_axes=-1)(*parts)
+    start, rest = points[:SHARE], points[SHARE:]
 
+    def there(values: Any, rest: Any, level: Any, load: Any) -> Driven:
+        return driven(equation, constants, values, level, load, rest[0], rest[1], circle)
 
-@program
-def by_values(
-    equation: Equation, constants: Numbers, values: Numbers, unknowns: Numbers, directions: Numbers, level: Numbers,
-    load: Numbers, scale: Numbers, circle: Numbers,
-) -> tuple:  # fmt: skip
-    """`Periodic.look_by_values` of one set of points, points last."""
-    points = jnp.asarray(unknowns).T
-    there = lambda values: _all_points(equation, constants, values, points, level, load, circle)
-    ahead = lambda change: jax.jvp(there, (values,), (change,))
-    (end, shown), (slope, shown_slope) = jax.vmap(ahead, out_axes=(None, 1))(directions)
-    return end - points[:SHARE], slope, *tones(shown, shown_slope, circle)
+    go = lambda y, rest, u, m: march(equation, there(values, rest, u, m), y, u, circle)
+    path = each(go, start, rest, level, load)
 
+    def moving(rest: Any, values: Any) -> tuple:
+        one = lambda y, rest, u, m: step_by_step(equation, there(values, rest, u, m), y, u, circle)
+        return each(one, path.state, rest, level, load)
 
-def _all_points(
-    equation: Equation, constants: Numbers, values: Any, unknowns: Any, level: Any, load: Any, circle: Any
-) -> tuple:
-    """State after a period and readings of points (n + 2, points). They are the last axis of everything, tangents too:
-    so they fill the processor's vector units."""
-
-    def one(w: Any, level: Any, load: Any) -> tuple:
-        system = bound(equation, constants, values, load, w[FREQUENCY])._replace(share=w[SHARE])
-        return one_period(equation, system, w[:SHARE], level, w[FREQUENCY], circle)
-
-    return jax.vmap(one, in_axes=-1, out_axes=-1)(unknowns, level, load)
+    changes = [tangents(lambda rest: moving(rest, values), (rest,), (way[None, :, None] * units[None, SHARE:],))[1]]
+    if directions is not None:
+        changes.append(tangents(lambda values: moving(rest, values), (values,), (directions,))[1])
+    own, told = from_the_start(path, units[:SHARE])
+    by_rest, seen = carried(path, *(jnp.concatenate(parts) for parts in zip(*changes, strict=True)))
+    slope = jnp.concatenate([own - jnp.eye(len(start))[..., None] * units[:SHARE], by_rest])
+    readings = jnp.concatenate([told, seen], axis=1)
+    return path.end - start, slope, *tones(path.shown, readings, circle)
 
 
 class Ride(NamedTuple):
@@ -315,14 +235,14 @@ def along_motion(
         hidden, acting, given, added = [], 0.0 * z, system.gain * voltage, 0.0 * z
         for effect, own in zip(system.effects, slices(equation), strict=True):
             if own is None:
-                given = given + _given(
+                given = given + given_force(
                     effect, system, driven_memory(effect, system.gain, level, frequency, circle), voltage, rate
                 )
                 continue
             path = steady_memory(effect, lambda _: seen, jnp.zeros(0))
             hidden += list(path[:, 0])
             if effect.overrides("drive"):
-                given = given + _given(effect, system, path, voltage, rate)
+                given = given + given_force(effect, system, path, voltage, rate)
             if effect.overrides("force"):
                 off = system.drive(0.0, 0.0)
                 one = lambda z, v, h, effect=effect, off=off: effect.force(State(z, v, tuple(h)), off, 0.0)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.diagnosis.linearised.regression import prepare
-from ident.diagnosis.ranking.score import score
+from ident.diagnosis.ranking.score import Candidate, kept_more_than_chance, score
 from ident.diagnosis.where.locate import locate
 from ident.effects.effect import AbstractEffect, Drive, Scalar, State, amplitude
 from ident.effects.registry import built_in
@@ -93,3 +95,16 @@ def test_an_odd_part_does_not_hide_what_an_even_one_does(phase: bool) -> None:
     (found,) = score(prepare(fit(Model(device), campaign)), {"bent": Bent})
     assert found.predicted_gain > 0.95
     assert found.values["share"] == pytest.approx(2.0, rel=0.03)
+
+
+def test_a_refit_that_keeps_what_chance_would_give_is_no_effect() -> None:
+    """Without phases a lag of the sensor promised 31.9 of 320 points of noise by its square, and its refit kept 7.6."""
+    columns = np.linalg.qr(np.random.default_rng(1).normal(size=(320, 4)))[0]
+    told = SimpleNamespace(
+        n=320, best_chi2=323.1, absorbed=columns[:, :3], scored=dict.fromkeys(range(25), "a candidate")
+    )
+    lag = Candidate("sensor-lag", 31.9, 1.0, 1, 7e-11, {}, {}, {}, columns[:, 3:].T)
+    kept = lambda chi2: kept_more_than_chance(lag, chi2, told)  # pyright: ignore[reportArgumentType]  (what it reads)
+    assert kept(323.1 - 31.9)
+    assert not kept(323.1 - 7.6)
+    assert not kept(323.2)

@@ -13,6 +13,7 @@ from experiments.hidden_effects.generator import draw
 from ident.diagnosis.ranking.pairs import best_pair
 from ident.diagnosis.ranking.score import Candidate
 from ident.diagnosis.search.discover import discover
+from ident.diagnosis.search.together import hidden_by_each_other
 from ident.effects.registry import built_in
 from ident.model import Model
 
@@ -38,6 +39,31 @@ def test_the_best_pair_is_that_of_all_regressions() -> None:
     assert float(found.left @ found.left) + numbers * np.log(400) == pytest.approx(left[names])
     with_five = best_pair(regression, candidates, "5")  # pyright: ignore[reportArgumentType]
     assert with_five is not None and "5" in with_five.names
+
+
+def test_in_a_pair_a_law_takes_the_place_of_a_part_of_it() -> None:
+    """Stress beside a loop is never worse than the cubic spring in it; at the shapes of a grid its score may be."""
+    random = np.random.default_rng(11)
+    spring, loop, bent = np.linalg.qr(random.normal(size=(400, 3)))[0].T
+    residual = 100 * spring + 60 * loop + random.normal(size=400)
+    stress = np.stack([spring + 0.3 * bent])
+    candidates = [
+        _candidate(name, rows, residual)
+        for name, rows in (
+            ("residual-stress", stress),
+            ("cubic-stiffness", spring[None]),
+            ("pzt-hysteresis", loop[None]),
+        )
+    ]
+    noise = SimpleNamespace(fitted=[SimpleNamespace(noise=SimpleNamespace(relative_error=0.0))], fitted_sweeps=[])
+    told = lambda left: SimpleNamespace(
+        n=400, residual=left, numbers=3, chi2=float(left @ left), to_explain=float(left @ left) - 400, credible=True,
+        fit=SimpleNamespace(campaign=noise), instead_of=None,
+    )  # fmt: skip
+    regression, with_stress = told(residual), told(residual - 100 * spring)
+    names = lambda single: hidden_by_each_other(regression, candidates, single, regression, built_in())  # pyright: ignore
+    assert sorted(names(None) or ()) == ["cubic-stiffness", "pzt-hysteresis"]
+    assert names(("residual-stress", with_stress)) == ("residual-stress", "pzt-hysteresis")
 
 
 def _candidate(name: str, rows: np.ndarray, residual: np.ndarray) -> Candidate:

@@ -40,7 +40,8 @@ from ...response import Equation
 from ...response.controlled import Controlled
 from ...response.lane import Numbers
 from ...response.memory import Seen, follows_drive_alone, shaping
-from ...response.periodic import batches, bound, circle, joined
+from ...response.one_period import bound, circle
+from ...response.periodic import batches, joined
 from ...response.steady_memory import driven_memory, steady_memory
 
 _STEPS = 128  # of a period

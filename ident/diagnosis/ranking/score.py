@@ -15,6 +15,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import fdtrc
 
 from ...campaign.device import Platform
 from ...effects.effect import AbstractEffect
@@ -72,6 +73,7 @@ class _Point(NamedTuple):
     beside: np.ndarray | None = None
 
 
+ALARMS = 0.002  # probability of a name by chance
 _NEAR_POINTS = 5  # of a grid, kept as starts: the best of them may lead into a local minimum
 
 
@@ -231,6 +233,17 @@ def _grid(effect: AbstractEffect, regression: Regression) -> list[np.ndarray]:
     return [np.array(point) for point in itertools.product(*axes)]
 
 
-def significant(candidates: Sequence[Candidate], alarms: float = 0.002) -> list[Candidate]:
+def significant(candidates: Sequence[Candidate], alarms: float = ALARMS) -> list[Candidate]:
     """Those that chance would produce with at most the given probability, however many were tried (Bonferroni)."""
     return [c for c in candidates if c.p_value * len(candidates) < alarms]
+
+
+def kept_more_than_chance(candidate: Candidate, chi2: float, regression: Regression) -> bool:
+    """Whether what a refit has kept of a candidate's promise, which leaves `chi2`, is significant too.
+
+    A score is of first order, or of second in few of the terms: without phases one may promise what no refit can keep.
+    """
+    tried = sum(c is not None for c in regression.scored.values())
+    freedom = max(regression.n - candidate.dof - regression.absorbed.shape[1], 1)
+    fall = max(regression.best_chi2 - chi2, 0.0) / candidate.dof
+    return float(fdtrc(candidate.dof, freedom, fall / max(chi2 / freedom, 1e-300))) * tried < ALARMS

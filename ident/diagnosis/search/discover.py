@@ -26,7 +26,7 @@ from ..linearised.shorten import is_long, working
 from ..linearised.trajectory import Diverged
 from ..ranking.confirm import Confirmed, accept, confirm
 from ..ranking.look import Library, Look, best_drop, first_look, possible, promised
-from ..ranking.score import Candidate, score, significant
+from ..ranking.score import Candidate, kept_more_than_chance, score, significant
 from ..side_by_side import at_once
 from .change import try_without
 from .lacking import lacking
@@ -71,7 +71,7 @@ def continue_from(
     current = steps[-1].fit if steps else start
     while look.worth_it and look.real and len(steps) < most:
         alone = not_worth_adding(look.regression, max(promised(c, look.regression) for c in look.real), first)
-        if alone and not hidden_by_each_other(look.regression, look.candidates, None, first):
+        if alone and not hidden_by_each_other(look.regression, look.candidates, None, first, library):
             break
         found = _best_step(current, look, gains if not steps else {})
         if found is None:
@@ -218,7 +218,7 @@ def _best_step(current: Fit, look: Look, gains: dict[str, float]) -> tuple[list[
         else _best(tried, regression, current, first)
     )
     single = best and (best.confirmed.candidate.name, best.left)
-    if names := hidden_by_each_other(regression, look.candidates, single, first):
+    if names := hidden_by_each_other(regression, look.candidates, single, first, library):
         look.report(f"trying {' and '.join(names)} together")
         if two := both(current, regression, names, library, best and best.left):
             return two
@@ -267,11 +267,16 @@ def _best(tried: list[Confirmed], regression: Regression, current: Fit, first: R
 
 
 def _accepted(tried: list[Confirmed], regression: Regression, current: Fit) -> Iterator[tuple[Confirmed, Fit]]:
-    """The refits that the criterion prefers to the model as it is, with what they are on all samples, best first.
+    """The refits that the criterion prefers to the model as it is, and whose gain chance would not produce either, with
+    what they are on all samples, best first.
 
     Where the parameters bend far to mimic what is missing, excerpts do not tell how well a refit does on the rest.
     """
-    better = [found for found in _in_order(tried, regression) if behind(found, regression) <= 0]
+    better = [
+        found
+        for found in _in_order(tried, regression)
+        if behind(found, regression) <= 0 and kept_more_than_chance(found.candidate, found.chi2, regression)
+    ]
     if regression.credible or not is_long(current.campaign):
         yield from ((found, accept(found, current)) for found in better)
     else:

@@ -21,12 +21,19 @@ from .steps import Step
 
 
 def hidden_by_each_other(
-    regression: Regression, candidates: Sequence[Candidate], single: tuple[str, Regression] | None, first: Regression
+    regression: Regression,
+    candidates: Sequence[Candidate],
+    single: tuple[str, Regression] | None,
+    first: Regression,
+    library: Mapping[str, type[AbstractEffect]],
 ) -> tuple[str, str] | None:
     """Names of two effects that by their scores explain clearly more than the best single one, and than any two of
     which that is one: those the next step finds.
 
     `single`: its name and the regression with it, if there is one; `first`: the regression before any effect was added.
+
+    Where the single effect contains one of the two it stands in that one's place: beside the other it does at least as
+    well, but its score, at the shapes of a grid, may not say so.
     """
     pair = best_pair(regression, candidates) if regression.credible else None
     if pair is None:
@@ -43,7 +50,11 @@ def hidden_by_each_other(
         with_it = best_pair(regression, candidates, name)
         if adequate(left) or with_it is None or behind(pair, with_it) > -VERY_STRONG:
             return None
-    return pair.names if behind(pair, _instead(regression, single and single[1])) < -VERY_STRONG else None
+    if behind(pair, _instead(regression, single and single[1])) >= -VERY_STRONG:
+        return None
+    parts = () if single is None else library[single[0]].contains
+    whole = [name for name in pair.names if name not in parts]
+    return pair.names if single is None or len(whole) != 1 else (single[0], whole[0])
 
 
 def both(
