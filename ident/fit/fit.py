@@ -131,11 +131,12 @@ def minimise(
         candidates = candidates[: _IN_A_RACE if told else _KEPT_STARTS]
     per_sample = lambda cost: float(np.sqrt(cost / data.count))
 
-    def begun_at(there: Data, at: Unknowns, known: Evaluation | None) -> solve.Search:
-        own = static
+    def begun_at(start: tuple[float, Data, Unknowns, Evaluation]) -> solve.Search:
+        own, (_, there, at, found) = static, start
+        known: Evaluation | None = found
         if told:  # else the first search says which of several orbits a steady record shows
             own, there, at = on_orbits(static, there, records, at)
-            known = None if there.steady else known
+            known = None if there.steady else found
         return solve.Search(own, there, at, robust, known, compared)
 
     def go_on(number: int, one: solve.Search, most: int) -> None:
@@ -145,12 +146,12 @@ def minimise(
         one.go_on(most, lambda cost: pulse.beat(f"error over noise {per_sample(cost):.3g}"), until)
 
     if compared:
-        searches = [begun_at(*start) for _, *start in candidates]
+        searches = [begun_at(start) for start in candidates]
         race(searches, most, go_on)
     else:
         searches = []
-        for number, (_, *start) in enumerate(candidates, 1):
-            searches.append(begun_at(*start))
+        for number, start in enumerate(candidates, 1):
+            searches.append(begun_at(start))
             go_on(number, searches[-1], most)
             enough = not starts and not told and per_sample(searches[-1].cost) < _AT_THE_FLOOR
             if time.monotonic() > until or enough:
