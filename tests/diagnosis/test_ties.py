@@ -119,6 +119,7 @@ def test_beside_a_member_its_family_is_no_further_law(regression: Regression) ->
     beside = replace(regression, fit=replace(regression.fit, model=regression.fit.model + member), scored={})
     assert is_family_of(LIBRARY["power-law-damping"], member)
     assert not is_family_of(LIBRARY["residual-stress"], LIBRARY["cubic-stiffness"]())  # the drive acts there, too
+    assert not is_family_of(LIBRARY["residual-stress"], LIBRARY["voltage-stiffness"]())  # and stress has several sizes
     assert score(beside, {"power-law-damping": LIBRARY["power-law-damping"]}) == []
 
 

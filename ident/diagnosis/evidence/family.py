@@ -8,9 +8,9 @@ from .enough import ANOTHER_LAW
 
 
 def is_family_of(whole: type[AbstractEffect], part: AbstractEffect) -> bool:
-    """Whether a law contains another and depends on nothing that this one does not: they then differ in the shape of a
-    curve, and not in what acts."""
-    if part.name not in whole.contains:
+    """Whether a law contains another, has one size as a whole, and depends on nothing that this one does not: they then
+    differ in the shape of a curve, and not in what acts. A law with several sizes is a sum of several."""
+    if part.name not in whole.contains or sum(p.kind == "amplitude" for p in whole().declared()) > 1:
         return False
     wide, narrow = depends_on(whole()), depends_on(part)
     return wide is not None and narrow is not None and wide[0] == narrow[0] and set(wide[1]) <= set(narrow[1])
