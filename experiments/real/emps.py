@@ -17,7 +17,7 @@ holdout = true
 """,
     baseline=6.5,
     start=6.5,
-    final=6.5,
+    final=6.0,
     first="coulomb-friction",
     form="no-spring",
 )
