@@ -24,7 +24,7 @@ from .linear.guess import LinearGuess
 from .linear.one_tone import gain_of, hold_dragged, hold_gain, hold_quality
 from .on_orbits import on_orbits
 from .problem import Data, Evaluation, Static, Unknowns, evaluate
-from .race import race
+from .race import cost_of, race
 from .result import Fit, SigmaChoice, Start
 from .settled import Search, settled
 from .starts import base_values, first_guess, random_points, scales_of, starting_points
@@ -157,7 +157,7 @@ def minimise(
             if time.monotonic() > until or enough:
                 break
     # All starts had the same weights; those of the best one's model are its own.
-    chosen = min(range(len(searches)), key=lambda i: _finite(searches[i].cost))
+    chosen = min(range(len(searches)), key=lambda i: cost_of(searches[i]))
     static, data, best = searches[chosen].static, searches[chosen].data, searches[chosen].solution
     pulse = Pulse(report, "least squares")
     watch = lambda cost: pulse.beat(f"error over noise {per_sample(cost):.3g}")
@@ -172,10 +172,6 @@ def minimise(
         for (first, *_), end in zip(candidates, ends, strict=False)
     )
     return Minimum(static, data, best, table, scales)
-
-
-def _finite(cost: float) -> float:
-    return cost if np.isfinite(cost) else np.inf
 
 
 def _reweighed(

@@ -27,11 +27,12 @@ def race(searches: Sequence[Search], most: int, go_on: GoOn) -> None:
     while len(field) > 1 and steps < most:
         for number, one in field:
             go_on(number, one, steps)
-        field = sorted(field, key=lambda one: _finite(one[1].cost))[: (len(field) + 1) // 2]
+        field = sorted(field, key=lambda one: cost_of(one[1]))[: (len(field) + 1) // 2]
         steps *= 2
     for number, one in field:
         go_on(number, one, most)
 
 
-def _finite(cost: float) -> float:
-    return cost if np.isfinite(cost) else np.inf
+def cost_of(search: Search) -> float:
+    """Σ r² where a search is, infinite for a motion without bound: such a one comes last."""
+    return search.cost if np.isfinite(search.cost) else np.inf
