@@ -58,8 +58,8 @@ KINKED_LAWS = {
         lambda t, z, v, h: -0.1 * K * z * (abs(z / 5e-6) ** 1.2 - 1) / 1.2,
     ),
     "power-law-damping": (
-        dict(damping=C * 2e-2, exponent=1.4, velocity=2e-2),
-        lambda t, z, v, h: -C * v * abs(v / 2e-2) ** 0.4,
+        dict(damping=0.4 * C, exponent=1.4, velocity=2e-2),
+        lambda t, z, v, h: -C * v * (abs(v / 2e-2) ** 0.4 - 1),
     ),
     "coulomb-friction": (
         dict(friction=0.05 * C * 2e-2, velocity=4e-4),
@@ -108,10 +108,12 @@ def test_power_laws_contain_the_named_ones():
     for exponent in (1.0, 1.0 + 1e-9, 1.0 + 1e-5):
         near = push("power-law-stiffness", stiffness=2.0, exponent=exponent, **largest)
         np.testing.assert_allclose(near, -z * np.log((z / 5e-6) ** 2 + 1e-4), atol=1e-4 * 5e-6)
+        near = push("power-law-damping", damping=2.0, exponent=exponent, velocity=2e-2)
+        np.testing.assert_allclose(near, -v * np.log((v / 2e-2) ** 2 + 1e-4), atol=1e-4 * 2e-2)
     for exponent, part in ((2.0, dict(c2=1 / 4e-4)), (3.0, dict(c3=1 / 8e-6))):
         name = {2.0: "quadratic-damping", 3.0: "cubic-damping"}[exponent]
-        found = push("power-law-damping", damping=1.0, exponent=exponent, velocity=2e-2)
-        np.testing.assert_allclose(found, push(name, **part), atol=2e-4)
+        found = push("power-law-damping", damping=exponent - 1, exponent=exponent, velocity=2e-2)
+        np.testing.assert_allclose(found, 2e-2 * push(name, **part) + v, atol=2e-4 * 2e-2)
 
 
 def test_second_mode_is_a_second_oscillator_under_the_same_voltage():
