@@ -4,7 +4,7 @@
 several seconds; here its descent and its search run on the (u, u) normal equations, and the simulation is compiled
 once. Every unknown is measured in units of the longest column of the Jacobian that it has had, so that one damping
 suits all of them. Damping starts light, because what keeps a far start in its basin is another rule: no positive
-parameter changes by more than a factor √e in one step.
+parameter changes by more than a factor √e in one step, and the others take the best step that this leaves.
 
 A search ends by its Newton decrement, the fall of the cost that an undamped step promises within that rule. The size of
 a step says nothing: along a narrow valley every damped step is small. At a kink, where trials are refused however
@@ -12,8 +12,7 @@ short, it ends when even all the steps that it has would not bring what is worth
 
 Sources: D. W. Marquardt, An algorithm for least-squares estimation of nonlinear parameters, J. SIAM 11 (1963) 431,
 §III; J. J. Moré, The Levenberg–Marquardt algorithm, Lecture Notes in Mathematics 630 (1978) 105, §4 (units);
-S. Boyd, L. Vandenberghe, Convex Optimization, 2004, §9.5.1 (decrement); P. B. Stark, R. L. Parker, Bounded-variable
-least-squares, Computational Statistics 10 (1995) 129 (the same within limits).
+S. Boyd, L. Vandenberghe, Convex Optimization, 2004, §9.5.1 (decrement).
 """
 
 from __future__ import annotations
@@ -25,19 +24,18 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy.optimize import lsq_linear
 
 from ..programs import program
 from .coordinates import slopes
 from .normal import Normal, moving, normal_equations, pack, unpack
 from .problem import Data, Evaluation, Static, Unknowns, evaluate
+from .squares import squares_of
 
 MAX_STEPS = 400
 _SMALL_GAIN = 1e-4  # of the cost ½χ²: no parameter is then further than 0.014 standard errors from its optimum
 _COMPARED = 0.05
 """The same per mean squared residual, of models that are only compared: n ln χ² then falls by 0.1 at most."""
 _SMALL_SHARE = 1e-9  # of the cost: more than that of a misfit is not worth a step
-_FLAT = 1e-11  # curvature, as a share of the steepest, below which the data leave a direction free
 _LEAST_STEP = 1e-12  # where damping has grown that much, rounding decides
 
 _FIRST_STEP = 100.0  # the inverse of the first damping
@@ -123,15 +121,18 @@ def _decrement(normal: Normal, units: np.ndarray, farthest: np.ndarray) -> float
     """
     if not (np.all(np.isfinite(normal.matrix)) and np.all(np.isfinite(normal.gradient))):
         return np.inf
-    curvature, directions = np.linalg.eigh(normal.matrix / np.outer(units, units))
-    seen = curvature > _FLAT * curvature.max(initial=0.0)
-    root, directions = np.sqrt(curvature[seen]), directions[:, seen]
-    pull = directions.T @ (normal.gradient / units) / root
-    reach = units * farthest
-    if np.all(np.abs(directions @ (pull / root)) <= reach):
-        return 0.5 * float(pull @ pull)
-    left = lsq_linear(root[:, None] * directions.T, pull, (-reach, reach), method="bvls").cost
-    return 0.5 * float(pull @ pull) - float(left)
+    squares = squares_of(normal, units)
+    return squares.fall(squares.best(units * farthest))
+
+
+def _limited(normal: Normal, turn: _Turn, farthest: np.ndarray) -> np.ndarray:
+    """The next move, as damped as it is, and in no unknown farther than it may go."""
+    if not np.any(np.abs(turn.move) > farthest):
+        return turn.move
+    if not np.all(np.isfinite(turn.move)):
+        return np.clip(turn.move, -farthest, farthest)
+    squares = squares_of(normal, turn.units, 1.0 / float(turn.reach))
+    return squares.best(turn.units * farthest) / turn.units
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a start whose motion has no bound has no scale either
@@ -219,11 +220,11 @@ class Search:
         self._turn = _turn(self._point, trial, change, self._turn, self.steps == 1)
         if self._turn.accepted:
             self._at, self._point, self._best = self._at + change, trial, found
-        self._next = np.clip(self._turn.move, -self._farthest, self._farthest)
+        self._next = _limited(self._point, self._turn, self._farthest)
         promised = _decrement(self._point, self._turn.units, self._farthest)
         worth = _COMPARED * max(self.cost / self.data.count, 1.0) if self._compared else _SMALL_GAIN
         self.converged = promised < worth + _SMALL_SHARE * float(self._point.cost)
-        hopeless = 0.0 <= _fall(self._point, self._next) * MAX_STEPS < worth  # negative where limits bend the move
+        hopeless = _fall(self._point, self._next) * MAX_STEPS < worth
         self.ended = self.converged or hopeless or float(self._turn.reach) < _LEAST_STEP
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from ident.fit.normal import Normal
 from ident.fit.race import race
 from ident.fit.solve import _decrement
+from ident.fit.squares import squares_of
 
 
 def test_towards_a_bound_a_step_promises_no_more_than_it_reaches() -> None:
@@ -29,6 +30,20 @@ def test_an_unknown_that_may_hardly_move_does_not_hold_back_one_that_may() -> No
     normal = Normal(np.array(60.0), np.array([0.0, 10.0]), np.array([[1.0, 0.9], [0.9, 1.0]]))
     promised = _decrement(normal, np.ones(2), np.array([1e-9, np.inf]))
     assert np.isclose(promised, 50.0, rtol=1e-6)  # of the second alone, 10²/2
+
+
+def test_a_step_within_limits_is_the_best_one_and_not_a_long_one_that_is_cut() -> None:
+    """Cut to its limit in the first unknown, the free step asks of the second what suits a motion that is not made, and
+    makes things worse: searches along a valley were refused every second trial, and crawled."""
+    normal = Normal(np.array(0.0), np.array([-1.0, -1.0 + 1e-3]), np.array([[1.0, 0.999], [0.999, 1.0]]))
+    squares, reach = squares_of(normal, np.ones(2)), np.array([0.1, np.inf])
+    whole = squares.best(np.full(2, np.inf))
+    np.testing.assert_allclose(whole, np.linalg.solve(normal.matrix, -normal.gradient), atol=1e-9)
+    best = squares.best(reach)
+    assert best[0] == 0.1 and np.isclose(best[1], 0.999 - 0.999 * 0.1)  # what is best for the second, the first given
+    far = squares_of(normal._replace(gradient=np.array([-10.0, 9.0])), np.ones(2))
+    cut = np.clip(far.best(np.full(2, np.inf)), -reach, reach)
+    assert far.fall(cut) < 0 < far.fall(far.best(reach))
 
 
 class _Falling:
