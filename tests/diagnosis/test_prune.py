@@ -49,17 +49,3 @@ def test_an_effect_without_which_the_motion_has_no_bound_stays(start: Fit, monke
 
     monkeypatch.setattr(pruning, "prepare", unbounded)
     assert pruning.prune(last, list(NAMES), LIBRARY, first, lambda _: None).names == NAMES
-
-
-def test_an_effect_with_which_other_records_are_predicted_worse_goes_while_something_is_missing(
-    start: Fit, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Far above the noise floor every effect is significant on the records that it was fitted to."""
-    monkeypatch.setattr(pruning, "superfluous", lambda *_: False)
-    monkeypatch.setattr(pruning, "adequate", lambda _: False)
-    monkeypatch.setattr(pruning, "_replaced", lambda *_: None)
-    has = lambda one: "coulomb-friction" in one.model.names
-    monkeypatch.setattr(pruning, "confirmed", lambda without, with_it: has(without) == has(with_it))
-    names = [NAMES[0], "coulomb-friction", NAMES[1]]
-    needed = pruning.prune(fitted(start, *names), names, LIBRARY, prepare(start), lambda _: None)
-    assert needed.names == NAMES

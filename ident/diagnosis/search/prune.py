@@ -11,7 +11,7 @@ from ...effects.effect import AbstractEffect
 from ...fit import Fit
 from ...fit.rebuild import fit_at
 from ..evidence.criterion import VERY_STRONG, behind, criteria, predicts_worse
-from ..evidence.enough import ANOTHER_LAW, SAME_SHAPE, adequate, laws_differ_by, superfluous
+from ..evidence.enough import ANOTHER_LAW, SAME_SHAPE, laws_differ_by, superfluous
 from ..evidence.family import is_that_member
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import working
@@ -69,12 +69,6 @@ def _hurts_more(before: Fit, after: Fit) -> bool:
     if before.holdout is None or after.holdout is None or not hurts(before, after):
         return False
     return after.holdout.chi2 - before.holdout.chi2 > before.fitted.chi2 - after.fitted.chi2
-
-
-def _mimics(without: Fit, with_it: Fit, full: Regression) -> bool:
-    """Whether an effect bends to what the model lacks still: it leaves more than noise, and held-out records are
-    predicted no better than without it."""
-    return not adequate(full) and not confirmed(without, with_it)
 
 
 def _still_possible(after: Fit, before: Fit) -> bool:
@@ -168,8 +162,7 @@ def _changed(
         without = try_without(last, name, first.fit)
         try:
             regression = prepare(without)
-            needless = superfluous(regression, full, first) or _mimics(without, last, full)
-            if needless and _still_possible(without, last):
+            if superfluous(regression, full, first) and _still_possible(without, last):
                 return [*names[:i], *names[i + 1 :]], without
             # Where scores cannot be believed, every effect has been refitted already.
             if full.credible and (found := _replaced(name, last, full, regression, library)) is not None:
