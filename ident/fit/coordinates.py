@@ -4,7 +4,8 @@
     p > 0             c = ln p
     l < p < u         c = (L/4) ln(s/(1 − s)),  s = ln(p/l)/L,  L = ln(u/l)
 
-A bound is never reached, only approached, and the covariance maps back by the slope dp/dc.
+A bound is never reached, only approached, and the covariance maps back by the slope dp/dc. A search works in ln p and
+keeps to the ranges itself (see `solve`): near a bound of this coordinate slope and curvature vanish together.
 """
 
 from __future__ import annotations

@@ -158,7 +158,7 @@ def minimise(
                 break
     # All starts had the same weights; those of the best one's model are its own.
     chosen = min(range(len(searches)), key=lambda i: cost_of(searches[i]))
-    static, data, best = searches[chosen].static, searches[chosen].data, searches[chosen].solution
+    static, (data, best) = searches[chosen].static, searches[chosen].found
     pulse = Pulse(report, "least squares")
     watch = lambda cost: pulse.beat(f"error over noise {per_sample(cost):.3g}")
     search = lambda static, data, unknowns, most, begun=None: solve.least_squares(
@@ -166,7 +166,7 @@ def minimise(
     )
     static, data, best = settled(static, data, records, best, search, most, compared)
     data, best = _reweighed(static, data, best, search, most)
-    ends = [best if i == chosen else one.solution for i, one in enumerate(searches)]
+    ends = [best if i == chosen else one.found[1] for i, one in enumerate(searches)]
     table = tuple(
         Start(per_sample(first), per_sample(end.cost), end.steps, end.converged)
         for (first, *_), end in zip(candidates, ends, strict=False)

@@ -17,7 +17,7 @@ import numpy as np
 from ..response import Equation, Response, Tape, respond
 from ..response.controlled import Controlled
 from ..response.transient import fitting_width
-from .coordinates import slopes, to_values
+from .coordinates import slopes, to_coordinates, to_values
 from .curves import Curves
 from .steady import Steady
 
@@ -86,6 +86,18 @@ def physical(static: Static, data: Data, x: np.ndarray) -> np.ndarray:
     values = np.array(data.template, float)
     values[list(static.free)] = to_values(x * data.scale + data.anchor, data.lower, data.upper)
     return values
+
+
+def in_ranges(
+    static: Static, data: Data, unknowns: Unknowns, lower: np.ndarray, upper: np.ndarray
+) -> tuple[Data, Unknowns]:
+    """The same fit at the same point with other bounds (p,) in its coordinates. A unit of x changes the values as much
+    as before, so that derivatives stay what they are."""
+    values = physical(static, data, unknowns.x)[list(static.free)]
+    scale = data.scale * slopes(values, data.lower, data.upper) / slopes(values, lower, upper)
+    anchor = to_coordinates(values, lower, upper)
+    changed = data._replace(lower=lower, upper=upper, scale=scale, anchor=anchor)
+    return changed, Unknowns(np.zeros_like(unknowns.x), unknowns.starts)
 
 
 class Evaluation(NamedTuple):

@@ -4,7 +4,8 @@
 several seconds; here its descent and its search run on the (u, u) normal equations, and the simulation is compiled
 once. Every unknown is measured in units of the longest column of the Jacobian that it has had, so that one damping
 suits all of them. Damping starts light, because what keeps a far start in its basin is another rule: no positive
-parameter changes by more than a factor √e in one step, and the others take the best step that this leaves.
+parameter changes by more than a factor √e in one step, or leaves its range, and the others take the best step that this
+leaves.
 
 A search ends by its Newton decrement, the fall of the cost that an undamped step promises within that rule. The size of
 a step says nothing: along a narrow valley every damped step is small. At a kink, where trials are refused however
@@ -28,7 +29,7 @@ import numpy as np
 from ..programs import program
 from .coordinates import slopes
 from .normal import Normal, moving, normal_equations, pack, unpack
-from .problem import Data, Evaluation, Static, Unknowns, evaluate
+from .problem import Data, Evaluation, Static, Unknowns, evaluate, in_ranges
 from .squares import squares_of
 
 MAX_STEPS = 400
@@ -112,27 +113,27 @@ def _turn(point: Normal, trial: Normal, moved: np.ndarray, last: _Turn, first: b
     return _Turn(bool(accept), np.asarray(units)[:size], np.asarray(move)[:size], np.asarray(reach))
 
 
-def _decrement(normal: Normal, units: np.ndarray, farthest: np.ndarray) -> float:
-    """The largest fall of the cost, by its quadratic model, of an undamped step in which no unknown goes farther than
-    it may; infinite where the model's motion is so large that it cannot be said.
+def _decrement(normal: Normal, units: np.ndarray, low: np.ndarray, high: np.ndarray) -> float:
+    """The largest fall of the cost, by its quadratic model, of an undamped step between limits (u,); infinite where the
+    model's motion is so large that it cannot be said.
 
-    Directions that the data leave free promise nothing. Towards a bound slope and curvature fade together, and an
-    unlimited step would promise the same for ever.
+    Directions that the data leave free promise nothing. As p falls to zero the slope and the curvature by ln p fade
+    together, and an unlimited step would promise the same for ever.
     """
     if not (np.all(np.isfinite(normal.matrix)) and np.all(np.isfinite(normal.gradient))):
         return np.inf
     squares = squares_of(normal, units)
-    return squares.fall(squares.best(units * farthest))
+    return squares.fall(squares.best(units * low, units * high))
 
 
-def _limited(normal: Normal, turn: _Turn, farthest: np.ndarray) -> np.ndarray:
-    """The next move, as damped as it is, and in no unknown farther than it may go."""
-    if not np.any(np.abs(turn.move) > farthest):
+def _limited(normal: Normal, turn: _Turn, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """The next move, as damped as it is, between limits (u,)."""
+    if np.all((low <= turn.move) & (turn.move <= high)):
         return turn.move
     if not np.all(np.isfinite(turn.move)):
-        return np.clip(turn.move, -farthest, farthest)
+        return np.clip(turn.move, low, high)
     squares = squares_of(normal, turn.units, 1.0 / float(turn.reach))
-    return squares.best(turn.units * farthest) / turn.units
+    return squares.best(turn.units * low, turn.units * high) / turn.units
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a start whose motion has no bound has no scale either
@@ -160,10 +161,28 @@ def _fall(normal: Normal, move: np.ndarray) -> float:
     return -float(normal.gradient @ move + 0.5 * move @ normal.matrix @ move)
 
 
-def _farthest(data: Data) -> np.ndarray:
-    """How far each unknown may go in one step, (u,)."""
-    reach = np.where(np.isfinite(data.lower), _FARTHEST / data.scale, np.inf)
-    return np.concatenate([reach, np.full(data.start_scale.shape[1] * len(moving(data)), np.inf)])
+class _Limits(NamedTuple):
+    """`farthest` that each unknown may go in one step, and the ends `low` and `high` of its range, (u,)."""
+
+    farthest: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+    def around(self, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Limits of a move from a point, (u,)."""
+        return np.maximum(-self.farthest, self.low - at), np.minimum(self.farthest, self.high - at)
+
+
+def _limits(data: Data, given: Data) -> _Limits:
+    """Limits of the unknowns, whose coordinates are logarithms in `data`, and whose ranges are those `given`."""
+    positive, ranged = np.isfinite(data.lower), np.isfinite(given.upper)
+    ends = [(np.log(np.where(ranged, end, 1.0)) - data.anchor) / data.scale for end in (given.lower, given.upper)]
+    starts = np.full(data.start_scale.shape[1] * len(moving(data)), np.inf)
+    return _Limits(
+        np.concatenate([np.where(positive, _FARTHEST / data.scale, np.inf), starts]),
+        np.concatenate([np.where(ranged, ends[0], -np.inf), -starts]),
+        np.concatenate([np.where(ranged, ends[1], np.inf), starts]),
+    )
 
 
 class Search:
@@ -183,10 +202,14 @@ class Search:
         compared: bool = False,
     ):
         self.static, self._robust, self._compared = static, robust, compared
-        self.data, self._start, self._best = rescale(static, data, start, begun)
-        self._farthest = _farthest(self.data)
-        self._at = pack(self._start, self.data)
-        self._point = normal_equations(static, self.data, self._at, self._best, robust)
+        self._given = data
+        opened = in_ranges(
+            static, data, start, np.where(np.isfinite(data.lower), 0.0, data.lower), np.full_like(data.upper, np.inf)
+        )
+        self._data, self._start, self._best = rescale(static, *opened, begun)
+        self._limits = _limits(self._data, data)
+        self._at = pack(self._start, self._data)
+        self._point = normal_equations(static, self._data, self._at, self._best, robust)
         units = np.sqrt(np.diagonal(self._point.matrix))
         self._next = np.zeros_like(self._at)
         self._turn = _Turn(True, units, self._next, np.array(_FIRST_STEP))
@@ -198,9 +221,11 @@ class Search:
         return 2 * float(self._point.cost)
 
     @property
-    def solution(self) -> Solution:
-        """Where it is."""
-        return Solution(unpack(self._at, self._start, self.data), self.cost, self.steps, self.converged, self._best)
+    def found(self) -> tuple[Data, Solution]:
+        """The best point so far in the coordinates of the fit."""
+        there = unpack(self._at, self._start, self._data)
+        data, unknowns = in_ranges(self.static, self._data, there, self._given.lower, self._given.upper)
+        return data, Solution(unknowns, self.cost, self.steps, self.converged, self._best)
 
     def go_on(self, most: int, watch: Callable[[float], None] = lambda _: None, until: float = np.inf) -> None:
         """Go on until it ends or has taken `most` steps in all; `watch`: called with Σ r² after every step; `until`:
@@ -214,15 +239,16 @@ class Search:
     def _step(self) -> None:
         change, found, trial = self._next, self._best, self._point
         if self.steps:
-            found = evaluate(self.static, self.data, unpack(self._at + change, self._start, self.data))
-            trial = normal_equations(self.static, self.data, self._at + change, found, self._robust)
+            found = evaluate(self.static, self._data, unpack(self._at + change, self._start, self._data))
+            trial = normal_equations(self.static, self._data, self._at + change, found, self._robust)
         self.steps += 1
         self._turn = _turn(self._point, trial, change, self._turn, self.steps == 1)
         if self._turn.accepted:
             self._at, self._point, self._best = self._at + change, trial, found
-        self._next = _limited(self._point, self._turn, self._farthest)
-        promised = _decrement(self._point, self._turn.units, self._farthest)
-        worth = _COMPARED * max(self.cost / self.data.count, 1.0) if self._compared else _SMALL_GAIN
+        low, high = self._limits.around(self._at)
+        self._next = _limited(self._point, self._turn, low, high)
+        promised = _decrement(self._point, self._turn.units, low, high)
+        worth = _COMPARED * max(self.cost / self._data.count, 1.0) if self._compared else _SMALL_GAIN
         self.converged = promised < worth + _SMALL_SHARE * float(self._point.cost)
         hopeless = _fall(self._point, self._next) * MAX_STEPS < worth
         self.ended = self.converged or hopeless or float(self._turn.reach) < _LEAST_STEP
@@ -243,4 +269,4 @@ def least_squares(
     Arguments as of `Search`."""
     search = Search(static, data, start, robust, begun, compared)
     search.go_on(most, watch, until)
-    return search.data, search.solution
+    return search.found

@@ -22,16 +22,16 @@ class Squares(NamedTuple):
     rows: np.ndarray
     pull: np.ndarray
 
-    def best(self, reach: np.ndarray) -> np.ndarray:
-        """The y that promises most and goes nowhere beyond `reach` (u,); the shortest where no limit is met.
+    def best(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+        """The y that promises most between limits (u,); the shortest where none is met.
 
         A longer one cut to the limits is no substitute: the unknowns that are free would answer a motion of the others
         that is not made.
         """
         free = self.rows.T @ (self.pull / np.sum(self.rows**2, axis=1))
-        if np.all(np.abs(free) <= reach):
+        if np.all((low <= free) & (free <= high)):
             return free
-        return np.clip(lsq_linear(self.rows, self.pull, (-reach, reach), method="bvls").x, -reach, reach)
+        return np.clip(lsq_linear(self.rows, self.pull, (low, high), method="bvls").x, low, high)
 
     def fall(self, y: np.ndarray) -> float:
         """Fall of the cost that a move promises."""
