@@ -63,9 +63,10 @@ def confirm(
 ) -> Confirmed:
     """Refit with the candidate on, in at most so many steps.
 
-    Its own shapes race from the best points of their grids, the best also with what it moves the other parameters to;
-    then those of effects accepted before from theirs, as a new term may free them. `base`: values of the other
-    parameters to start from, if not those of the regression's fit.
+    Its own shapes race from the best points of their grids, the best also with what it moves the other parameters to,
+    and on curves with the other sign: beside an effect that acts by its square, which may grow severalfold to make room
+    for it, the slope there may have the wrong one. Then those of effects accepted before race from theirs, as a new
+    term may free them. `base`: values of the other parameters to start from, if not those of the regression's fit.
     """
     asked = (effect, *candidate.values.items(), most, None if base is None else tuple(base))
     if asked not in regression.refitted:
@@ -84,6 +85,8 @@ def _refitted(
     starts = [np.concatenate([base, start_of(model, one, before.scales)]) for one in scored]
     if candidate.beside is not None:
         starts.insert(1, np.concatenate([candidate.beside, start_of(model, candidate, before.scales)]))
+    if regression.plane is not None:
+        starts.append(np.concatenate([base, start_of(model, _mirrored(candidate, model), before.scales)]))
     if freed := _grids(model, before):
         own = minimise(model, before.campaign, initial=starts, most=_RACE, compared=True).values
         starts = [own, *(_with(own, i, value) for i, value in freed)]
@@ -100,6 +103,14 @@ def _refitted(
     faint = {name: _FAINT * value for name, value in candidate.values.items() if name in amplitudes}
     start = start_of(model, candidate._replace(values={**candidate.values, **faint}), before.scales)
     return weigh(regression, model, candidate, [np.concatenate([base, start])], most)
+
+
+def _mirrored(candidate: Candidate, model: Model) -> Candidate:
+    """A candidate with its amplitudes of the other sign."""
+    either = {p.name for p in model.effects[-1].declared() if p.kind == "amplitude" and not (p.one_sided or p.positive)}
+    return candidate._replace(
+        values={name: -value if name in either else value for name, value in candidate.values.items()}
+    )
 
 
 def with_effect(before: Fit, effect: type[AbstractEffect]) -> Model:
