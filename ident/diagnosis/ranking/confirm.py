@@ -48,6 +48,7 @@ _FREED = 5  # points of earlier shapes from which a refit starts too
 _SPRING = ("force", ("z",))  # what a law of the displacement alone depends on
 _ABSENT = 0.05  # of an effect's largest amplitude: a smaller one is as good as none
 _FAINT = 0.01  # of what the score predicts: nearly absent, so that the motion is the one without it
+_OTHERWISE = -0.3  # of what the score predicts, where its sign may be wrong and its size too large, as in `balance`
 _OFF_BOUND = 3.0
 _LEAVES = 1.2  # χ² per sample: a memory that leaves more may have started in the wrong place
 _RACE = 12  # steps of the best start, before earlier shapes are freed
@@ -106,10 +107,10 @@ def _refitted(
 
 
 def _mirrored(candidate: Candidate, model: Model) -> Candidate:
-    """A candidate with its amplitudes of the other sign."""
+    """A candidate with smaller amplitudes of the other sign."""
     either = {p.name for p in model.effects[-1].declared() if p.kind == "amplitude" and not (p.one_sided or p.positive)}
     return candidate._replace(
-        values={name: -value if name in either else value for name, value in candidate.values.items()}
+        values={name: _OTHERWISE * value if name in either else value for name, value in candidate.values.items()}
     )
 
 
