@@ -51,8 +51,8 @@ def take_apart(
     A law with several parameters mimics any two of the simple ones that it implies, and a walk that adds one effect at
     a time meets it first. One with many bends to what any two do that it does not imply. But one name is a simpler
     answer than two: each further one costs 2 ln(size of the library). Beyond that the evidence must be strong for
-    either answer; in between, both are given, as they are where simpler ones with no more numbers leave as little as
-    laws of one kind differ by: the law with more to bend may owe its lead to the shape of another.
+    either answer; in between, both are given. On curves alone they are, too, where simpler ones with no more numbers
+    leave no more than laws of one kind differ by: a law with more to bend may owe its lead to the shape of another.
     """
     alike: list[Parts] = []
     for name in added:
@@ -85,7 +85,9 @@ def take_apart(
             near = whole.fit_chi2 - regression.fit_chi2 < ANOTHER_LAW * without.excess
             return [*alike, Parts(name, tuple(names), current, True, last, near)]
         shape = regression.fit_chi2 - whole.fit_chi2 < ANOTHER_LAW * without.excess
-        if names and (worse < STRONG or (shape and regression.numbers <= whole.numbers)):
+        # Traces would show by a mean and overtones which it is.
+        shape = shape and regression.numbers <= whole.numbers and not last.campaign.fitted
+        if names and (worse < STRONG or shape):
             alike.append(Parts(name, tuple(names), current, False, last))
     return alike
 
