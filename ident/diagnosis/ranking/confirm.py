@@ -48,6 +48,7 @@ _FREED = 5  # points of earlier shapes from which a refit starts too
 _SPRING = ("force", ("z",))  # what a law of the displacement alone depends on
 _ABSENT = 0.05  # of an effect's largest amplitude: a smaller one is as good as none
 _FAINT = 0.01  # of what the score predicts: nearly absent, so that the motion is the one without it
+_OTHERWISE = -0.3  # of what the score predicts, where its sign may be wrong and its size too large, as in `balance`
 _OFF_BOUND = 3.0
 _LEAVES = 1.2  # χ² per sample: a memory that leaves more may have started in the wrong place
 _RACE = 12  # steps of the best start, before earlier shapes are freed
@@ -63,9 +64,10 @@ def confirm(
 ) -> Confirmed:
     """Refit with the candidate on, in at most so many steps.
 
-    Its own shapes race from the best points of their grids, the best also with what it moves the other parameters to;
-    then those of effects accepted before from theirs, as a new term may free them. `base`: values of the other
-    parameters to start from, if not those of the regression's fit.
+    Its own shapes race from the best points of their grids, the best also with what it moves the other parameters to,
+    and on curves with the other sign: beside an effect that acts by its square, which may grow severalfold to make room
+    for it, the slope there may have the wrong one. Then those of effects accepted before race from theirs, as a new
+    term may free them. `base`: values of the other parameters to start from, if not those of the regression's fit.
     """
     asked = (effect, *candidate.values.items(), most, None if base is None else tuple(base))
     if asked not in regression.refitted:
@@ -84,6 +86,8 @@ def _refitted(
     starts = [np.concatenate([base, start_of(model, one, before.scales)]) for one in scored]
     if candidate.beside is not None:
         starts.insert(1, np.concatenate([candidate.beside, start_of(model, candidate, before.scales)]))
+    if regression.plane is not None:
+        starts.append(np.concatenate([base, start_of(model, _mirrored(candidate, model), before.scales)]))
     if freed := _grids(model, before):
         own = minimise(model, before.campaign, initial=starts, most=_RACE, compared=True).values
         starts = [own, *(_with(own, i, value) for i, value in freed)]
@@ -100,6 +104,14 @@ def _refitted(
     faint = {name: _FAINT * value for name, value in candidate.values.items() if name in amplitudes}
     start = start_of(model, candidate._replace(values={**candidate.values, **faint}), before.scales)
     return weigh(regression, model, candidate, [np.concatenate([base, start])], most)
+
+
+def _mirrored(candidate: Candidate, model: Model) -> Candidate:
+    """A candidate with smaller amplitudes of the other sign."""
+    either = {p.name for p in model.effects[-1].declared() if p.kind == "amplitude" and not (p.one_sided or p.positive)}
+    return candidate._replace(
+        values={name: _OTHERWISE * value if name in either else value for name, value in candidate.values.items()}
+    )
 
 
 def with_effect(before: Fit, effect: type[AbstractEffect]) -> Model:

@@ -11,11 +11,11 @@ from ...effects.effect import AbstractEffect, Parameter
 from ...fit import Fit
 from ..evidence.criterion import STRONG, behind
 from ..evidence.enough import ANOTHER_LAW
-from ..evidence.family import is_family_of
-from ..linearised.regression import prepare
+from ..evidence.family import is_family_of, is_that_member
+from ..linearised.regression import Regression, prepare
 from ..linearised.trajectory import Diverged
-from ..ranking.confirm import accept, confirm
-from ..ranking.score import score, significant
+from ..ranking.confirm import Confirmed, accept, confirm
+from ..ranking.score import Candidate, score, significant
 from .change import try_without
 
 _TWO = 2  # numbers that two effects have at least
@@ -51,7 +51,8 @@ def take_apart(
     A law with several parameters mimics any two of the simple ones that it implies, and a walk that adds one effect at
     a time meets it first. One with many bends to what any two do that it does not imply. But one name is a simpler
     answer than two: each further one costs 2 ln(size of the library). Beyond that the evidence must be strong for
-    either answer; in between, both are given.
+    either answer; in between, both are given. On curves alone they are, too, where simpler ones with no more numbers
+    leave no more than laws of one kind differ by: a law with more to bend may owe its lead to the shape of another.
     """
     alike: list[Parts] = []
     for name in added:
@@ -64,13 +65,13 @@ def take_apart(
         try:
             regression = without = prepare(current)
             while best := next(iter(significant(score(regression, simple))), None):
-                trial = confirm(regression, simple[best.name], best)
+                trial = _refitted(regression, best, simple)
                 # With more numbers than the whole has they are no simpler, however well they do.
-                many = best.name not in mine.contains and trial.numbers > whole.numbers
+                many = trial.candidate.name not in mine.contains and trial.numbers > whole.numbers
                 if many or not (trial.possible and behind(trial, regression) < 0):
                     break
                 current = accept(trial, current)
-                regression, names = prepare(current), [*names, best.name]
+                regression, names = prepare(current), [*names, trial.candidate.name]
             for early in names[:-1]:  # taken up for want of those that came later
                 if current.model.carries(early):
                     continue
@@ -83,9 +84,23 @@ def take_apart(
         if names and worse < -STRONG:
             near = whole.fit_chi2 - regression.fit_chi2 < ANOTHER_LAW * without.excess
             return [*alike, Parts(name, tuple(names), current, True, last, near)]
-        if names and worse < STRONG:
+        shape = regression.fit_chi2 - whole.fit_chi2 < ANOTHER_LAW * without.excess
+        # Traces would show by a mean and overtones which it is.
+        shape = shape and regression.numbers <= whole.numbers and not last.campaign.fitted
+        if names and (worse < STRONG or shape):
             alike.append(Parts(name, tuple(names), current, False, last))
     return alike
+
+
+def _refitted(regression: Regression, best: Candidate, simple: Mapping[str, type[AbstractEffect]]) -> Confirmed:
+    """The refit of the best candidate, or of a member of its family that does as well."""
+    found = confirm(regression, simple[best.name], best)
+    for member in score(regression, {n: e for n, e in simple.items() if is_family_of(simple[best.name], e())}):
+        other = confirm(regression, simple[member.name], member)
+        law = other.model.effects[-1]
+        if other.possible and is_that_member(simple[best.name], law, found.chi2, other.chi2, regression.excess):
+            return other
+    return found
 
 
 def _simpler(
