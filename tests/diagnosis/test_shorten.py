@@ -47,3 +47,11 @@ def test_short_records_are_worked_on_whole() -> None:
     campaign = Campaign("short", (short,), Oscillator())
     found = fit(Model(campaign.device), campaign)
     assert working(found) is found
+
+
+def test_a_long_record_is_one_that_takes_many_steps() -> None:
+    record = growing()
+    middle = replace(record, time=record.time[:28_000], drive=record.drive[:28_000], response=record.response[:28_000])
+    campaign = lambda sigma: Campaign("one", (replace(middle, noise=NoiseFloor(sigma, method="given")),), Oscillator())
+    assert not is_long(campaign(3e-2))
+    assert is_long(campaign(1e-4))  # the same samples with less noise, below which the solver's error must stay
