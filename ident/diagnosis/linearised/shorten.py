@@ -14,6 +14,10 @@ from ...fit.linear.guess import guess_linear
 from ...model import linear_part
 from ...response import steps_of
 
+CRAWLS = 60
+"""Steps of a fit that others are compared with, or that is: one that needs more crawls along a valley and comes no
+nearer."""
+
 _MOST = 300_000  # solver steps of all fitted records together, with which a refit takes a minute at most
 _STEPS = 120  # of the solver per period of the resonance, as most laws with a kink or a loop take
 _KEPT = 9_000  # samples of longer ones: enough to name an effect, few enough to try several
@@ -42,7 +46,7 @@ def working(fitted: Fit) -> Fit:
     """The model fitted to shortened records, from the fit's values, without the held-out ones; the fit itself if its
     records are short."""
     campaign = shortened(fitted.campaign)
-    return fitted if campaign is fitted.campaign else fit(fitted.model, campaign, initial=fitted.values)
+    return fitted if campaign is fitted.campaign else fit(fitted.model, campaign, initial=fitted.values, most=CRAWLS)
 
 
 def shortened(campaign: Campaign) -> Campaign:
