@@ -129,6 +129,9 @@ def minimise(
     candidates = _first_errors(static, data, points, bool(told), begun)
     if compared or not (starts or told):
         candidates = candidates[: _IN_A_RACE if told else _KEPT_STARTS]
+    if told:  # what a start of a grid leaves says nothing of what the model will; costs of one race are of one kind
+        misfit = data.misfit_of(candidates[0][-1])
+        candidates = [(cost, there._replace(misfit=misfit), at, found) for cost, there, at, found in candidates]
     per_sample = lambda cost: float(np.sqrt(cost / data.count))
 
     def begun_at(start: tuple[float, Data, Unknowns, Evaluation]) -> solve.Search:
@@ -166,6 +169,7 @@ def minimise(
     )
     static, data, best = settled(static, data, records, best, search, most, compared)
     data, best = _reweighed(static, data, best, search, most)
+    data, best = _remembered(static, data, best, search, most)
     ends = [best if i == chosen else one.found[1] for i, one in enumerate(searches)]
     table = tuple(
         Start(per_sample(first), per_sample(end.cost), end.steps, end.converged)
@@ -194,6 +198,20 @@ def _reweighed(
         if settled or found.steps >= most:
             break
         data, better = search(static, data, found.unknowns, most - found.steps, again)
+        found = better._replace(steps=found.steps + better.steps)
+    return data, found
+
+
+def _remembered(
+    static: Static, data: Data, found: solve.Solution, search: Search, most: int
+) -> tuple[Data, solve.Solution]:
+    """A solution whose histories count against what it leaves itself, not what its start left; `most` steps in all."""
+    while found.steps < most and np.isfinite(found.cost):
+        misfit = data.misfit_of(found.found)
+        held = float(np.sum((data.misfit * found.unknowns.starts[:, 2:]) ** 2))
+        if held * (1 - (misfit / data.misfit) ** 2) < _SETTLED * found.cost:
+            break
+        data, better = search(static, data._replace(misfit=misfit), found.unknowns, most - found.steps, found.found)
         found = better._replace(steps=found.steps + better.steps)
     return data, found
 

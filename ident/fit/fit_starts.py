@@ -20,10 +20,10 @@ def fit_starts(
 
     `enough`: share of the cost that is not worth another round.
     """
-    light = np.where(np.arange(data.start_scale.shape[1]) < 2, 1e-6, 1.0)
-    best, kept = unknowns, evaluate(static, data, unknowns)
-    least, share = _cost(kept, best, light), 1.0
+    best, kept, share = unknowns, evaluate(static, data, unknowns), 1.0
     for _ in range(rounds):
+        light = np.where(np.arange(data.start_scale.shape[1]) < 2, 1e-6, data.misfit_of(kept))
+        least = _cost(kept, best, light)
         steps, promised = _steps(data, kept, best, light)
         if steps is None or share * np.max(np.abs(steps), initial=0.0) < _STILL or promised < enough * least:
             break
@@ -31,7 +31,7 @@ def fit_starts(
         found = evaluate(static, data, trial)
         cost = _cost(found, trial, light)
         if cost < least:
-            best, kept, least, share = trial, found, cost, 1.0
+            best, kept, share = trial, found, 1.0
         elif (share := share / 4) < _LEAST:
             break
     return best, kept

@@ -64,9 +64,10 @@ def normal_equations(static: Static, data: Data, vector: np.ndarray, found: Eval
 
 
 def weights(static: Static, data: Data) -> np.ndarray:
-    """1/deviation of every unknown from zero, (u,): next to nothing, but one of hidden states at the
-    start, which are about as large as their unit. Displacement and velocity are held by the first samples."""
-    histories = np.ones(data.start_scale.shape[1])
+    """1/deviation of every unknown from zero, (u,), in what counts as noise: next to nothing, but the misfit of hidden
+    states at the start, which are about as large as their unit. Displacement and velocity are held by the first
+    samples."""
+    histories = np.full(data.start_scale.shape[1], data.misfit)
     histories[:2] = _RIDGE
     return np.concatenate([np.full(len(static.free), _RIDGE), np.tile(histories, len(moving(data)))])
 

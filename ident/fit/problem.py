@@ -10,6 +10,7 @@ sweeps say follows them, (numbers,) in all.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -48,6 +49,8 @@ class Data(NamedTuple):
     - `lower`, `upper`: (p,) bounds of the fitted ones (see coordinates); `scale`, `anchor`: (p,) unit and origin of x.
     - `prior_mean`, `prior_weight`: (p,) SI; weight 1/deviation, 0 without a prior.
     - `curves`: the points of the sweeps, if there are any; `steady`: the records that start on a periodic orbit.
+    - `misfit`: error over noise, one at the least, against which an unlikely history counts: where a model misses by a
+      hundred noise floors, one of thirty times the drive would else pay for mimicking a little of that.
     """
 
     tape: Tape
@@ -63,6 +66,12 @@ class Data(NamedTuple):
     prior_weight: np.ndarray
     curves: Curves | None = None
     steady: tuple[Steady, ...] = ()
+    misfit: float = 1.0
+
+    def misfit_of(self, found: Evaluation) -> float:
+        """The `misfit` of what a model leaves."""
+        squares = float(found.residuals @ found.residuals) / max(self.count, 1)
+        return max(math.sqrt(squares), 1.0) if math.isfinite(squares) else self.misfit
 
     @property
     def count(self) -> int:

@@ -3,6 +3,7 @@
 from .ensemble import respond_many as respond_many
 from .substeps import divided as divided
 from .substeps import lay_out as lay_out
+from .substeps import steps_of as steps_of
 from .system import Equation as Equation
 from .system import at_rest as at_rest
 from .tape import Tape as Tape

@@ -19,7 +19,7 @@ def lay_out(records: Sequence[Trace], frequency: float, quality: float, model: M
 
     **Arguments:** `frequency` (Hz) and `quality` of the resonance, roughly.
     """
-    return divided(records, [_substeps(record, frequency, quality, model) for record in records])
+    return divided(records, [steps_of(r, frequency, quality, model.steps_per_period, model.form) for r in records])
 
 
 def divided(records: Sequence[Trace], substeps: Sequence[int]) -> Tape:
@@ -32,8 +32,9 @@ def _laid(records: tuple[Trace, ...], substeps: tuple[int, ...]) -> Tape:
     return lay([lane_of(record, each) for record, each in zip(records, substeps, strict=True)], substeps)
 
 
-def _substeps(record: Trace, frequency: float, quality: float, model: Model) -> int:
-    """Steps per sample for which the method's error moves the natural frequency by less than a tenth of its error bar.
+def steps_of(record: Trace, frequency: float, quality: float, finest: int, form: str = "oscillator") -> int:
+    """Steps per sample for which the method's error moves the natural frequency by less than a tenth of its error bar;
+    `finest` of them in a period of the resonance at the least.
 
     The phase error of Runge–Kutta steps is (ωh)⁴/120 per radian. It always has the same sign, so that samples do not
     average it as they do the noise: near resonance ln ω is known to σ/(2Q √n rms); a tenth of that is allowed.
@@ -47,9 +48,9 @@ def _substeps(record: Trace, frequency: float, quality: float, model: Model) -> 
     allowed = share * min(max(record.noise.sigma / signal, 1e-4), 0.1)
     largest = (120 * allowed / max(2 * quality, 2.0)) ** 0.25
     slower = 1.0  # than the resonance, what moves
-    if model.form == "quasi-static":
+    if form == "quasi-static":
         largest, slower = 0.5, ABOVE_THE_DRIVE
-    if finest := model.steps_per_period:
+    if finest:
         largest = min(largest, 2 * math.pi / finest * slower * (2 if record.excerpt else 1))
     omega = 2 * math.pi * frequency
     if quality < 0.5:

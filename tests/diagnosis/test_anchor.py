@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.integrate import solve_ivp
 
@@ -93,6 +95,14 @@ def test_sines_beside_a_resonance_that_bends_are_seen_from_where_the_equation_of
     refit = confirm(regression, LIBRARY["cubic-stiffness"], best)
     kept = regression.best_chi2 - refit.chi2  # of a promise that is counted from the best fit, as a refit is
     assert refit.chi2 < 1.1 * regression.n and abs(promised(best, regression) / kept - 1) < 0.01
+
+
+def test_a_record_that_no_values_describe_either_is_no_place_to_look_from():
+    records = replace(campaign(), records=(record(1.6, 1000.0, 0), record(6.0, 1060.0, 1)))
+    start = fit(Model(records.device), records)
+    alone = _alone(start, start.campaign.fitted[0])
+    assert 5 < alone.fitted.error_over_noise < 0.5 * start.fitted.error_over_noise  # bent less, but bent
+    assert not prepare_at_best(start).alone
 
 
 def test_a_record_alone_is_fitted_from_what_it_says_itself():

@@ -5,14 +5,19 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from scipy.signal import bilinear, lfilter
 
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.diagnosis.linearised.shorten import is_long, working
+from ident.diagnosis.linearised import shorten
+from ident.diagnosis.linearised.shorten import CRAWLS, is_long, working
+from ident.effects.registry import built_in
 from ident.fit import fit
+from ident.fit.rebuild import fit_at
 from ident.model import Model
+from tests.fit.test_history_misfit import stage
 
 REST, MOVING = 6000, 40_000
 
@@ -47,3 +52,20 @@ def test_short_records_are_worked_on_whole() -> None:
     campaign = Campaign("short", (short,), Oscillator())
     found = fit(Model(campaign.device), campaign)
     assert working(found) is found
+
+
+def test_a_long_record_is_one_that_takes_many_steps() -> None:
+    record = growing()
+    middle = replace(record, time=record.time[:28_000], drive=record.drive[:28_000], response=record.response[:28_000])
+    campaign = lambda sigma: Campaign("one", (replace(middle, noise=NoiseFloor(sigma, method="given")),), Oscillator())
+    assert not is_long(campaign(3e-2))
+    assert is_long(campaign(1e-4))  # the same samples with less noise, below which the solver's error must stay
+
+
+def test_a_fit_to_excerpts_that_crawls_is_left_as_refits_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shorten, "_MOST", 1000)
+    monkeypatch.setattr(shorten, "_KEPT", 800)
+    campaign = Campaign("stage", (stage(10.0, 0), stage(25.0, 1)), Oscillator())
+    model = Model(campaign.device, (built_in()["prandtl-ishlinskii"](),))
+    values = np.array([300.0, 0.7, 1.4 * (600 * np.pi) ** 2, 0.3, 0.0, 0.8])
+    assert working(fit_at(model, campaign, values)).starts[0].steps <= CRAWLS  # 400 without

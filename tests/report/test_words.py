@@ -13,7 +13,7 @@ from ident.campaign.quality.clipping import clipped_mask
 from ident.fit.identifiability import Combination
 from ident.fit.result import Start
 from ident.report.words.drives import drive_words, only_frequency
-from ident.report.words.sentences import sentences, verdict
+from ident.report.words.sentences import _noise, sentences, verdict
 from ident.report.words.tables import (
     combination_sentences,
     correlation_sentences,
@@ -39,6 +39,12 @@ def test_the_parameter_table_says_what_each_number_is_worth(make_fit):
     assert rows["pzt-hysteresis.zeta"][3].startswith("not significant")
     assert rows["residual-stress.sigma2"][3] == "held"
     assert rows["residual-stress.width"][3] == "not used with these settings"
+
+
+def test_the_noise_floor_of_volts_is_given_in_volts(oscillator_fit):
+    vague = tuple(replace(r, noise=NoiseFloor(2e-4, relative_error=0.8)) for r in oscillator_fit.campaign.traces)
+    doubtful = replace(oscillator_fit, campaign=replace(oscillator_fit.campaign, records=vague))
+    assert 'noise = "200 µV"' in _noise(doubtful)[0].text
 
 
 def test_an_oscillator_has_no_newtons(oscillator_fit):
@@ -143,6 +149,7 @@ def test_a_doubtful_noise_floor_is_named(make_fit):
     traces = (vague, *fit.campaign.traces[1:])
     assert "first_8V.csv (±80 %)" in _warned(make_fit(campaign=replace(fit.campaign, records=traces)))
     low = tuple(s._replace(error_over_noise=0.4) for s in fit.scores)
+    assert 'noise = "20 nm"' in _warned(make_fit(campaign=replace(fit.campaign, records=traces)))
     assert "well below the noise floor" in _warned(make_fit(scores=low))
 
 
@@ -191,6 +198,8 @@ def test_one_drive_frequency_is_seen_whatever_the_waveform(make_fit):
     assert only_frequency(replace(record, drive=triangle)) == pytest.approx(hertz, rel=0.05)
     tones = sum(np.sin(2 * np.pi * f * t) for f in hertz * np.arange(1, 6))
     assert only_frequency(replace(record, drive=tones)) is None
+    octave = np.sin(2 * np.pi * hertz * (t + t**2 / (2 * t[-1])))  # a sweep from one frequency to twice as much
+    assert only_frequency(replace(record, drive=octave)) is None
     assert only_frequency(replace(record, drive=np.full(len(t), 3.0))) is None
 
 

@@ -54,15 +54,16 @@ def _along_the_motion(regression: Regression) -> Regression | None:
 
 
 def _of_one_record(regression: Regression) -> Regression | None:
-    """The values that describe one record best; if that is to the noise they are the device's own."""
+    """The values that describe one record to the noise: they are the device's own, those that bend less in one record
+    than in all are only bent otherwise."""
     joint = regression.fit
     records = joint.campaign.fitted
     alone = at_once(lambda record: _alone(joint, record), records)
-    known = [one for one in alone if one.converged and not any(e.flags for e in one.estimates)]
+    known = [one for one in alone if one.trusted and not any(e.flags for e in one.estimates)]
     best = min(known, key=lambda one: one.fitted.error_over_noise, default=None)
     if best is None or not best.fitted.error_over_noise < _CLEARLY * joint.fitted.error_over_noise:
         return None
-    there = _at(regression, best.values, best.trusted)
+    there = _at(regression, best.values, True)
     return there and replace(there, alone=best.campaign.records[0].name)
 
 

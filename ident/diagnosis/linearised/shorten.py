@@ -12,6 +12,11 @@ from ...campaign.record import Trace
 from ...fit import Fit, fit
 from ...fit.linear.guess import guess_linear
 from ...model import linear_part
+from ...response import steps_of
+
+CRAWLS = 60
+"""Steps of a fit that others are compared with, or that is: one that needs more crawls along a valley and comes no
+nearer."""
 
 _MOST = 300_000  # solver steps of all fitted records together, with which a refit takes a minute at most
 _STEPS = 120  # of the solver per period of the resonance, as most laws with a kink or a loop take
@@ -26,20 +31,22 @@ _RESTS = 0.15  # of the samples kept are of the rest before the motion: it says 
 def is_long(campaign: Campaign) -> bool:
     """Whether the fitted records are too long to try several models on all of them.
 
-    What counts is what a law with a kink costs: few samples per period need many steps between them.
+    What counts is the steps that a law with a kink takes: few samples per period need many between them, and a quiet
+    record some more.
     """
     records = [record for record in campaign.fitted if not record.excerpt]
     if sum(len(record.time) for record in records) * _STEPS < _MOST:
         return False
-    resonance = guess_linear(campaign.fitted, linear_part(campaign.device).nominal_frequency).frequency
-    return sum(len(r.time) * max(1.0, _STEPS * resonance * r.step) for r in records) > _MOST
+    resonance = guess_linear(campaign.fitted, linear_part(campaign.device).nominal_frequency)
+    taken = (len(r.time) * steps_of(r, resonance.frequency, resonance.quality, _STEPS) for r in records)
+    return sum(taken) > _MOST
 
 
 def working(fitted: Fit) -> Fit:
     """The model fitted to shortened records, from the fit's values, without the held-out ones; the fit itself if its
     records are short."""
     campaign = shortened(fitted.campaign)
-    return fitted if campaign is fitted.campaign else fit(fitted.model, campaign, initial=fitted.values)
+    return fitted if campaign is fitted.campaign else fit(fitted.model, campaign, initial=fitted.values, most=CRAWLS)
 
 
 def shortened(campaign: Campaign) -> Campaign:

@@ -18,7 +18,7 @@ from ...fit.linear.one_tone import gain_of
 from ...fit.rebuild import fit_at
 from ...model import QUALITY, Model, make_effect
 from ..linearised.regression import Regression
-from ..linearised.shorten import is_long
+from ..linearised.shorten import CRAWLS, is_long
 from ..linearised.whiten import whiten
 from .score import Candidate
 from .splits import split_starts, takes_over
@@ -52,14 +52,13 @@ _OTHERWISE = -0.3  # of what the score predicts, where its sign may be wrong and
 _OFF_BOUND = 3.0
 _LEAVES = 1.2  # χ² per sample: a memory that leaves more may have started in the wrong place
 _RACE = 12  # steps of the best start, before earlier shapes are freed
-_MOST_STEPS = 60  # a rival that needs more crawls along a valley and comes no nearer
 
 
 def confirm(
     regression: Regression,
     effect: type[AbstractEffect],
     candidate: Candidate,
-    most: int = _MOST_STEPS,
+    most: int = CRAWLS,
     base: np.ndarray | None = None,
 ) -> Confirmed:
     """Refit with the candidate on, in at most so many steps.
@@ -205,7 +204,7 @@ def accept(confirmed: Confirmed, before: Fit) -> Fit:
     """
     model, campaign, values = confirmed.model, before.campaign, confirmed.values
     if not is_long(campaign):
-        return fit(model, campaign, initial=values, begun=confirmed.begun, most=_MOST_STEPS)
+        return fit(model, campaign, initial=values, begun=confirmed.begun, most=CRAWLS)
     return fit_at(model, campaign, minimise(model, campaign, initial=values, most=_RACE).values)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
+from scipy.signal.windows import tukey
 
 from ...campaign.device import Device
 from ...campaign.drive import drive_frequency
@@ -14,16 +15,18 @@ from .quantity import neat, scale
 
 _SINE = 0.98  # share of the drive's variance in its fundamental above which it is called a sine
 _NEAR = 0.1  # relative distance within which two frequencies are one
+_FADED = 0.1  # of a record, at its ends together, against leakage
 _ALONE = 0.7  # share of the power of V̇ in one frequency; a triangle has 0.81
 
 
 def only_frequency(record: Trace) -> float | None:
     """The one rate (Hz) at which a drive repeats, whatever its waveform, level and offset; None if it has several.
 
-    Looked for in the rate of the voltage, where a slow change of level or offset weighs little.
+    Looked for in the rate of the voltage, where a slow change of level or offset weighs little, and in all of the
+    record alike: with its ends faded out a sweep would have the frequencies of its middle only.
     """
     slope = np.diff(record.drive)
-    power = np.abs(np.fft.rfft((slope - slope.mean()) * np.hanning(len(slope)))) ** 2
+    power = np.abs(np.fft.rfft((slope - slope.mean()) * tukey(len(slope), _FADED))) ** 2
     if power.sum() == 0.0:
         return None
     at = np.arange(len(power))

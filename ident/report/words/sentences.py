@@ -16,8 +16,9 @@ from ...fit.carry_over import expected_error
 from ...fit.linear.one_tone import gain_of
 from ...fit.result import Fit
 from ...model import QUALITY
+from ...units import format_quantity
 from .linear import worse_than_static
-from .quantity import show, significant
+from .quantity import display_unit, reading_unit, show, significant
 from .tables import listed, ratio_text
 
 _STEP = 0.1  # error of the solver's step, in noise floors, that is still negligible
@@ -173,7 +174,9 @@ def _noise(fit: Fit) -> list[Sentence]:
     vague = [r for r in fit.campaign.records if r.noise.relative_error >= VAGUE]
     if vague:
         names = listed([f"{r.name} (±{100 * r.noise.relative_error:.0f} %)" for r in vague])
-        advice = 'give it (noise = "12 nm"), or record some periods at rest'
+        unit = display_unit(reading_unit(vague[:1]), fit.campaign.device, plain=True)
+        example = format_quantity(vague[0].noise.sigma, unit, 3)
+        advice = f'give it (for example noise = "{example}"), or record some periods at rest'
         text = f"The data alone leave the noise floor uncertain in {names}, so error/noise says little there: {advice}."
         found.append(Sentence(text, True))
     low = [s for s in fit.scores if s.error_over_noise < _LOW]
