@@ -33,9 +33,10 @@ from .problem import Data, Evaluation, Static, Unknowns, evaluate, in_ranges
 from .squares import squares_of
 
 MAX_STEPS = 400
-_SMALL_GAIN = 1e-4  # of the cost ½χ²: no parameter is then further than 0.014 standard errors from its optimum
-_COMPARED = 0.05
-"""The same per mean squared residual, of models that are only compared: n ln χ² then falls by 0.1 at most."""
+_SMALL_GAIN = 1e-4
+"""Of the cost ½χ² per mean squared residual, if that is above one: no parameter is then further from its optimum than
+0.014 standard errors, with what is left taken for noise."""
+_COMPARED = 0.05  # the same, of models that are only compared: n ln χ² then falls by 0.1 at most
 _SMALL_SHARE = 1e-9  # of the cost: more than that of a misfit is not worth a step
 _LEAST_STEP = 1e-12  # where damping has grown that much, rounding decides
 
@@ -248,7 +249,7 @@ class Search:
         low, high = self._limits.around(self._at)
         self._next = _limited(self._point, self._turn, low, high)
         promised = _decrement(self._point, self._turn.units, low, high)
-        worth = _COMPARED * max(self.cost / self._data.count, 1.0) if self._compared else _SMALL_GAIN
+        worth = (_COMPARED if self._compared else _SMALL_GAIN) * max(self.cost / self._data.count, 1.0)
         self.converged = promised < worth + _SMALL_SHARE * float(self._point.cost)
         hopeless = _fall(self._point, self._next) * MAX_STEPS < worth
         self.ended = self.converged or hopeless or float(self._turn.reach) < _LEAST_STEP
