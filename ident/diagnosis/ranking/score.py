@@ -112,7 +112,8 @@ def _score_one(regression: Regression, effect: type[AbstractEffect]) -> Candidat
     known = np.array([fitted.value(name) for name in own])
     first = len(known)
     amplitudes = [i for i, p in enumerate(instance.declared()) if p.kind == "amplitude" and (p.fitted or p.default)]
-    points = _grid(instance, regression)
+    axes = _grid(instance, regression)
+    points = [np.array(point) for point in itertools.product(*axes)]
     values = np.array([np.concatenate([known, point]) for point in points for _ in amplitudes])
     directions = np.array([np.eye(values.shape[1])[first + a] for _ in points for a in amplitudes])
     moves, q = None, len(amplitudes)
@@ -165,7 +166,7 @@ def _score_one(regression: Regression, effect: type[AbstractEffect]) -> Candidat
     dof = best.basis.shape[1] + sum(p.kind == "shape" and p.fitted for p in instance.declared())
     excess = max(regression.chi2 - regression.n, 1e-9)
     p = chance(regression, best.beyond, dof) if best.drop > 0 and best.beyond.shape[1] else 1.0
-    near = others[: _NEAR_POINTS - 1]
+    near = _apart(others, tried, [len(axis) for axis in axes], q)[: _NEAR_POINTS - 1]
     return Candidate(
         name=effect.name,
         drop=best.drop,
@@ -216,8 +217,20 @@ def _estimate(
     return found | {names[a]: float(x) for a, x in zip(amplitudes, size, strict=True)}
 
 
-def _grid(effect: AbstractEffect, regression: Regression) -> list[np.ndarray]:
-    """Every combination of the shapes' grids, amplitudes at zero, SI."""
+def _apart(others: Sequence[_Point], tried: Sequence[_Point], sides: Sequence[int], q: int) -> list[_Point]:
+    """The other points in the order in which they are worth a start: those first that no neighbour on the grid outdoes,
+    for the best ones may all lie about one maximum; `sides`: lengths of the grid, `q` rows a point."""
+    drops = np.full(sides, -np.inf)
+    for one in tried:
+        at = np.unravel_index(one.rows.start // q, sides)
+        drops[at] = max(drops[at], one.drop)
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(drops, 1, constant_values=-np.inf), (3,) * drops.ndim)
+    peak = drops >= around.max(axis=tuple(range(drops.ndim, 2 * drops.ndim)))
+    return sorted(others, key=lambda one: not peak.flat[one.rows.start // q])
+
+
+def _grid(effect: AbstractEffect, regression: Regression) -> list[Sequence[float]]:
+    """The grids of the shapes, amplitudes at zero, SI; every combination is tried."""
     axes = []
     for p in effect.declared():
         if p.kind == "amplitude":
@@ -230,7 +243,7 @@ def _grid(effect: AbstractEffect, regression: Regression) -> list[np.ndarray]:
                 if isinstance(told, float)
                 else [g * getattr(regression.fit.scales, p.scale) for g in grid]
             )
-    return [np.array(point) for point in itertools.product(*axes)]
+    return axes
 
 
 def significant(candidates: Sequence[Candidate], alarms: float = ALARMS) -> list[Candidate]:
