@@ -65,7 +65,7 @@ def take_apart(
         try:
             regression = without = prepare(current)
             while best := next(iter(significant(score(regression, simple))), None):
-                trial = _refitted(regression, best, simple)
+                trial = _or_its_member(regression, best, simple)
                 # With more numbers than the whole has they are no simpler, however well they do.
                 many = trial.candidate.name not in mine.contains and trial.numbers > whole.numbers
                 if many or not (trial.possible and behind(trial, regression) < 0):
@@ -92,7 +92,7 @@ def take_apart(
     return alike
 
 
-def _refitted(regression: Regression, best: Candidate, simple: Mapping[str, type[AbstractEffect]]) -> Confirmed:
+def _or_its_member(regression: Regression, best: Candidate, simple: Mapping[str, type[AbstractEffect]]) -> Confirmed:
     """The refit of the best candidate, or of a member of its family that does as well."""
     found = confirm(regression, simple[best.name], best)
     for member in score(regression, {n: e for n, e in simple.items() if is_family_of(simple[best.name], e())}):

@@ -1,11 +1,7 @@
 """Damping by any power of the velocity, between dry friction and drag of the third order."""
 
-import jax.numpy as jnp
-
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
-
-_SMALL = 0.01  # of the reference velocity: below, the force is linear, for powers under one have no slope at zero
-_LINEAR = 1e-3  # of the logarithm of a ratio of F/ż: below, (eˣ − 1)/x is 1 + x/2 to the last digit but one
+from ..power import beyond_linear
 
 
 class PowerLawDamping(AbstractEffect):
@@ -35,8 +31,4 @@ class PowerLawDamping(AbstractEffect):
     velocity = shape("m/s", "reference velocity, v₀", grid=(1.0,), scale="velocity", fitted=False)
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
-        length = 0.5 * jnp.log((state.v / self.velocity) ** 2 + _SMALL**2)
-        growth = (self.exponent - 1.0) * length
-        small = jnp.abs(growth) < _LINEAR
-        ratio = jnp.where(small, 1.0 + growth / 2.0, jnp.expm1(growth) / jnp.where(small, 1.0, growth))
-        return -self.damping * state.v * length * ratio
+        return -self.damping * self.velocity * beyond_linear(state.v / self.velocity, self.exponent)

@@ -1,11 +1,7 @@
 """A spring whose stiffness follows any power of the displacement."""
 
-import jax.numpy as jnp
-
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
-
-_SMALL = 0.01  # of the reference displacement: below, the stiffness is constant, for powers under one have none at zero
-_LINEAR = 1e-3  # of the logarithm of a stiffness ratio: below, (eˣ − 1)/x is 1 + x/2 to the last digit but one
+from ..power import beyond_linear
 
 
 class PowerLawStiffness(AbstractEffect):
@@ -31,8 +27,4 @@ class PowerLawStiffness(AbstractEffect):
     displacement = shape("m", "reference displacement, z₀", grid=(1.0,), scale="displacement", fitted=False)
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
-        length = 0.5 * jnp.log((state.z / self.displacement) ** 2 + _SMALL**2)
-        growth = (self.exponent - 1.0) * length
-        small = jnp.abs(growth) < _LINEAR
-        ratio = jnp.where(small, 1.0 + growth / 2.0, jnp.expm1(growth) / jnp.where(small, 1.0, growth))
-        return -self.stiffness * state.z * length * ratio
+        return -self.stiffness * self.displacement * beyond_linear(state.z / self.displacement, self.exponent)
