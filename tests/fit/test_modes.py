@@ -119,7 +119,7 @@ def test_what_cannot_be_is_said(line: str, device: bool, said: str, tmp_path: Pa
 def test_errors_stand_in_the_unit_of_what_was_read():
     campaign = Campaign("wing", (record(1, FOUR[1:2]),), Oscillator(output="m"))
     told = record_sheet(fit(start_model(campaign), campaign))
-    assert [column.name for column in told.columns][3] == "rms error (1e-3 m/s²)"
+    assert [column.name for column in told.columns][3] == "rms error (mm/s²)"
 
 
 def test_two_modes_are_found_where_none_alone_resembles_the_device():

@@ -27,6 +27,7 @@ PLATFORM, VOLTS = Platform(), Oscillator("V", "V")
         (1.0, 0.0996, "1", "1.00 ± 0.10"),  # the rounding of the error decides
         (12346.0, 678.0, "1", "12350 ± 680"),
         (3e-6, None, "m", "3.000 µm"),
+        (2.5e-3, 3e-5, "m/s^2", "2.500 ± 0.030 mm/s²"),
         (0.0, None, "Pa", "0 Pa"),
         (float("nan"), None, "Pa", "– Pa"),
     ],

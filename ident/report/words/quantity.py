@@ -107,8 +107,8 @@ def _written(powers: dict[str, int], plain: bool) -> str:
 def scale(size: float, unit: str, device: Device) -> Scale:
     """The prefix or power of ten in which an SI value of that `size` is best read.
 
-    Simple units and their ratios take a prefix (MPa, µm, pm/V); powers and products take a power of ten, because the
-    prefix of a cube misleads.
+    Simple units, their ratios and accelerations take a prefix (MPa, pm/V, mm/s²); powers and products take a power of
+    ten, because the prefix of a cube misleads.
     """
     name = display_unit(unit, device)
     if not math.isfinite(size) or size == 0.0:
@@ -124,7 +124,8 @@ def scale(size: float, unit: str, device: Device) -> Scale:
     first = next(iter(powers), "")
     if first == "kg" and len(powers) == 1 and -12 <= step + 3 <= 0:
         return Scale(10.0**step, _PREFIXES[step + 3] + "g")
-    ratio = first in _PREFIXED and powers[first] == 1 and all(abs(p) == 1 for p in powers.values())
+    # An acceleration in mm/s² is everybody's; a prefix before the cube of a length, as in GN/m³, nobody's.
+    ratio = first in _PREFIXED and powers[first] == 1 and all(abs(p) == 1 or s == "s" for s, p in powers.items())
     if ratio and len(powers) <= 2 and step in _PREFIXES:
         return Scale(10.0**step, _PREFIXES[step] + name)
     return Scale(10.0**step, f"1e{step} {name}".strip())
