@@ -92,6 +92,9 @@ def _refitted(
         starts = [own, *(_with(own, i, value) for i, value in freed)]
     found = weigh(regression, model, candidate, starts, most)
     if np.isfinite(found.chi2):
+        allowed = [start for start in starts if _begins_as_it_may(model, start)]
+        if not found.possible and 0 < len(allowed) < len(starts):
+            found = weigh(regression, model, candidate, allowed, most)
         if takes_over(model) and found.chi2 > _LEAVES * regression.n:
             taken = split_starts(regression, model, base)
             starts = [found.values, *taken] if found.possible else taken  # else it could win, and be refused
@@ -103,6 +106,17 @@ def _refitted(
     faint = {name: _FAINT * value for name, value in candidate.values.items() if name in amplitudes}
     start = start_of(model, candidate._replace(values={**candidate.values, **faint}), before.scales)
     return weigh(regression, model, candidate, [np.concatenate([base, start])], most)
+
+
+def _begins_as_it_may(model: Model, start: np.ndarray) -> bool:
+    """Whether a start has an amplitude of one sign on its side.
+
+    What cannot be may fit as well as what can, where another shape goes with the other sign, as a wall above the stage
+    and one below it.
+    """
+    effect = model.effects[-1]
+    sizes = start[len(start) - len(effect.parameters) :]
+    return any(p.one_sided and size > 0 for p, size in zip(effect.declared(), sizes, strict=True))
 
 
 def _mirrored(candidate: Candidate, model: Model) -> Candidate:

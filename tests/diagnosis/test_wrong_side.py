@@ -1,0 +1,45 @@
+"""A refit that ends where its effect cannot be."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ident.campaign.device import Oscillator
+from ident.diagnosis.ranking import confirm as confirming
+from ident.effects.library.cubic_damping import CubicDamping
+from ident.effects.library.squeeze_film_damping import SqueezeFilmDamping
+from ident.model import Model
+
+ONE = SimpleNamespace(displacement=1.0, one=1.0)
+BESIDE = [100.0, 40.0, 4e5, 1.0, 1.0]  # the oscillator's numbers and those of the cubic damping
+
+
+def test_where_a_driving_film_fits_best_the_starts_that_brake_run_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    """To first order in z gas that drives below the stage is gas that brakes above it. Beside a damping that grows with
+    z² the impossible one won the race, the possible one left it, and the film was given up (a device with drag and a
+    film at 2.1 times its travel, NumPy's own Runge–Kutta)."""
+    model = Model(Oscillator()) + CubicDamping() + SqueezeFilmDamping()
+    values = lambda damping, gap: np.array([*BESIDE, damping, gap])
+    scored = [{"damping": -3e-3, "gap": -3.0}, {"damping": 2e-3, "gap": 3.0}, {"damping": -1e-3, "gap": -8.0}]
+    candidate: Any = SimpleNamespace(values=scored[0], near=tuple(scored[1:]), beside=None, errors={})
+    candidate._replace = lambda values: SimpleNamespace(values=values, errors={})
+    races = []
+
+    def weigh(regression: Any, model: Model, candidate: Any, starts: list[np.ndarray], most: int) -> Any:
+        races.append([tuple(start[-2:]) for start in starts])
+        wrong = any(gap < 0 for _, gap in races[-1])
+        found = values(-3e-3, -3.0) if wrong else values(2e-3, 2.6)
+        return SimpleNamespace(chi2=1.2 if wrong else 1.5, possible=not wrong, values=found)
+
+    monkeypatch.setattr(confirming, "weigh", weigh)
+    monkeypatch.setattr(confirming, "with_effect", lambda *_: model)
+    monkeypatch.setattr(confirming, "base_of", lambda *_: np.array(BESIDE))
+    monkeypatch.setattr(confirming, "_grids", lambda *_: [])
+    regression: Any = SimpleNamespace(fit=SimpleNamespace(scales=ONE), plane=None, n=1)
+    found = confirming._refitted(regression, SqueezeFilmDamping, candidate, 60, None)
+    assert races == [[(0.0, -3.0), (2e-3, 3.0), (0.0, -8.0)], [(2e-3, 3.0)]]
+    assert found.possible and found.values[-1] > 0
