@@ -18,6 +18,7 @@ from ..fit.floors import sharpened
 from ..fit.start_score import mostly_starts
 from ..pulse import Report
 from ..threads import one_thread
+from .evidence.criterion import VERY_STRONG, behind
 from .evidence.enough import adequate, worth_a_name
 from .faulty.suspects import BY_OTHERS, find_suspects, judged_again
 from .linearised.regression import Regression, prepare
@@ -26,7 +27,7 @@ from .next_record.experiments import NextExperiment, next_experiments, rank_expe
 from .ranking.look import BROKEN, first_look
 from .search.beyond import free_name, go_beyond
 from .search.discover import Keep, continue_from
-from .search.prune import hurts
+from .search.prune import confirmed, hurts
 from .search.steps import Discovery, Step, Verdict, Walked
 from .search.ties import Unseen, unseen
 from .unknown.effect_file import write_effect
@@ -169,7 +170,9 @@ def diagnose(
         beyond.path.unlink()  # neither an effect of the library nor this one is there, once it is simulated
         nothing = replace(found, verdict="ambiguous", lacking=0.0)
         return replace(answer(followed_noise(beyond.unknown, gain)), discovery=nothing)
-    better = after < found.final.fitted.error_over_noise
+    better = after < found.final.fitted.error_over_noise and (
+        kept or not found.steps or _says_more(found.final, beyond.fit)
+    )
     if better and not hurts(last, beyond.fit):  # what bends to the fitted records alone is written, but not kept
         name = beyond.fit.model.names[-1]
         step = Step(name, beyond.unknown.share, gain, (name,), "effect", beyond.fit)
@@ -181,6 +184,12 @@ def _nearly_explained(found: Discovery) -> bool:
     """Whether named effects leave so little that the rest is looked for beside them, and not in their place."""
     before, after = (fit.fitted.error_over_noise**2 - 1 for fit in (found.start, found.final))
     return after < _NEARLY * before
+
+
+def _says_more(named: Fit, written: Fit) -> bool:
+    """Whether what was written in the place of named effects is better than they are by the criterion, which counts its
+    numbers, and on records held out."""
+    return behind(prepare(working(written)), prepare(working(named))) < -VERY_STRONG and confirmed(named, written)
 
 
 def _lacked(found: Discovery, start: Regression, report: Report) -> tuple[Regression, Unknown]:
