@@ -40,13 +40,16 @@ class Histories(NamedTuple):
             lengths = np.maximum(np.linalg.norm(kept, axis=1), 1e-300)
             size = np.linalg.lstsq((kept / lengths[:, None]).T, regression.residual, rcond=1e-10)[0] / lengths
             acting = regression.project(self._by_record(np.einsum("a,han->hn", size, slopes)))
-            gram = np.eye(len(acting)) + acting @ acting.T
-            found = np.linalg.solve(gram, acting @ (regression.residual - size @ regression.project(raw)))
+            # I + ΦΦᵀ by its eigenvalues: beside a memory that dies slowly the identity is lost in rounding.
+            gains, axes = np.linalg.eigh(acting @ acting.T)
+            gains = np.maximum(gains, 0.0)
+            wanted = axes.T @ (acting @ (regression.residual - size @ regression.project(raw)))
+            found = axes @ (wanted / (1.0 + gains))
             best = raw.copy()
             for record, h in zip(self.spans, found.reshape(len(self.spans), -1), strict=True):
                 best[:, record] += np.einsum("h,han->an", h, slopes[:, :, record])
             kept = regression.project(best)
-            price = float(found @ found + np.linalg.slogdet(gram)[1])
+            price = float(found @ found + np.sum(np.log1p(gains)))
         return best, price
 
     def beyond(self, regression: Regression, raw: np.ndarray, size: np.ndarray, own: slice) -> np.ndarray:

@@ -220,9 +220,9 @@ def _estimate(
 def _apart(others: Sequence[_Point], tried: Sequence[_Point], sides: Sequence[int], q: int) -> list[_Point]:
     """The other points in the order in which they are worth a start: those first that no neighbour on the grid outdoes,
     for the best ones may all lie about one maximum; `sides`: lengths of the grid, `q` rows a point."""
-    drops = np.full(sides, -np.inf)
+    drops = np.full([side for side in sides if side > 1] or [1], -np.inf)  # amplitudes and what is held are no axes
     for one in tried:
-        at = np.unravel_index(one.rows.start // q, sides)
+        at = np.unravel_index(one.rows.start // q, drops.shape)
         drops[at] = max(drops[at], one.drop)
     around = np.lib.stride_tricks.sliding_window_view(np.pad(drops, 1, constant_values=-np.inf), (3,) * drops.ndim)
     peak = drops >= around.max(axis=tuple(range(drops.ndim, 2 * drops.ndim)))
