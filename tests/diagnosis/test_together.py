@@ -12,6 +12,7 @@ from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
 from ident.diagnosis.ranking.pairs import best_pair
 from ident.diagnosis.ranking.score import Candidate
+from ident.diagnosis.search import together
 from ident.diagnosis.search.discover import discover
 from ident.diagnosis.search.together import hidden_by_each_other
 from ident.effects.registry import built_in
@@ -70,6 +71,28 @@ def _candidate(name: str, rows: np.ndarray, residual: np.ndarray) -> Candidate:
     signature = np.linalg.qr(rows.T)[0].T
     drop = float(np.sum((signature @ residual) ** 2))
     return Candidate(name, drop, 0.0, len(rows), 0.0, {}, {}, {}, signature)
+
+
+@pytest.mark.parametrize(("kept", "named"), [(0.05, False), (0.5, True)])
+def test_a_pair_whose_refits_keep_little_of_what_is_left_is_no_pair(
+    monkeypatch: pytest.MonkeyPatch, kept: float, named: bool
+) -> None:
+    """On an oscillator that no effect described, pairs that took 1 % of the misfit, by scores that promised all of it,
+    were named one after the other."""
+    noise = SimpleNamespace(fitted=[SimpleNamespace(noise=SimpleNamespace(relative_error=0.0))], fitted_sweeps=[])
+    far = 100 * np.random.default_rng(3).normal(size=400)
+    told = lambda left: SimpleNamespace(
+        n=400, residual=left, numbers=3, chi2=float(left @ left), to_explain=float(left @ left) - 400, instead_of=None,
+        fit=SimpleNamespace(campaign=noise, holdout=None), best_chi2=float(left @ left), fit_chi2=float(left @ left),
+    )  # fmt: skip
+    before, after = told(far), told(np.sqrt(1 - kept) * far)
+    monkeypatch.setattr(together, "score", lambda *_: [_candidate("one", far[None], far)])
+    monkeypatch.setattr(together, "confirm", lambda *_: SimpleNamespace(chi2=1.0, possible=True, gain=kept))
+    monkeypatch.setattr(together, "accept", lambda *_: after.fit)
+    monkeypatch.setattr(together, "working", lambda fit: fit)
+    monkeypatch.setattr(together, "prepare", lambda _: after)
+    found = together.both(before.fit, before, ("one", "two"), {"one": None, "two": None}, None, before)  # pyright: ignore
+    assert (found is not None) is named
 
 
 @pytest.mark.parametrize(

@@ -220,7 +220,7 @@ def _best_step(current: Fit, look: Look, gains: dict[str, float]) -> tuple[list[
     single = best and (best.confirmed.candidate.name, best.left)
     if names := hidden_by_each_other(regression, look.candidates, single, first, library):
         look.report(f"trying {' and '.join(names)} together")
-        if two := both(current, regression, names, library, best and best.left):
+        if two := both(current, regression, names, library, best and best.left, first):
             return two
     if best is None:
         return None

@@ -63,10 +63,11 @@ def both(
     names: Sequence[str],
     library: Mapping[str, type[AbstractEffect]],
     single: Regression | None,
+    first: Regression,
 ) -> tuple[list[Step], Regression] | None:
     """Steps that add the named effects whatever the first of them gains alone, and the regression after them; None if
-    their refits are not clearly better than the `single` one, or than the model as it is, or worse than either on
-    held-out records."""
+    their refits keep less than is worth a name, are not clearly better than the `single` one, or than the model as it
+    is, or worse than either on held-out records. `first`: as of `hidden_by_each_other`."""
     steps, before, now = [], current, regression
     try:
         for name, partner in zip(names, reversed(names), strict=True):
@@ -84,6 +85,8 @@ def both(
             )
             now = prepare(working(before))
     except Diverged:
+        return None
+    if not_worth_adding(regression, regression.best_chi2 - now.fit_chi2, first):
         return None
     better = behind(Left(now.residual, now.numbers), _instead(regression, single)) < -VERY_STRONG
     rivals = (current,) if single is None else (current, single.fit)
