@@ -61,6 +61,11 @@ def worth_a_name(drop: float, first: Regression) -> bool:
     return drop > _SHAPE * (first.chi2 - first.n)
 
 
+def another_law(excess: float, first: Regression) -> bool:
+    """Whether an excess over noise is as much as no verdict calls a finer shape of what was found."""
+    return excess > ANOTHER_LAW * (first.chi2 - first.n)
+
+
 def not_worth_adding(regression: Regression, best: float, first: Regression) -> bool:
     """Whether the best fall of χ², promised or reached, is little of what is left, or no more than a finer shape of
     what was found where the model is adequate without it."""

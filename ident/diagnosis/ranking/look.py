@@ -15,7 +15,7 @@ from ...effects.effect import AbstractEffect
 from ...fit import Fit
 from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG
-from ..evidence.enough import worth_a_name
+from ..evidence.enough import another_law
 from ..linearised.anchor import prepare_at_best
 from ..linearised.regression import Regression
 from .confirm import Confirmed, confirm
@@ -41,8 +41,9 @@ class Look:
 
     @cached_property
     def worth_it(self) -> bool:
-        """Whether scores can be believed, or as much is left as is worth refits instead: shapes are not."""
-        return self.regression.credible or worth_a_name(self.regression.chi2 - self.regression.n, self.first)
+        """Whether scores can be believed, or as much is left as is worth refits instead: what a verdict would say that
+        the library lacks is, a finer shape is not."""
+        return self.regression.credible or another_law(self.regression.chi2 - self.regression.n, self.first)
 
     @cached_property
     def candidates(self) -> list[Candidate]:
