@@ -10,7 +10,8 @@ class EndStop(AbstractEffect):
 
     n = 3/2 is the contact of round bodies (Hertz), n = 1 a linear bumper; k is the secant stiffness at a penetration
     of one gap. One amplitude at zero leaves a stop on one side only; the gaps are taken as equal (a = 1) unless a
-    campaign frees `asymmetry`. Gaps of 0.05-1 of the travel, k from 1 to 1000 times the suspension.
+    campaign frees `asymmetry`. Gaps of up to the travel, k from 1 to 1000 times the suspension; with no gap the stage
+    is stiffer on one side, k a share of the suspension, as a beam with a crack that opens and closes.
     """
 
     name = "end-stop"
