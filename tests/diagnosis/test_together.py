@@ -59,12 +59,14 @@ def test_in_a_pair_a_law_takes_the_place_of_a_part_of_it() -> None:
     noise = SimpleNamespace(fitted=[SimpleNamespace(noise=SimpleNamespace(relative_error=0.0))], fitted_sweeps=[])
     told = lambda left: SimpleNamespace(
         n=400, residual=left, numbers=3, chi2=float(left @ left), to_explain=float(left @ left) - 400, credible=True,
-        fit=SimpleNamespace(campaign=noise), instead_of=None,
+        fit=SimpleNamespace(campaign=noise), instead_of=None, best_chi2=float(left @ left), fit_chi2=float(left @ left),
     )  # fmt: skip
     regression, with_stress = told(residual), told(residual - 100 * spring)
     names = lambda single: hidden_by_each_other(regression, candidates, single, regression, built_in())  # pyright: ignore
     assert sorted(names(None) or ()) == ["cubic-stiffness", "pzt-hysteresis"]
     assert names(("residual-stress", with_stress)) == ("residual-stress", "pzt-hysteresis")
+    nearly = told(residual - 100 * spring - 56 * loop)  # what a loop would add is 0.1 % of it all: a shape, not a name
+    assert names(("residual-stress", nearly)) is None
 
 
 def _candidate(name: str, rows: np.ndarray, residual: np.ndarray) -> Candidate:

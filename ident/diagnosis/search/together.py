@@ -48,6 +48,8 @@ def hidden_by_each_other(
     if single is not None:
         name, left = single
         with_it = best_pair(regression, candidates, name)
+        if not worth_a_name(drop - (regression.best_chi2 - left.fit_chi2), first):
+            return None  # the second would only refine the shape of the first
         if adequate(left) or with_it is None or behind(pair, with_it) > -VERY_STRONG:
             return None
     if behind(pair, _instead(regression, single and single[1])) >= -VERY_STRONG:
