@@ -10,8 +10,7 @@ class EndStop(AbstractEffect):
 
     n = 3/2 is the contact of round bodies (Hertz), n = 1 a linear bumper; k is the secant stiffness at a penetration
     of one gap. One amplitude at zero leaves a stop on one side only; the gaps are taken as equal (a = 1) unless a
-    campaign frees `asymmetry`. Gaps of up to the travel, k from 1 to 1000 times the suspension; with no gap the stage
-    is stiffer on one side, k a share of the suspension, as a beam with a crack that opens and closes.
+    campaign frees `asymmetry`. Gaps of 0.05-1 of the travel, k from 1 to 1000 times the suspension.
     """
 
     name = "end-stop"
@@ -24,8 +23,8 @@ class EndStop(AbstractEffect):
 
     above = amplitude("N/m", "contact stiffness of the upper stop, k_a", one_sided=True)
     below = amplitude("N/m", "contact stiffness of the lower stop, k_b", one_sided=True)
-    gap = shape("m", "gap from rest to the upper stop, g", grid=(0.02, 0.08, 0.13, 0.2, 0.3, 0.42, 0.55, 0.7, 0.85),
-                limits=(0.005, 1.0), scale="displacement")  # fmt: skip
+    gap = shape("m", "gap from rest to the upper stop, g", grid=(0.08, 0.13, 0.2, 0.3, 0.42, 0.55, 0.7, 0.85),
+                limits=(0.05, 1.0), scale="displacement")  # fmt: skip
     exponent = shape("1", "exponent of the contact law, n", grid=(1.0, 1.5), limits=(0.8, 1.8))
     asymmetry = shape("1", "lower gap over upper gap, a", grid=(1.0,), fitted=False)
 
