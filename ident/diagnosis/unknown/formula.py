@@ -104,7 +104,8 @@ def write_formula(
 
 
 def _goal(regression: Regression, spline_drop: float) -> float:
-    """The fall of χ² from which a formula says as much as the splines."""
+    """The fall of χ² from which a formula says as much as the splines, which may follow noise, too."""
+    spline_drop = min(spline_drop, max(regression.chi2 - regression.n, 0.0))
     left = max(regression.chi2 - spline_drop, float(regression.n))
     return max((1 - _SAME) * spline_drop, spline_drop - _LITTLE * left)
 
