@@ -19,13 +19,13 @@ from ..fit.start_score import mostly_starts
 from ..pulse import Report
 from ..threads import one_thread
 from .evidence.criterion import VERY_STRONG, behind
-from .evidence.enough import adequate, worth_a_name
+from .evidence.enough import adequate, superfluous, worth_a_name
 from .faulty.suspects import BY_OTHERS, find_suspects, judged_again
 from .linearised.regression import Regression, prepare
 from .linearised.shorten import is_long, working
 from .next_record.experiments import NextExperiment, next_experiments, rank_experiments
 from .ranking.look import BROKEN, first_look
-from .search.beyond import free_name, go_beyond
+from .search.beyond import alone, free_name, go_beyond
 from .search.discover import Keep, continue_from
 from .search.prune import confirmed, hurts
 from .search.steps import Discovery, Step, Verdict, Walked
@@ -177,6 +177,8 @@ def diagnose(
         name = beyond.fit.model.names[-1]
         step = Step(name, beyond.unknown.share, gain, (name,), "effect", beyond.fit)
         found = replace(found, steps=(*found.steps, step) if kept else (step,))
+        if kept and (by_itself := _by_itself(found, regression, report)) is not None:
+            found = replace(found, steps=(step._replace(fit=by_itself),))
     return replace(answer(beyond.unknown, beyond.path), discovery=found)
 
 
@@ -184,6 +186,17 @@ def _nearly_explained(found: Discovery) -> bool:
     """Whether named effects leave so little that the rest is looked for beside them, and not in their place."""
     before, after = (fit.fitted.error_over_noise**2 - 1 for fit in (found.start, found.final))
     return after < _NEARLY * before
+
+
+def _by_itself(found: Discovery, first: Regression, report: Report) -> Fit | None:
+    """The fit with the last step alone, where the named effects before it do no more beside it."""
+    names = [step.added for step in found.steps[:-1]]
+    if not names:
+        return None
+    report(f"does the model still need {' and '.join(names)}?")
+    without = alone(found.final, names)
+    with_all = prepare(working(found.final))
+    return without if superfluous(prepare(working(without)), with_all, first) else None
 
 
 def _says_more(named: Fit, written: Fit) -> bool:

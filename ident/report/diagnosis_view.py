@@ -96,7 +96,10 @@ def _not_in_library(loop: Discovery, known: list[Step], named: list[Step]) -> st
             "misfit, which is no proof."
         )
     else:
-        said = f"No effect of the library explains these records (error over noise {ratio_text(start)}; none helps)."
+        best = max(loop.confirmed, key=loop.confirmed.__getitem__, default="")
+        share = 100 * loop.confirmed.get(best, 0.0)
+        helps = f"the best, {best}, takes {share:.3g} % of the misfit" if share > 1 else "none helps"
+        said = f"No effect of the library explains these records (error over noise {ratio_text(start)}; {helps})."
     if len(named) == len(known):
         return said
     left = ratio_text(named[-1].fit.fitted.error_over_noise)
