@@ -7,7 +7,7 @@ import numpy as np
 from .lab import Lab, chirp, device, multisine, oscillator, sine, solve
 
 
-@device(beyond=True)
+@device(beyond=True, floor=False)
 def crack(lab: Lab, rng: np.random.Generator) -> None:
     """A beam that is softer while its crack is open, N and g: a spring with a kink where it rests."""
     f = 40 * rng.uniform(0.9, 1.1)
