@@ -29,6 +29,7 @@ from ..ranking.look import Library, Look, best_drop, first_look, possible, promi
 from ..ranking.score import Candidate, kept_more_than_chance, score, significant
 from ..side_by_side import at_once
 from .change import try_without
+from .constant import with_its_constant
 from .lacking import lacking
 from .parts import Parts
 from .prune import Pruned, confirmed, hurts, prune
@@ -84,7 +85,9 @@ def continue_from(
         for step in more:
             steps.append(step)
             report(f"added {step.added}: error over noise {step.fit.fitted.error_over_noise:.3g}")
-        current, look = steps[-1].fit, Look(regression, first, library, report)
+        current, regression = with_its_constant(steps[-1].fit, regression, library, report)
+        steps[-1] = steps[-1]._replace(fit=current)
+        look = Look(regression, first, library, report)
         keep(Walked(start, tuple(steps), gains))
     regression, candidates = look.regression, look.candidates
     steps = _without_refuted(start, steps, regression)
