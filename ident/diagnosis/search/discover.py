@@ -18,6 +18,7 @@ from ...campaign.campaign import Campaign
 from ...fit import Fit, fit
 from ...fit.start_score import taken_by_starts
 from ...model import Model
+from ..evidence.coloured_noise import behind_in_colour
 from ..evidence.criterion import VERY_STRONG, behind, criteria
 from ..evidence.enough import ANOTHER_LAW, adequate, contradicted, laws_differ_by, not_worth_adding, worth_a_name
 from ..evidence.family import is_that_member
@@ -278,7 +279,9 @@ def _accepted(tried: list[Confirmed], regression: Regression, current: Fit) -> I
     better = [
         found
         for found in _in_order(tried, regression)
-        if behind(found, regression) <= 0 and kept_more_than_chance(found.candidate, found.chi2, regression)
+        if behind(found, regression) <= 0
+        and kept_more_than_chance(found.candidate, found.chi2, regression)
+        and behind_in_colour(found, regression) <= 0
     ]
     if regression.credible or not is_long(current.campaign):
         yield from ((found, accept(found, current)) for found in better)
