@@ -23,6 +23,7 @@ class Device:
     - `baseline`: held-out error, percent of the signal, of the plain SciPy fit that goes with the set.
     - `start`, `final`: limits of the held-out error per cent, of the linear start and of the last model; `records`: of
       single records with the last model.
+    - `values`: parameters of the last model that others have measured, SI, and how far off they may be, as a share.
     - `form`: the linear model that must be chosen; `first`: the effect that must be named first; `never`: those that
       must not be named; `verdicts`: those that may be given.
     """
@@ -34,6 +35,7 @@ class Device:
     start: float
     final: float | None = None
     records: Mapping[str, float] = field(default_factory=dict)
+    values: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     form: str = "oscillator"
     first: str = ""
     never: frozenset[str] = field(default_factory=frozenset)
@@ -73,5 +75,9 @@ class Device:
         for name, limit in self.records.items():
             print(f"  {name:<24} {errors[name]:8.3g} %")
             assert errors[name] <= limit, (name, errors[name])
+        found = {parameter["name"]: parameter["value"] for parameter in run["parameters"]}
+        for name, (value, share) in self.values.items():
+            print(f"  {name:<24} {found[name]:8.4g}, published {value:.4g}")
+            assert abs(found[name] / value - 1) <= share, (name, found[name])
         if self.first:
             assert names[0] == self.first, names

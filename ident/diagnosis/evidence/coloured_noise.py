@@ -1,4 +1,5 @@
-"""Could noise alone have done it? A test for rich sets of functions, which follow slow noise as readily as an effect.
+"""Could noise alone have done it? Tests for rich sets of functions, which follow slow noise as readily as an effect,
+and for what a refit has gained.
 
 Source: P. J. Brockwell, R. A. Davis, Time Series: Theory and Methods, 1991, §8.1 (prewhitening).
 """
@@ -12,6 +13,7 @@ from scipy.special import fdtrc
 
 from ...campaign.noise.recursive import convolved
 from ..linearised.whiten import prediction_filter
+from .criterion import Left, Weighed, behind
 
 if TYPE_CHECKING:
     from ..linearised.regression import Regression
@@ -39,6 +41,26 @@ def chance(regression: Regression, basis: np.ndarray, tried: int) -> float:
     freedom = regression.n - tried - regression.absorbed.shape[1]
     rest = (float(target @ target) - drop) / freedom
     return float(fdtrc(tried, freedom, drop / tried / max(rest, 1e-300)))
+
+
+def behind_in_colour(after: Weighed, before: Regression) -> float:
+    """By how much the criterion of a refit is worse than that of the fit before, in the colour of what it leaves.
+
+    A force that no law describes may be small, but a mass without a spring adds it up twice: what is left then lies far
+    above the sensor's noise, as smooth as the motion, and a law that bends takes its slowest part, which weighs most
+    where all frequencies count alike, and adds to the rest. What a refit leaves is therefore taken as autoregressive
+    noise of order 12, record by record: by the same, what was left before must be more. At the noise floor it is white,
+    and nothing changes. Points of sweeps have no colour.
+    """
+    if before.plane is not None:
+        return behind(after, before)
+    white = []
+    for own in before.places:
+        taps = prediction_filter(after.left[own][None])
+        both = convolved(taps, np.column_stack([after.left[own], before.left[own]]))[len(taps) :]
+        white.append(both / (float(np.std(both[:, 0])) or 1.0))
+    now, was = np.concatenate(white).T
+    return behind(Left(now, after.numbers), Left(was, before.numbers))
 
 
 def chance_of(regression: Regression, basis: np.ndarray) -> float:

@@ -18,6 +18,7 @@ from ...campaign.campaign import Campaign
 from ...fit import Fit, fit
 from ...fit.start_score import taken_by_starts
 from ...model import Model
+from ..evidence.coloured_noise import behind_in_colour
 from ..evidence.criterion import VERY_STRONG, behind, criteria
 from ..evidence.enough import ANOTHER_LAW, adequate, contradicted, laws_differ_by, not_worth_adding, worth_a_name
 from ..evidence.family import is_that_member
@@ -29,6 +30,7 @@ from ..ranking.look import Library, Look, best_drop, first_look, possible, promi
 from ..ranking.score import Candidate, kept_more_than_chance, score, significant
 from ..side_by_side import at_once
 from .change import try_without
+from .constant import with_its_constant
 from .lacking import lacking
 from .parts import Parts
 from .prune import Pruned, confirmed, hurts, prune
@@ -84,7 +86,9 @@ def continue_from(
         for step in more:
             steps.append(step)
             report(f"added {step.added}: error over noise {step.fit.fitted.error_over_noise:.3g}")
-        current, look = steps[-1].fit, Look(regression, first, library, report)
+        current, regression = with_its_constant(steps[-1].fit, regression, library, report)
+        steps[-1] = steps[-1]._replace(fit=current)
+        look = Look(regression, first, library, report)
         keep(Walked(start, tuple(steps), gains))
     regression, candidates = look.regression, look.candidates
     steps = _without_refuted(start, steps, regression)
@@ -275,7 +279,9 @@ def _accepted(tried: list[Confirmed], regression: Regression, current: Fit) -> I
     better = [
         found
         for found in _in_order(tried, regression)
-        if behind(found, regression) <= 0 and kept_more_than_chance(found.candidate, found.chi2, regression)
+        if behind(found, regression) <= 0
+        and kept_more_than_chance(found.candidate, found.chi2, regression)
+        and behind_in_colour(found, regression) <= 0
     ]
     if regression.credible or not is_long(current.campaign):
         yield from ((found, accept(found, current)) for found in better)

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...effects.effect import AbstractEffect
 from ...fit import Fit
+from ..evidence.coloured_noise import behind_in_colour
 from ..evidence.criterion import VERY_STRONG, Left, behind
 from ..evidence.enough import adequate, not_worth_adding, worth_a_name
 from ..linearised.regression import Regression, prepare
@@ -91,6 +92,7 @@ def both(
     if not_worth_adding(regression, regression.best_chi2 - now.fit_chi2, first):
         return None
     better = behind(Left(now.residual, now.numbers), _instead(regression, single)) < -VERY_STRONG
+    better = better and behind_in_colour(now, regression) <= 0
     rivals = (current,) if single is None else (current, single.fit)
     return (steps, now) if better and not any(hurts(rival, before) for rival in rivals) else None
 
