@@ -93,6 +93,7 @@ def test_a_pair_whose_refits_keep_little_of_what_is_left_is_no_pair(
     monkeypatch.setattr(together, "accept", lambda *_: after.fit)
     monkeypatch.setattr(together, "working", lambda fit: fit)
     monkeypatch.setattr(together, "prepare", lambda _: after)
+    monkeypatch.setattr(together, "behind_in_colour", lambda *_: -1.0)
     found = together.both(before.fit, before, ("one", "two"), {"one": None, "two": None}, None, before)  # pyright: ignore
     assert (found is not None) is named
 
