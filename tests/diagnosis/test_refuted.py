@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from ident.diagnosis.search import discover
+from ident.diagnosis.search.steps import Step
 
 
 def step(added: str, held_out: float) -> Any:
@@ -33,3 +34,22 @@ def test_a_name_counts_if_it_predicts_better_than_every_model_before(
     regression: Any = None
     found = discover._without_refuted(step("start", 6.2).fit, steps, regression)
     assert [one.added for one in found] == [f"law-{i}" for i in range(kept)]
+
+
+def test_held_out_records_are_asked_again_where_the_last_search_had_not_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A refit that was left crawling predicts a little better than what it crawls to."""
+
+    def model(held_out: float, converged: bool, ends_at: float = 0.0) -> Any:
+        return SimpleNamespace(holdout=SimpleNamespace(error_over_noise=held_out), converged=converged, campaign=None,
+                               values=None, model=ends_at)  # fmt: skip
+
+    monkeypatch.setattr(discover, "adequate", lambda _: False)
+    monkeypatch.setattr(discover, "hurts", lambda *_: False)
+    monkeypatch.setattr(discover, "is_long", lambda _: False)
+    monkeypatch.setattr(discover, "prepare", lambda _: None)
+    monkeypatch.setattr(discover, "working", lambda fit: fit)
+    monkeypatch.setattr(discover, "fit", lambda ends_at, *_, **__: model(ends_at, True))
+    first, crawling = model(3.50, True), model(3.49, False, ends_at=3.65)
+    steps: list[Any] = [Step(name, 1.0, 1.0, (name,), "effect", one) for name, one in (("a", first), ("b", crawling))]
+    found = discover._on_all_samples(model(6.9, True), steps, lambda _: None)
+    assert [one.added for one in found] == ["a"] and found[0].fit is first

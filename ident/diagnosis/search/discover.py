@@ -99,10 +99,7 @@ def continue_from(
         if needed.names != tuple(s.added for s in steps):
             steps = _replayed(start, needed, library, at_best)
             steps = _without_refuted(start, steps, prepare(working(steps[-1].fit)))  # the laws before it have changed
-    if steps and (is_long(start.campaign) or not steps[-1].fit.converged):
-        report("fitting all samples")
-        last = steps[-1].fit
-        steps[-1] = steps[-1]._replace(fit=fit(last.model, last.campaign, initial=last.values))
+    steps = _on_all_samples(start, steps, report)
     if (steps[-1].fit if steps else start) is not current:
         regression = prepare(working(steps[-1].fit if steps else start))
         candidates = score(regression, library)
@@ -144,6 +141,21 @@ def _without_refuted(start: Fit, steps: list[Step], regression: Regression) -> l
         if not (mimics or hurts(before, after)):
             break
         left = kept.pop().regression or left
+    return kept
+
+
+def _on_all_samples(start: Fit, steps: list[Step], report: Report) -> list[Step]:
+    """The steps with the last fit taken to its end on all samples, and without those that held-out records refute only
+    there: a search that crawls has not yet bent as far as its model can."""
+    kept = list(steps)
+    while kept and (is_long(start.campaign) or not kept[-1].fit.converged):
+        report("fitting all samples")
+        last = kept[-1].fit
+        kept[-1] = kept[-1]._replace(fit=fit(last.model, last.campaign, initial=last.values))
+        left = _without_refuted(start, kept, prepare(working(kept[-1].fit)))
+        if len(left) == len(kept):
+            break
+        kept = left
     return kept
 
 
