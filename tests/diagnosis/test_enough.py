@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from ident.diagnosis.evidence import enough
 from ident.diagnosis.evidence.enough import adequate, another_law, not_worth_adding, superfluous
 from ident.diagnosis.search.prune import _hurts_more, hurts
 from ident.fit.judge import Score
@@ -87,3 +88,17 @@ def test_held_out_records_that_say_one_thing_do_not_contradict() -> None:
         before: Any = SimpleNamespace(holdout=score(50.0), **heldout(50.0 * missed))
         after: Any = SimpleNamespace(holdout=score(53.0), **heldout(53.0 * missed))
         assert hurts(before, after) is contradict
+
+
+@pytest.mark.parametrize(("error", "at_floor"), [(1.4, True), (1.6, False), (4.5, False)])
+def test_what_errors_of_parameters_and_floors_make_of_held_out_records_is_foretold(
+    error: float, at_floor: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(enough, "expected_error", lambda _: 1.2)
+    records = [SimpleNamespace(holdout=held, noise=SimpleNamespace(relative_error=0.09)) for held in (False, True)]
+    fit: Any = SimpleNamespace(
+        campaign=SimpleNamespace(records=records), holdout=SimpleNamespace(error_over_noise=error)
+    )
+    assert enough.foretold(fit) == at_floor
+    fit.holdout = None
+    assert enough.foretold(fit)

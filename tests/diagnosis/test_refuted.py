@@ -36,6 +36,18 @@ def test_a_name_counts_if_it_predicts_better_than_every_model_before(
     assert [one.added for one in found] == [f"law-{i}" for i in range(kept)]
 
 
+@pytest.mark.parametrize(("foretold", "kept"), [(True, 2), (False, 1)])
+def test_a_floor_that_the_fitted_records_alone_have_reached_excuses_nothing(
+    foretold: bool, kept: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(discover, "adequate", lambda _: True)
+    monkeypatch.setattr(discover, "foretold", lambda _: foretold)
+    monkeypatch.setattr(discover, "hurts", lambda *_: False)
+    regression: Any = None
+    found = discover._without_refuted(step("start", 7.1).fit, [step("a", 4.36), step("b", 4.55)], regression)
+    assert len(found) == kept
+
+
 def test_held_out_records_are_asked_again_where_the_last_search_had_not_ended(monkeypatch: pytest.MonkeyPatch) -> None:
     """A refit that was left crawling predicts a little better than what it crawls to."""
 

@@ -57,7 +57,8 @@ def behind_in_colour(after: Weighed, before: Regression) -> float:
     white = []
     for own in before.places:
         taps = prediction_filter(after.left[own][None])
-        both = convolved(taps, np.column_stack([after.left[own], before.left[own]]))[len(taps) :]
+        both = convolved(taps, np.column_stack([after.left[own], before.left[own]]))
+        both = both[min(len(taps), len(both) // 2) :]  # before them the filter has not all that it predicts from
         white.append(both / (float(np.std(both[:, 0])) or 1.0))
     now, was = np.concatenate(white).T
     return behind(Left(now, after.numbers), Left(was, before.numbers))

@@ -10,6 +10,8 @@ from ..linearised.regression import Regression
 from .criterion import Left, behind
 
 ANOTHER_LAW = 0.001  # of the first excess: structured misfit beyond which a name is in doubt; see `lacking`
+_AT_FLOOR = 1.05  # error over noise, and twice the doubt of the floor more, up to a doubt of
+_MOST_DOUBT = 0.1
 _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
 _WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
 MOST_OF_IT = 0.5  # of what is left: a wrong noise floor leaves nothing that one effect explains to this degree
@@ -27,6 +29,14 @@ def adequate(regression: Regression, explained: float = 0.0) -> bool:
     `explained`: share of what is left that one effect explains; a wrong floor would leave what none does.
     """
     return _at_floor(regression.chi2, regression, explained)
+
+
+def foretold(fit: Fit) -> bool:
+    """Whether the held-out records, if there are any, stand at the noise floor too, within what is known of it and what
+    the parameters' errors make of them."""
+    held = fit.holdout
+    doubt = float(np.mean([r.noise.relative_error for r in fit.campaign.records if r.holdout] or [0.0]))
+    return held is None or held.error_over_noise < (_AT_FLOOR + 2 * min(doubt, _MOST_DOUBT)) * expected_error(fit)
 
 
 def contradicted(fit: Fit) -> bool:
@@ -47,8 +57,8 @@ def _at_floor(chi2: float, regression: Regression, explained: float = 0.0) -> bo
             [r.noise.relative_error for r in (*regression.fit.campaign.fitted, *regression.fit.campaign.fitted_sweeps)]
         )
     )
-    allowed = 2 * min(doubt, 0.1) if explained < MOST_OF_IT else 0.0
-    return float(np.sqrt(chi2 / regression.n)) < 1.05 + allowed
+    allowed = 2 * min(doubt, _MOST_DOUBT) if explained < MOST_OF_IT else 0.0
+    return float(np.sqrt(chi2 / regression.n)) < _AT_FLOOR + allowed
 
 
 def worth_a_name(drop: float, first: Regression) -> bool:

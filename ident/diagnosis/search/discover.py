@@ -20,7 +20,15 @@ from ...fit.start_score import taken_by_starts
 from ...model import Model
 from ..evidence.coloured_noise import behind_in_colour
 from ..evidence.criterion import VERY_STRONG, behind, criteria
-from ..evidence.enough import ANOTHER_LAW, adequate, contradicted, laws_differ_by, not_worth_adding, worth_a_name
+from ..evidence.enough import (
+    ANOTHER_LAW,
+    adequate,
+    contradicted,
+    foretold,
+    laws_differ_by,
+    not_worth_adding,
+    worth_a_name,
+)
 from ..evidence.family import is_that_member
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, working
@@ -131,13 +139,14 @@ def _gone_before(walked: Walked, look: Look) -> tuple[list[Step], Look]:
 def _without_refuted(start: Fit, steps: list[Step], regression: Regression) -> list[Step]:
     """The steps without those at the end that held-out records refute; `regression`: after the last.
 
-    Where the noise floor is not reached the model still lacks something, and one more law may bend to mimic a part of
-    that: after the first, a name then counts if it predicts other records better than every model before it.
+    Where the noise floor is not reached, or on the fitted records alone, the model still lacks something, and one more
+    law may bend to mimic a part of that: after the first, a name then counts if it predicts other records better than
+    every model before it.
     """
     kept, left = list(steps), regression
     while kept:
         before, after = kept[-2].fit if len(kept) > 1 else start, kept[-1].fit
-        mimics = not adequate(left) and not all(confirmed(step.fit, after) for step in kept[:-1])
+        mimics = not (adequate(left) and foretold(after)) and not all(confirmed(step.fit, after) for step in kept[:-1])
         if not (mimics or hurts(before, after)):
             break
         left = kept.pop().regression or left
