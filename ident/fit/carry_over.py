@@ -25,8 +25,10 @@ def expected_error(fit: Fit) -> float:
         step = np.zeros_like(fit.values)
         step[list(fit.free)] = np.sqrt(size) * axis
         sides = [read(fit.model, fit.values + sign * step, records) for sign in (1.0, -1.0)]
-        total += sum(
-            float(np.sum((0.5 * (up - down)[r.counted]) ** 2)) / r.noise.sigma**2
-            for up, down, r in zip(*sides, records, strict=True)
-        )
-    return float(np.sqrt(1.0 + total / sum(np.count_nonzero(r.counted) for r in records)))
+        with np.errstate(over="ignore", invalid="ignore"):  # a motion without bound, which says nothing
+            total += sum(
+                float(np.sum((0.5 * (up - down)[r.counted]) ** 2)) / r.noise.sigma**2
+                for up, down, r in zip(*sides, records, strict=True)
+            )
+    expected = float(np.sqrt(1.0 + total / sum(np.count_nonzero(r.counted) for r in records)))
+    return expected if np.isfinite(expected) else float("inf")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +13,7 @@ from scipy import signal
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.fit import Fit, fit
+from ident.fit import Fit, carry_over, fit
 from ident.fit.carry_over import expected_error
 from ident.model import Model
 from ident.report.words.sentences import verdict
@@ -51,3 +53,13 @@ def test_the_verdict_tells_unsure_parameters_from_a_wrong_model():
     other = replace(held, response=2 * held.response)  # of a device that moves twice as much
     wrong = fit(unsure.model, replace(unsure.campaign, records=(*unsure.campaign.fitted, other)))
     assert "does not carry over" in verdict(wrong)
+
+
+def test_a_motion_without_bound_says_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    record = SimpleNamespace(counted=np.ones(3, bool), noise=SimpleNamespace(sigma=1.0))
+    campaign = SimpleNamespace(heldout=[record])
+    fit: Any = SimpleNamespace(campaign=campaign, covariance=np.eye(1), values=np.ones(1), free=(0,), model=None)
+    for size in (1e200, np.inf):
+        far = lambda _, values, __, size=size: [np.full(3, np.copysign(size, values[0] - 1))]
+        monkeypatch.setattr(carry_over, "read", far)
+        assert carry_over.expected_error(fit) == np.inf

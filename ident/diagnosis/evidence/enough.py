@@ -36,7 +36,8 @@ def foretold(fit: Fit) -> bool:
     the parameters' errors make of them."""
     held = fit.holdout
     doubt = float(np.mean([r.noise.relative_error for r in fit.campaign.records if r.holdout] or [0.0]))
-    return held is None or held.error_over_noise < (_AT_FLOOR + 2 * min(doubt, _MOST_DOUBT)) * expected_error(fit)
+    floor = _AT_FLOOR + 2 * min(doubt, _MOST_DOUBT)
+    return held is None or held.error_over_noise < floor or held.error_over_noise < floor * expected_error(fit)
 
 
 def contradicted(fit: Fit) -> bool:
