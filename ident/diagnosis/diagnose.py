@@ -23,6 +23,7 @@ from .evidence.enough import adequate, superfluous, worth_a_name
 from .faulty.suspects import BY_OTHERS, find_suspects, judged_again
 from .linearised.regression import Regression, prepare
 from .linearised.shorten import is_long, working
+from .linearised.trajectory import Diverged
 from .next_record.experiments import NextExperiment, next_experiments, rank_experiments
 from .ranking.look import BROKEN, first_look
 from .search.beyond import alone, free_name, go_beyond
@@ -195,14 +196,20 @@ def _by_itself(found: Discovery, first: Regression, report: Report) -> Fit | Non
         return None
     report(f"does the model still need {' and '.join(names)}?")
     without = alone(found.final, names)
-    with_all = prepare(working(found.final))
-    return without if superfluous(prepare(working(without)), with_all, first) else None
+    try:
+        fine = superfluous(prepare(working(without)), prepare(working(found.final)), first)
+    except Diverged:  # without them the motion has no bound
+        return None
+    return without if fine else None
 
 
 def _says_more(named: Fit, written: Fit) -> bool:
     """Whether what was written in the place of named effects is better than they are by the criterion, which counts its
     numbers, and on records held out."""
-    return behind(prepare(working(written)), prepare(working(named))) < -VERY_STRONG and confirmed(named, written)
+    try:
+        return behind(prepare(working(written)), prepare(working(named))) < -VERY_STRONG and confirmed(named, written)
+    except Diverged:  # a motion without bound says nothing
+        return False
 
 
 def _lacked(found: Discovery, start: Regression, report: Report) -> tuple[Regression, Unknown]:

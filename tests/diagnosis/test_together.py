@@ -96,6 +96,8 @@ def test_a_pair_whose_refits_keep_little_of_what_is_left_is_no_pair(
     monkeypatch.setattr(together, "behind_in_colour", lambda *_: -1.0)
     found = together.both(before.fit, before, ("one", "two"), {"one": None, "two": None}, None, before)  # pyright: ignore
     assert (found is not None) is named
+    monkeypatch.setattr(together, "score", lambda *_: [])  # the first absorbs all that the second does
+    assert together.both(before.fit, before, ("one", "two"), {"one": None, "two": None}, None, before) is None  # pyright: ignore
 
 
 @pytest.mark.parametrize(

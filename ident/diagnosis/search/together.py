@@ -74,7 +74,10 @@ def both(
     steps, before, now = [], current, regression
     try:
         for name, partner in zip(names, reversed(names), strict=True):
-            candidate = score(now, {name: library[name]})[0]
+            candidates = score(now, {name: library[name]})
+            if not candidates:  # the first absorbs all that the second does
+                return None
+            candidate = candidates[0]
             found = confirm(now, library[name], candidate)
             if not np.isfinite(found.chi2) or (name == names[-1] and not found.possible):
                 return None
