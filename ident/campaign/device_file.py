@@ -114,14 +114,16 @@ def _beam_end(section: Section) -> tuple[float, float]:
 
 
 def _oscillator(section: Section) -> Oscillator:
+    """An oscillator; a unit that the table does not give is "" until the columns of its records tell it."""
     limits: dict[str, float | None] = {}
-    units = {key: own_base_unit(section, key, section.text(key, "V")) for key in ("output", "input")}
+    told = {key: section.text(key) for key in ("output", "input")}
+    units = {key: own_base_unit(section, key, name) if key in section.values else "" for key, name in told.items()}
     for key in ("max_voltage", "max_frequency"):
         value = section.get(key, (str, int, float), 'a number with its unit ("10 V")')
         if value is None:
             limits[key] = None
             continue
-        found = find_unit(units["input"]) if key == "max_voltage" else None
+        found = find_unit(units["input"] or "V") if key == "max_voltage" else None
         dimension = FREQUENCY if key == "max_frequency" else (found.dimension if found else NUMBER)
         limits[key] = _number(section, key, value, dimension, "10 V" if key == "max_voltage" else "2 kHz")
         if not limits[key] > 0:  # type: ignore[operator]

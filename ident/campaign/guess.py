@@ -143,21 +143,44 @@ def _elsewhere(frequency: Column) -> str:
     return f"No platform is swept from {low:.6g} to {high:.6g} Hz" if far else ""
 
 
+def in_units_of(device: Oscillator, table: Table | None) -> tuple[Oscillator, list[str]]:
+    """An oscillator with the units that its campaign leaves open as the columns of a table have them, volts where these
+    have none; and a sentence that says so."""
+    found = {} if table is None else _signals(table)[1]
+    told: dict[str, str] = {}
+    for key, names in (("output", _RESPONSES), ("input", _DRIVES)):
+        if not getattr(device, key):
+            dimension = next((_measured(found[name]) for name in names if name in found), None)
+            told[key] = "V" if dimension is None else base_unit(dimension)
+    said = ", ".join(f'{key} = "{unit}"' for key, unit in told.items())
+    return replace(device, **told), [f"The units of the oscillator are taken from its columns ({said})."]
+
+
+_RESPONSES, _DRIVES = ("response", "amplitude"), ("drive", "level")
+
+
+def _signals(table: Table) -> tuple[str, dict[str, Column], bool]:
+    """The kind of a table, its columns by their roles whatever their units are, and whether it has no drive."""
+    kind = guess_kind(table)
+    table = curve_form(table) if kind == "sweep" else table
+    roles = (sweep_roles if kind == "sweep" else trace_roles)(VOLTAGE, LENGTH)
+    undriven = kind == "trace" and len(table.columns) < len(roles)
+    if undriven:
+        roles = tuple(role for role in roles if role.name != "drive")
+    return kind, match_any(table, tuple(replace(role, dimension=None, needed=False) for role in roles)), undriven
+
+
 def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
     """A platform, unless its units, its travel or its speed are another device's; and a sentence that says so."""
     outputs, inputs, undriven, travel, other = set(), set(), 0, 0.0, list[str]()
     for table in tables:
-        kind = guess_kind(table)
-        table = curve_form(table) if kind == "sweep" else table
-        roles = (sweep_roles if kind == "sweep" else trace_roles)(VOLTAGE, LENGTH)
-        if kind == "trace" and len(table.columns) < len(roles):
-            roles, undriven = tuple(role for role in roles if role.name != "drive"), undriven + 1
-        found = match_any(table, tuple(replace(role, dimension=None, needed=False) for role in roles))
-        for names, units in ((("response", "amplitude"), outputs), (("drive", "level"), inputs)):
+        kind, found, free = _signals(table)
+        undriven += free
+        for names, units in ((_RESPONSES, outputs), (_DRIVES, inputs)):
             for name in names:
                 if name in found and (dimension := _measured(found[name])) is not None:
                     units.add(dimension)
-                    travel = max(travel, _travel(found[name], name) if name in ("response", "amplitude") else 0.0)
+                    travel = max(travel, _travel(found[name], name) if name in _RESPONSES else 0.0)
         if kind == "trace" and "time" in found and "drive" in found:
             other.append(_slow_or_fast(found["time"], found["drive"]))
         if kind == "sweep" and "frequency" in found:

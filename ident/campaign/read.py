@@ -22,7 +22,7 @@ from .campaign import MOST_MODES, Campaign, Prior
 from .device import Device, Oscillator, Platform
 from .device_file import of_displacement, read_device
 from .document import Section, read_document, record_sections, shown
-from .guess import guess_device, renamed
+from .guess import guess_device, in_units_of, renamed
 from .in_memory import document_of, is_path
 from .load import load_record, read_table
 from .noise.pool import pooled
@@ -109,6 +109,9 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
     if given is None and path is None and all(isinstance(table, Table) for table in tables):
         chosen = document.section("defaults").section("columns").values
         device, notes = guess_device([renamed(table, chosen) for table in tables if isinstance(table, Table)])
+    if isinstance(device, Oscillator) and not (device.output and device.input):
+        device, told = in_units_of(device, _first_table(document, folder))
+        notes = [*notes, *told]
     device, measures, rate = of_displacement(device)
     notes += rate
     model = document.section("model")
@@ -152,6 +155,20 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
         linear,
         modes,
     )
+
+
+def _first_table(document: Section, folder: Path) -> Table | None:
+    """The table of the first record, its columns called by their roles; None if it cannot be read, which is said where
+    all records are, or if the campaign says what its numbers mean."""
+    section = next(record_sections(document), None)
+    if section is None or "scale" in section.values:
+        return None
+    table, file = section.values.get("data"), section.text("file")
+    try:
+        table = table if isinstance(table, Table) else read_table(folder / file, file)
+        return renamed(table, section.section("columns").values, section.section("units").values)
+    except (UserError, OSError, ValueError):
+        return None
 
 
 def _modes(model: Section, device: Device, linear: str) -> int | None:

@@ -153,6 +153,24 @@ def test_an_oscillator_in_a_unit_of_its_own(tmp_path):
     assert trace.drive_channel.factor == 1e-3 and trace.noise.sigma == 2.0
 
 
+@pytest.mark.parametrize(
+    ("header", "output", "source", "factors"),
+    [
+        ("t (s),u (mV),y (um)", "m", "V", (1e-3, 1e-6)),
+        ("t (s),force (N),speed (mm/s)", "m", "N", (1.0, 1e-3)),
+        ("t (s),u,y", "V", "V", (1.0, 1.0)),
+    ],
+)
+def test_an_oscillator_takes_the_units_that_its_device_leaves_open_from_its_columns(
+    tmp_path, header, output, source, factors
+):
+    campaign = _oscillator(tmp_path, header, '{ kind = "oscillator" }')
+    assert (campaign.device.output, campaign.device.input) == (output, source)
+    trace = campaign.traces[0]
+    assert (trace.drive_channel.factor, trace.response_channel.factor) == factors
+    assert any("taken from its columns" in note for note in campaign.notes)
+
+
 def test_a_rate_stands_in_for_time(tmp_path):
     text = csv_text("u_V,y_V", signals()[:, 1:])
     (tmp_path / "a.csv").write_text(text, encoding="utf-8")

@@ -282,7 +282,9 @@ def _wrong_unit(column: Column, unit: str, role: Role, where: str) -> UserError:
     if role.name == "response" and role.dimension == LENGTH and found is not None and found.dimension in rates:
         do = f'write measures = "{rates[found.dimension]}" in its [[record]], or name another column'
     elif role.name in ("response", "amplitude") and role.dimension == LENGTH:
-        do += '; for a thing that is no platform write device = { kind = "oscillator", output = "V" }'
+        do += '; for a thing that is no platform write device = { kind = "oscillator" }'
+    elif role.name in ("response", "amplitude") and found is not None:
+        do += f'; or write output = "{base_unit(found.dimension)}" in the device table'
     if role.name in ("drive", "level") and role.dimension == VOLTAGE:
         do += "; the drive of a platform is a voltage"
     return UserError(what, where=where or f"{column.file}, column {column.position}", do=do)
