@@ -152,8 +152,9 @@ def in_units_of(device: Oscillator, table: Table | None) -> tuple[Oscillator, li
         if not getattr(device, key):
             dimension = next((_measured(found[name]) for name in names if name in found), None)
             told[key] = "V" if dimension is None else base_unit(dimension)
-    said = ", ".join(f'{key} = "{unit}"' for key, unit in told.items())
-    return replace(device, **told), [f"The units of the oscillator are taken from its columns ({said})."]
+    said = ", ".join(f'{key} = "{unit}"' for key, unit in told.items() if unit != "V")
+    note = f"The units of the oscillator are taken from its columns ({said})."
+    return replace(device, **told), [note] if said else []
 
 
 _RESPONSES, _DRIVES = ("response", "amplitude"), ("drive", "level")

@@ -136,7 +136,7 @@ def diagnose(
     found = continue_from(walked, library, report, keep=keep, look=look)
     sharper = sharpened(found.final)
     if sharper is not None:
-        report("what the last model leaves lies below the noise floors: once more, with lower ones")
+        report("what the last model leaves tells the noise floors better: once more, with these")
         again = Walked(fit(fitted.model, sharper, initial=fitted.values))
         return diagnose(again, library, report, effect_file, keeps_walk, keep)
     suspects = judged_again(suspects, found.final, report)

@@ -1,8 +1,9 @@
-"""Noise floors that the data alone give as bounds only, lowered to what a model leaves.
+"""Noise floors in the light of what a model leaves: lowered where the data alone give a bound, or raised by mains hum.
 
 Beside a broadband drive or the blow of a hammer no frequency is free of motion, and a floor read off the response is
 too high by as much as moves there. In what a model leaves there is less motion, so that the same estimate gives less:
-it stays a bound, and is the noise once the model lacks nothing.
+it stays a bound, and is the noise once the model lacks nothing. And a floor read off other frequencies than those of
+the motion does not know of hum among these, which stands out of what a model leaves.
 """
 
 from __future__ import annotations
@@ -13,19 +14,30 @@ import numpy as np
 
 from ..campaign.campaign import Campaign
 from ..campaign.noise.floor import noise_floor
+from ..campaign.noise.hum import HUM, HUMS, standing, told_apart, with_lines
 from ..campaign.record import VAGUE, Trace
+from ..model import FREQUENCY, QUALITY
 from .result import Fit
 
 _LOWER = 0.8  # of the floor so far: up to a fifth above a floor in doubt a model is adequate (`diagnosis.enough`)
 
 
 def sharpened(found: Fit) -> Campaign | None:
-    """The campaign of a fit with lower noise floors where its own are in doubt; None if no floor falls."""
+    """The campaign of a fit with lower noise floors where its own are in doubt, and higher ones where the records hum;
+    None if no floor changes."""
     readings = iter(found.readings)
     records = [_lowered(r, next(readings)) if isinstance(r, Trace) else r for r in found.campaign.records]
-    if all(a is b for a, b in zip(records, found.campaign.records, strict=True)):
+    traces = [record for record in records if isinstance(record, Trace)]
+    hum = iter(_with_hum(found, traces))
+    records = [next(hum) if isinstance(record, Trace) else record for record in records]
+    changed = [new for old, new in zip(found.campaign.records, records, strict=True) if new is not old]
+    if not changed:
         return None
-    return replace(found.campaign, records=tuple(records))
+    loud = [record.name for record in changed if HUMS in record.noise.method]
+    note = (
+        f"Mains hum counts as noise in {', '.join(loud)}: it stands out of what a model leaves, whatever drives them."
+    )
+    return replace(found.campaign, records=tuple(records), notes=(*found.campaign.notes, *([note] if loud else [])))
 
 
 def _lowered(record: Trace, reading: np.ndarray) -> Trace:
@@ -39,3 +51,41 @@ def _lowered(record: Trace, reading: np.ndarray) -> Trace:
     if not floor.sigma < _LOWER * told.sigma:
         return record
     return replace(record, noise=replace(floor, method=f"{floor.method}, in what the model leaves"))
+
+
+def _with_hum(found: Fit, traces: list[Trace]) -> list[Trace]:
+    """The records with the mains frequencies in their noise floors that two of them show, or the only one.
+
+    No device hums in one record as in another at the frequency of the mains, whatever drives it.
+    """
+    powers = [_hum_of(record, reading, found) for record, reading in zip(traces, found.readings, strict=True)]
+    needed = min(2, len(traces))
+    common = [hz for hz in HUM if sum(hz in one for one in powers) >= needed]
+    humming = []
+    for record, own in zip(traces, powers, strict=True):
+        lines = [hz for hz in common if hz in own]
+        known = record.noise.sigma**2 if HUMS in record.noise.method else 0.0
+        if lines and sum(own[hz] for hz in lines) > known:
+            rates = [2 * np.pi * hz * record.step for hz in lines]
+            record = replace(record, noise=with_lines(record.noise, [own[hz] for hz in lines], rates))
+        humming.append(record)
+    return humming
+
+
+def _hum_of(record: Trace, reading: np.ndarray, found: Fit) -> dict[float, float]:
+    """Mean squares, m², of the lines of the mains that stand out of what a model leaves of a record, by their Hz.
+
+    Those of the drive and near the resonance, where transients ring, are no hum.
+    """
+    left = (record.response - reading)[record.skip :]
+    n = len(left)
+    if record.masked is not None or not np.all(np.isfinite(left)):
+        return {}
+    rate = None if record.period is None else 2 * np.pi / record.period
+    resonance, width = float(found.values[FREQUENCY]), 1 / (n * record.step)
+    if found.model.form == "oscillator":
+        width += resonance / float(found.values[QUALITY])
+    apart = lambda hz: bool(told_apart([2 * np.pi * hz * record.step], rate, n)) and abs(hz - resonance) > 3 * width
+    lines = [hz for hz in HUM if apart(hz)]
+    powers = standing(left, [2 * np.pi * hz * record.step for hz in lines]) if lines else []
+    return {hz: power for hz, power in zip(lines, powers, strict=True) if power > 0}

@@ -47,6 +47,12 @@ def test_sensor_lag_is_an_exact_low_pass_within_its_stated_accuracy(time, accura
     assert_agrees(make("sensor-lag", time=time, shortest=6e-5), physics, accuracy)
 
 
+@pytest.mark.parametrize("corner", [20.0, 2e3])
+def test_ac_coupling_is_a_high_pass(corner):
+    physics = Physics(rates=lambda t, z, v, h: (corner * (z - h[0]),), sensor=lambda t, z, v, h: -h[0], start=(0.0,))
+    assert_agrees(make("ac-coupling", corner=corner), physics, 1e-5)
+
+
 def test_on_a_linear_device_a_lag_of_the_sensor_is_a_lag_of_the_drive():
     # Linear blocks commute: no record of such a device can tell the two apart.
     sensor = measured(make("sensor-lag", time=4e-5, shortest=6e-5), substeps=4)

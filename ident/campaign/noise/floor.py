@@ -11,7 +11,7 @@ from ..quality.clipping import across_gaps
 from ..quality.gaps import missed_across
 from ..record import NoiseFloor
 from .autoregression import Autoregression, fit_autoregression, leverage_of
-from .hum import MAINS, told_apart, with_hum
+from .hum import HUM, told_apart, with_hum
 from .signal_basis import Pole, beside, find_transient, harmonic_columns, orthonormal, transient_columns
 
 HARMONICS = 12
@@ -61,7 +61,7 @@ def noise_floor(
     response = response / size
     n = len(response)
     step = float(time[-1] - time[0]) / (n - 1)
-    mains = tuple(2 * np.pi * line * order * step for line in MAINS for order in (1, 2, 3))
+    mains = tuple(2 * np.pi * hz * step for hz in HUM)
     if np.ptp(drive) == 0:
         found = _short_period(response[:LONGEST], None, mains)
     elif period is None:

@@ -7,11 +7,27 @@ from dataclasses import replace
 
 import numpy as np
 
-from .autoregression import MAX_ORDER, Autoregression, ar_spectrum, fit_autoregression, leverage_of, levinson
-from .signal_basis import beside
+from ..record import NoiseFloor
+from .autoregression import (
+    MAX_ORDER,
+    Autoregression,
+    ar_spectrum,
+    fit_autoregression,
+    leverage_of,
+    levinson,
+    variance_of,
+)
+from .signal_basis import beside, dies
 
 MAINS = (50.0, 60.0)
 """Hz; hum is a nuisance of the laboratory, never a property of the device."""
+
+HUM = tuple(hz * order for hz in MAINS for order in (1, 2, 3))
+"""Hz, with its overtones."""
+
+_STANDS = 16.0  # times the noise beside it: a line of noise alone has as much power once in 3000 times
+HUMS = "mains hum"  # in the words of a floor
+_FINE = 4096  # frequencies from which covariances are read
 
 
 def told_apart(lines: Sequence[float], rate: float | None, n: int, periods: float = 2.5) -> list[float]:
@@ -32,9 +48,7 @@ def with_hum(
     """
     n = len(residual)
     power, covariance = 0.0, np.zeros(MAX_ORDER + 1)
-    rest, own = residual, []
-    turning = [np.exp(1j * line * np.arange(n)) for line in lines]
-    waves = np.array([part for wave in turning for part in (np.real(wave), np.imag(wave))]).reshape(-1, n).T
+    rest, own, waves = residual, [], _waves(lines, n)
     alone = beside(basis, waves)
     for k, line in enumerate(lines):
         columns, inside = waves[:, 2 * k : 2 * k + 2], alone[:, 2 * k : 2 * k + 2]
@@ -45,11 +59,11 @@ def with_hum(
         level = float(np.interp(line, np.linspace(0, np.pi, len(fit.spectrum)), fit.spectrum))
         gain = float(np.sum((inside @ weights) ** 2)) / level
         amplitude = float(np.sum(weights**2)) / 2 - 2 * level / (n * seen)
-        if gain > 16.0 and amplitude > 0:
+        if gain > _STANDS and amplitude > 0:
             rest = rest - inside @ weights
             own.append(inside)
             power += amplitude
-            covariance += amplitude * np.cos(line * np.arange(MAX_ORDER + 1))
+            covariance += _covariance(amplitude, line)
     if power == 0.0:
         return fit, 0.0
     leverage = leverage_of(basis) + leverage_of(np.linalg.qr(np.column_stack(own))[0])
@@ -61,3 +75,42 @@ def with_hum(
     error = float(np.hypot(below.relative_error * (1 - share), 0.3 * share / np.sqrt(len(own))))
     spectrum = ar_spectrum(ar, innovation, n)
     return replace(below, sigma=total, ar=tuple(float(a) for a in ar), relative_error=error, spectrum=spectrum), share
+
+
+def _waves(lines: Sequence[float], n: int) -> np.ndarray:
+    """Cosine and sine of each line, (n, 2 lines)."""
+    turning = [np.exp(1j * line * np.arange(n)) for line in lines]
+    return np.array([part for wave in turning for part in (np.real(wave), np.imag(wave))]).reshape(-1, n).T
+
+
+def _covariance(power: float, line: float) -> np.ndarray:
+    return power * np.cos(line * np.arange(MAX_ORDER + 1))
+
+
+def standing(left: np.ndarray, lines: Sequence[float]) -> list[float]:
+    """The mean square of each line (rad per sample) that stands out of what a model leaves, (n,), and does not die;
+    zero of the others."""
+    n, found = len(left), []
+    waves = _waves(lines, n)
+    weights = np.linalg.lstsq(np.column_stack([waves, np.ones(n)]), left, rcond=None)[0]
+    rest = left - waves @ weights[:-1] - weights[-1]
+    level = fit_autoregression(rest, np.full(n // 2 + 1, (len(weights)) / n)).spectrum
+    for k, line in enumerate(lines):
+        own = waves[:, 2 * k : 2 * k + 2] @ weights[2 * k : 2 * k + 2]
+        beside_it = float(np.interp(line, np.linspace(0, np.pi, len(level)), level))
+        stands = float(own @ own) > _STANDS * beside_it and not dies(rest + own, line)
+        found.append(max(float(np.mean(own**2)) - 2 * beside_it / n, 0.0) if stands else 0.0)
+    return found
+
+
+def with_lines(noise: NoiseFloor, powers: Sequence[float], lines: Sequence[float]) -> NoiseFloor:
+    """A noise floor with the mean squares `powers` of lines (rad per sample) as a part of it."""
+    white = np.array(noise.ar, float)[:MAX_ORDER]
+    below = ar_spectrum(white, noise.sigma**2 / variance_of(white, 1.0), _FINE)
+    covariance = np.fft.irfft(below, _FINE)[: MAX_ORDER + 1]
+    covariance = covariance + sum(_covariance(power, line) for power, line in zip(powers, lines, strict=True))
+    total = float(noise.sigma**2 + sum(powers))
+    share = sum(powers) / total
+    method = f"{noise.method}; {HUMS}, {share:.0%} of its power, is part of it".lstrip("; ")
+    ar = tuple(float(a) for a in levinson(covariance, MAX_ORDER)[0])
+    return NoiseFloor(float(np.sqrt(total)), ar, method, noise.relative_error * (1 - share))

@@ -148,7 +148,7 @@ def _peaks(values: np.ndarray) -> np.ndarray:
     return 2 * np.pi * peaks[np.argsort(spectrum[peaks])[::-1][:3]] / size
 
 
-def _dies(values: np.ndarray, rate: float) -> bool:
+def dies(values: np.ndarray, rate: float) -> bool:
     """Whether a line has lost more than half of itself from the first third to the last: mains hum stays."""
     beat = values * np.exp(-1j * rate * np.arange(len(values)))
     third = len(values) // 3
@@ -168,7 +168,7 @@ def find_transient(
     rest = beside(orthonormal(harmonic_columns(n, drive_rate, count))[0], response)
     rates = np.concatenate([_peaks(rest), _peaks(rest[: max(n // 4, 64)])])
     near = [any(abs(rate - line) < 7.0 / n for line in avoid) for rate in rates]
-    rates = np.array([rate for rate, hum in zip(rates, near, strict=True) if not hum or _dies(rest, rate)])
+    rates = np.array([rate for rate, hum in zip(rates, near, strict=True) if not hum or dies(rest, rate)])
     if len(rates) == 0:
         return None
     fastest = max(float(np.max(rates)), drive_rate or 0.0)

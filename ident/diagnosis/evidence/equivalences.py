@@ -62,7 +62,7 @@ EQUIVALENCES: tuple[Equivalence, ...] = (
     _of("creep stiffness-drift damping-drift sensor-drift", "all are a slow change within the record",
         "the same record at two frequencies, and repeated after a pause"),
     _of("sensor-lag drive-lag sensor-crosstalk second-mode viscoelastic-support creep prandtl-ishlinskii "
-        "bouc-wen-drive pzt-hysteresis bouc-wen", "at one frequency all are a shift of phase and gain",
+        "bouc-wen-drive pzt-hysteresis bouc-wen ac-coupling", "at one frequency all are a shift of phase and gain",
         "two frequencies or more, one above the resonance, at two levels or more"),
     _of("sensor-nonlinearity cubic-stiffness quadratic-stiffness end-stop electrostriction arch-force residual-stress",
         "at one frequency a bent spring and a bent sensor make the same harmonics",

@@ -129,18 +129,15 @@ def prune(last: Fit, added: list[str], library: Library, first: Regression, repo
     """
     names, given, last = list(added), last, working(last)
     as_given = Pruned(tuple(added), given, ())
-    for _ in range(_MOST_CHANGES):
-        # The rivals of a single effect were weighed when it was added.
-        change = _changed(names, last, library, first, report) if len(names) > 1 else None
-        if change is None:
-            break
-        names, last = change
+    names, last = _questioned(names, last, library, first, report)
     compared = take_apart(last, names, library, first.fit, report)
     alike = tuple(parts for parts in compared if parts.near)
     for parts in compared:
         if parts.better:
             at = names.index(parts.whole)
             names, last = [*names[:at], *parts.names, *names[at + 1 :]], parts.fit
+            # What the whole could not say beside the others, its parts may say without them.
+            names, last = _questioned(names, last, library, first, report)
     if names == added:
         return as_given._replace(alike=alike)
     if last.campaign is given.campaign:
@@ -148,6 +145,19 @@ def prune(last: Fit, added: list[str], library: Library, first: Regression, repo
     # Swaps were judged on excerpts, which hold nothing out.
     on_all = fit_at(last.model, given.campaign, last.values)
     return as_given if hurts(given, on_all) else Pruned(tuple(names), on_all, alike)
+
+
+def _questioned(
+    names: list[str], last: Fit, library: Library, first: Regression, report: Callable[[str], None]
+) -> tuple[list[str], Fit]:
+    """The effects and the fit after every change that is for the better."""
+    for _ in range(_MOST_CHANGES):
+        # The rivals of a single effect were weighed when it was added.
+        change = _changed(names, last, library, first, report) if len(names) > 1 else None
+        if change is None:
+            break
+        names, last = change
+    return names, last
 
 
 def _changed(

@@ -19,7 +19,7 @@ class SensorLag(AbstractEffect):
     name = "sensor-lag"
     equation = "reading = z_τ, τ ż_τ = z − z_τ"
     source = "Oppenheim & Willsky, Signals and Systems, 1997, §6.5.1"
-    mistaken_for = ("drive-lag", "sensor-crosstalk", "second-mode", "viscoelastic-support")
+    mistaken_for = ("drive-lag", "sensor-crosstalk", "second-mode", "viscoelastic-support", "ac-coupling")
     hidden_units = ("m",)
 
     time = amplitude("s", "time constant, τ")
