@@ -64,6 +64,8 @@ class Trace:
     - `noise`: the noise floor; `period`: samples per period if the drive is periodic over the record, else None.
     - `outliers`: samples of the file that left the curve; in `response` the curve takes their place.
     - `masked`: (n,) whether a sample says nothing, as where the response sticks to the limit of a range; none if None.
+    - `rescaled`: times what was measured the response is, where records differ in the sensitivity of the sensor;
+      `stiffer`: the share by which the device's own spring is so here, where they differ in that.
     - `stuck`: share of the samples that stick to a limit; others that say nothing are missing.
     - `measures`: what the response is; m stands for m/s or m/s² where it is no displacement.
     - `excerpt`: a stretch of a longer record, cut out to compare models on it; no estimate is reported from it.
@@ -86,6 +88,13 @@ class Trace:
     measures: Measures = "displacement"
     masked: np.ndarray | None = None
     stuck: float = 0.0
+    rescaled: float = 1.0
+    stiffer: float = 0.0
+
+    @property
+    def differs(self) -> bool:
+        """Whether it is known to differ from the others."""
+        return self.rescaled != 1.0 or self.stiffer != 0.0
 
     @property
     def counted(self) -> np.ndarray:

@@ -20,6 +20,7 @@ from ..pulse import Report
 from ..threads import one_thread
 from .evidence.criterion import VERY_STRONG, behind
 from .evidence.enough import adequate, superfluous, worth_a_name
+from .faulty.between import differing
 from .faulty.suspects import BY_OTHERS, find_suspects, judged_again
 from .linearised.regression import Regression, prepare
 from .linearised.shorten import is_long, working
@@ -139,6 +140,12 @@ def diagnose(
         report("what the last model leaves tells the noise floors better: once more, with these")
         again = Walked(fit(fitted.model, sharper, initial=fitted.values))
         return diagnose(again, library, report, effect_file, keeps_walk, keep)
+    if (
+        found.verdict != "adequate"
+        and not adequate(found.regression)
+        and (apart := _apart(found, regression, library, report, keep)) is not None
+    ):
+        return apart
     suspects = judged_again(suspects, found.final, report)
     if found.verdict == "identified" and any(one.kind in BY_OTHERS for one in suspects):
         found = replace(found, verdict="ambiguous")
@@ -183,6 +190,44 @@ def diagnose(
     return replace(answer(beyond.unknown, beyond.path), discovery=found)
 
 
+def _apart(
+    found: Discovery,
+    regression: Regression,
+    library: Mapping[str, type[AbstractEffect]],
+    report: Report,
+    keep: Keep,
+) -> Diagnosis | None:
+    """The answer where records that differ in a number each, and the library, explain them to the noise; None where
+    they do not, or one law of a single coordinate does, which is the shorter answer.
+
+    The numbers are found beside the effects that a walk has named, or from where it began, if these are wrong; and
+    again after the walk that they make possible, for what was missing had bent them.
+    """
+    start = found.start
+    if is_long(start.campaign) or any(trace.differs for trace in start.campaign.traces):
+        return None
+    report("does the device differ from record to record?")
+    one = differing(found.final)
+    if one is None or not adequate(prepare(working(one.fit))):
+        one = differing(start) or one
+    if one is None:
+        return None
+    law = find_unknown(regression)
+    if law.formula is not None and law.dimension < 2 and law.chi2_after < _AS_WELL:
+        return None
+    said = diagnose(one.begun(start), library, report, keep=keep)
+    again = differing(fit(said.final.model, start.campaign, initial=said.final.values), (one.kind,))
+    if again is None:
+        return None
+    if again.moved(one):
+        said = diagnose(again.begun(start), library, report, keep=keep)
+    if not adequate(said.discovery.regression):
+        return None
+    # An effect may be mistaken for what differs, as for what is faulty.
+    sure = said.verdict == "identified"
+    return replace(said, discovery=replace(said.discovery, verdict="ambiguous")) if sure else said
+
+
 def _nearly_explained(found: Discovery) -> bool:
     """Whether named effects leave so little that the rest is looked for beside them, and not in their place."""
     before, after = (fit.fitted.error_over_noise**2 - 1 for fit in (found.start, found.final))
@@ -215,11 +260,13 @@ def _says_more(named: Fit, written: Fit) -> bool:
 def _lacked(found: Discovery, start: Regression, report: Report) -> tuple[Regression, Unknown]:
     """Where what the library lacks is looked for: beside the effects that were named; or in their place, where that
     leaves less, for a wrong law may have taken the motion to where it forgets how it began."""
-    beside = _instead(found.regression, report)
-    if beside.written is not None and beside.chi2_after < _AS_WELL:
-        return found.regression, beside
-    instead = _instead(start, report)
-    as_well = beside.written is not None and beside.chi2_after < _AS_WELL * instead.chi2_after
+    beside, instead = (_instead(regression, report) for regression in (found.regression, start))
+    said = beside.written is not None
+    if said and beside.chi2_after < _AS_WELL:
+        # One law of fewer coordinates that says everything is a shorter answer than names and another law.
+        alone = instead.written is not None and instead.chi2_after < _AS_WELL and instead.dimension < beside.dimension
+        return (start, instead) if alone else (found.regression, beside)
+    as_well = said and beside.chi2_after < _AS_WELL * instead.chi2_after
     return (found.regression, beside) if as_well else (start, instead)
 
 

@@ -54,15 +54,19 @@ def _lowered(record: Trace, reading: np.ndarray) -> Trace:
 
 
 def _with_hum(found: Fit, traces: list[Trace]) -> list[Trace]:
-    """The records with the mains frequencies in their noise floors that two of them show, or the only one.
+    """The records with the mains frequencies in their noise floors that two of them show beside their drive, or the
+    only one.
 
-    No device hums in one record as in another at the frequency of the mains, whatever drives it.
+    No device hums in one record as in another at the frequency of the mains, whatever drives it. Where two do, others
+    that are driven at it too hum with them.
     """
-    powers = [_hum_of(record, reading, found) for record, reading in zip(traces, found.readings, strict=True)]
+    pairs = list(zip(traces, found.readings, strict=True))
+    shown = [set(_hum_of(record, reading, found, apart=True)) for record, reading in pairs]
     needed = min(2, len(traces))
-    common = [hz for hz in HUM if sum(hz in one for one in powers) >= needed]
+    common = [hz for hz in HUM if sum(hz in one for one in shown) >= needed]
     humming = []
-    for record, own in zip(traces, powers, strict=True):
+    for record, reading in pairs:
+        own = _hum_of(record, reading, found, apart=False) if common else {}
         lines = [hz for hz in common if hz in own]
         known = record.noise.sigma**2 if HUMS in record.noise.method else 0.0
         if lines and sum(own[hz] for hz in lines) > known:
@@ -72,20 +76,19 @@ def _with_hum(found: Fit, traces: list[Trace]) -> list[Trace]:
     return humming
 
 
-def _hum_of(record: Trace, reading: np.ndarray, found: Fit) -> dict[float, float]:
-    """Mean squares, m², of the lines of the mains that stand out of what a model leaves of a record, by their Hz.
-
-    Those of the drive and near the resonance, where transients ring, are no hum.
-    """
+def _hum_of(record: Trace, reading: np.ndarray, found: Fit, apart: bool) -> dict[float, float]:
+    """Mean squares, m², of the lines of the mains that stand out of what a model leaves of a record, by their Hz; if
+    `apart`, without those of the drive and near the resonance, where transients ring."""
     left = (record.response - reading)[record.skip :]
     n = len(left)
     if record.masked is not None or not np.all(np.isfinite(left)):
         return {}
-    rate = None if record.period is None else 2 * np.pi / record.period
+    rate = 2 * np.pi / record.period if apart and record.period is not None else None
     resonance, width = float(found.values[FREQUENCY]), 1 / (n * record.step)
     if found.model.form == "oscillator":
         width += resonance / float(found.values[QUALITY])
-    apart = lambda hz: bool(told_apart([2 * np.pi * hz * record.step], rate, n)) and abs(hz - resonance) > 3 * width
-    lines = [hz for hz in HUM if apart(hz)]
+    far = 3 * width if apart else 0.0
+    told = lambda hz: bool(told_apart([2 * np.pi * hz * record.step], rate, n)) and abs(hz - resonance) >= far
+    lines = [hz for hz in HUM if told(hz)]
     powers = standing(left, [2 * np.pi * hz * record.step for hz in lines]) if lines else []
     return {hz: power for hz, power in zip(lines, powers, strict=True) if power > 0}

@@ -18,7 +18,7 @@ class Lane(NamedTuple):
 
     **Arguments:** `step`, s, of the Runge–Kutta method; `voltage` and `rate`, (2 n + 1,) V and V/s on the half-step
     grid; `omega`, rad/s; `load`, kg; `moving`, 1 if the record begins in motion; `order` of the derivative of the
-    displacement that was measured.
+    displacement that was measured; `stiffer`, the share by which the device's own spring is so in this record.
     """
 
     step: float
@@ -28,6 +28,7 @@ class Lane(NamedTuple):
     load: float = 0.0
     moving: float = 0.0
     order: float = 0.0
+    stiffer: float = 0.0
 
 
 @lru_cache(maxsize=64)  # hypotheses about one record ask for the others again
@@ -35,4 +36,5 @@ def lane_of(record: Trace, substeps: int) -> Lane:
     """The drive of a record with so many steps of the solver per sample."""
     voltage, rate = half_step_drive(record, substeps)
     moving = float(record.begins_in_motion)
-    return Lane(record.step / substeps, voltage, rate, drive_frequency(record), record.load, moving, record.order)
+    own = (record.load, moving, record.order, record.stiffer)
+    return Lane(record.step / substeps, voltage, rate, drive_frequency(record), *own)

@@ -88,6 +88,7 @@ class Block(NamedTuple):
     load: Any
     moving: Any
     order: Any
+    stiffer: Any
 
     def times(self, points: int, spacing: float) -> Array:
         """Times of the points of the block, s since the first sample of the record; `spacing` in steps."""
@@ -121,7 +122,8 @@ class System(NamedTuple):
 
     def at(self, block: Block) -> System:
         """The same in a block of a record."""
-        return self._replace(mass=self.mass + block.load, omega=block.omega, moving=block.moving, order=block.order)
+        mass, stiffness = self.mass + block.load, self.stiffness * (1 + block.stiffer)
+        return self._replace(mass=mass, stiffness=stiffness, omega=block.omega, moving=block.moving, order=block.order)
 
     @property
     def numbers(self) -> Any:

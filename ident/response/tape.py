@@ -25,8 +25,8 @@ class Chunk(NamedTuple):
     """The drive on a stretch of the tape, (BLOCKS, …).
 
     **Arguments:** `voltage` and `rate`, (…, 2 BLOCK + 1) on the half-step grid; per block the `step`, s; the `clock`, s
-    since the first sample of the record; `omega`, `load`, `moving` and `order` of the record; whether it is its
-    `first`; `count` of the blocks that hold something.
+    since the first sample of the record; `omega`, `load`, `moving`, `order` and `stiffer` of the record; whether it is
+    its `first`; `count` of the blocks that hold something.
     """
 
     voltage: Numbers
@@ -37,6 +37,7 @@ class Chunk(NamedTuple):
     load: Numbers
     moving: Numbers
     order: Numbers
+    stiffer: Numbers
     first: Numbers
     count: Numbers
 
@@ -80,12 +81,13 @@ class Tape:
         voltage = self.windows([lane.voltage for lane in self.lanes])
         rate = self.windows([lane.rate for lane in self.lanes])
         shape = (len(voltage) * BLOCKS,)
-        told = {name: np.zeros(shape) for name in ("step", "clock", "omega", "load", "moving", "order", "first")}
+        own = ("step", "omega", "load", "moving", "order", "stiffer")
+        told = {name: np.zeros(shape) for name in ("step", "clock", *own[1:], "first")}
         for lane, span in zip(self.lanes, self.spans, strict=True):
-            own = slice(span.block, span.block + span.blocks)
-            for name in ("step", "omega", "load", "moving", "order"):
-                told[name][own] = getattr(lane, name)
-            told["clock"][own] = lane.step * BLOCK * np.arange(span.blocks)
+            there = slice(span.block, span.block + span.blocks)
+            for name in own:
+                told[name][there] = getattr(lane, name)
+            told["clock"][there] = lane.step * BLOCK * np.arange(span.blocks)
             told["first"][span.block] = 1.0
         last = max(span.block + span.blocks for span in self.spans)
         found = []

@@ -7,7 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.interpolate import make_interp_spline
 
+import ident
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import Case, draw
 from ident.diagnosis.linearised.regression import prepare
@@ -110,3 +113,27 @@ def test_the_sentences_read_as_sentences(root):
 def test_a_name_that_is_none_is_refused(root, tmp_path: Path):
     with pytest.raises(UserError, match="no name of an effect"):
         write_effect(root, tmp_path / "x.py", "My Effect")
+
+
+@pytest.mark.parametrize(
+    ("push", "word", "number"),
+    [(lambda u: 1.7 * np.tanh(u / 1.7), "tanh", 1.7), (lambda u: u - np.clip(u, -0.43, 0.43), "clip", 0.43)],
+    ids=["an amplifier at its limit", "a drive with a dead zone"],
+)
+def test_numbers_of_a_formula_are_sought_between_those_of_a_grid(push, word, number):
+    time, rng, w, records = np.arange(1200) / 600, np.random.default_rng(3), 2 * np.pi * 33.0, []
+    for size in (1.0, 2.0):
+        tones = rng.uniform(3, 60, 20)
+        drive = np.sum(np.sin(2 * np.pi * np.outer(tones, time) + rng.uniform(0, 6.3, (20, 1))), axis=0)
+        drive *= size / np.std(drive)
+        seen = make_interp_spline(time, drive)
+        law = lambda t, y, seen=seen: [y[1], w * w * (push(seen(t)) - y[0]) - w / 12 * y[1]]
+        z = solve_ivp(law, (0, time[-1]), [0, 0], t_eval=time, rtol=1e-7, atol=1e-9, max_step=1 / 600).y[0]
+        z = z + rng.normal(0, 0.003 * np.std(z), len(time))
+        records.append({"data": {"time": time, "drive": drive, "response": z}, "start": "rest"})
+    found = find_unknown(prepare(ident.fit({"device": {"kind": "oscillator"}, "record": records}, effects=())))
+    assert (found.side, found.coordinates) == ("drive", ("V",))
+    assert found.formula is not None and found.formula.complete and len(found.formula.terms) == 1
+    (term,) = found.formula.terms
+    assert term.text.startswith(word) and term.number is not None
+    assert term.number.value == pytest.approx(number, rel=0.05)

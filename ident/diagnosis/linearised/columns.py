@@ -188,7 +188,7 @@ def _memories(
 
     def one_block(k: Any, state: tuple) -> tuple:
         hidden, paths = state
-        block = Block(*(field[k] for field in chunk[2:8]))
+        block = Block(*(field[k] for field in chunk[2:9]))
         here = system.at(block)
         ends, found = [], []
         for effect, part, h, path in zip(here.effects, parts, hidden, paths, strict=True):
@@ -221,7 +221,7 @@ def _at_points(function: Any, system: System, motion: Motion, paths: tuple, chun
         axes = (0, 0, tuple(1 for _ in hidden), 0, 0, 0)
         return jax.vmap(one, in_axes=axes)(*jax.tree.map(thin, (z, v, hidden, voltage, rate, time)))
 
-    blocks = Block(*chunk[2:8])
+    blocks = Block(*chunk[2:9])
     return jax.vmap(one_block)(blocks, motion.z, motion.v, paths, chunk.voltage, chunk.rate)
 
 
@@ -267,12 +267,9 @@ def _linear(equation: Equation, values: np.ndarray, chunk: Chunk) -> tuple[np.nd
     stiffness, damping = equation.model.spring_and_damper(float(values[FREQUENCY]), float(values[QUALITY]), mass)
     whole = mass + np.asarray(chunk.load)
     share, nothing = np.ones((BLOCKS, 2 * BLOCK + 1)) / whole[:, None], np.zeros((BLOCKS, BLOCK))
-    return (
-        whole,
-        stiffness * share,
-        damping * share,
-        *_of_motion(np.asarray(chunk.order), stiffness * share, damping * share, nothing, nothing),
-    )
+    spring = stiffness * share * (1 + np.asarray(chunk.stiffer))[:, None]
+    return (whole, spring, damping * share,
+            *_of_motion(np.asarray(chunk.order), spring, damping * share, nothing, nothing))  # fmt: skip
 
 
 def _of_motion(order: Numbers, stiffness: Any, damping: Any, by_z: Any, by_v: Any) -> tuple[Any, Any, Any]:

@@ -74,6 +74,11 @@ class Unknown:
             "sentences": list(self.sentences),
         }
 
+    @property
+    def dimension(self) -> int:
+        """How many coordinates it supposes."""
+        return dimension(self.coordinates)
+
     def explained(self, formula: Formula | None) -> float:
         """Share of the excess over noise that a formula explains."""
         return 0.0 if formula is None else (self.chi2_before - formula.chi2_per_sample) / (self.chi2_before - 1.0)
@@ -96,7 +101,7 @@ def find_unknown(regression: Regression) -> Unknown:
     written = formula if formula and complete else long_formula(regression, stage, side, coordinates, chosen.drop)
     if formula is not None and (written is None or formula.drop >= written.drop):
         written = formula
-    alike = tuple(r for r in enough if r is not chosen and dimension(r) <= dimension(chosen) + 0.5)
+    alike = tuple(r for r in enough if r is not chosen and dimension(r.coordinates) <= dimension(chosen.coordinates))
     others = tuple(r for r in ranked if r not in enough and not set(coordinates) < set(r.coordinates))[:3]
     picture = draw(regression, stage, side, coordinates, solved)
     before = regression.chi2 / regression.n
@@ -115,7 +120,7 @@ def _settle(regression: Regression, stage: Stage, enough: Sequence[Ranked]) -> t
     """Of sets that explain the same, the one with the shortest formula: one coordinate's splines may mimic a memory."""
     first = enough[0]
     rivals = [r for r in enough[1:] if not set(first.coordinates) <= set(r.coordinates) or r.side != first.side]
-    rivals = [r for r in rivals if dimension(r) <= 2.0][:4]
+    rivals = [r for r in rivals if dimension(r.coordinates) <= 2][:4]
     weakest = min(r.drop - r.dof for r in (first, *rivals))
     least = weakest - _LACKING * max(regression.chi2 - weakest, float(regression.n))
     judged = []
@@ -129,9 +134,9 @@ def _settle(regression: Regression, stage: Stage, enough: Sequence[Ranked]) -> t
         terms = len(says_it.terms) if says_it else _MOST_TERMS
         if says_it is not None and not _possible(regression, stage, says_it):
             says_it = None
-        cost = dimension(found) + _PER_TERM * terms + _WORDLESS * (says_it is None)
+        cost = dimension(found.coordinates) + _PER_TERM * terms + _WORDLESS * (says_it is None)
         judged.append((cost, found.criterion, found, formula))
-        if len(judged) == 1 and terms <= 2 and dimension(first) <= 1:
+        if len(judged) == 1 and terms <= 2 and dimension(first.coordinates) <= 1:
             break
     best = min(judged, key=lambda j: j[:2])
     return best[2], best[3]

@@ -25,6 +25,8 @@ _WORTH = 0.2  # part of the remaining excess that a further term must remove
 _SAME, _LITTLE = 0.01, 0.1  # of what splines explain, and of what they leave: a formula that lacks no more says as much
 _BARELY = 0.02  # of χ² per sample: formulas closer than that are equally good, and the plainest is taken
 _LONGEST = 8
+_FINER, _MORE = 2, 7  # rounds in which numbers are sought between those of a grid, and how many in each
+_BEYOND = 1.3  # times the last number of a grid: as far as is looked beyond it
 
 _Beginning = tuple[float, tuple[int, ...]]  # fall of χ², and the terms chosen
 
@@ -64,7 +66,29 @@ def dictionary(regression: Regression, stage: Stage, side: Side, coordinates: tu
         terms += remembered(names[0], stage.ranges[names[0]], regression.fit.scales.period)
     elif len(names) == 2:
         terms += paired(names[0], names[1])
-    return _measured(regression, stage, side, terms)
+    found = _measured(regression, stage, side, terms)
+    for _ in range(_FINER):
+        found = _between(regression, stage, side, found)
+    return found
+
+
+def _between(regression: Regression, stage: Stage, side: Side, coarse: Dictionary) -> Dictionary:
+    """The dictionary with more terms around the best of each family: a grid of their numbers is a tenth off, and where
+    a misfit stands far above the noise no term of it then says all that one can."""
+    gain = (coarse.rows @ regression.residual) ** 2 / np.sum(coarse.rows**2, axis=1)
+    more: list[Term] = []
+    for kind in dict.fromkeys(term.kind for term in coarse.terms if term.again is not None):
+        own = [i for i, term in enumerate(coarse.terms) if term.kind == kind]
+        best = coarse.terms[max(own, key=lambda i: gain[i])]
+        value = best.number.value if best.number is not None else 0.0
+        others = [other.number.value for i in own if (other := coarse.terms[i]).number is not None]
+        low = max((x for x in others if x < value), default=value / _BEYOND)
+        high = min((x for x in others if x > value), default=value * _BEYOND)
+        inside = [x for x in np.geomspace(low, high, _MORE) if not any(np.isclose(x, y) for y in others)]
+        more += [best.again(float(x)) for x in inside if best.again is not None]
+    found = _measured(regression, stage, side, more) if more else coarse._replace(terms=())
+    rows, lengths = (np.concatenate(pair) for pair in ((coarse.rows, found.rows), (coarse.lengths, found.lengths)))
+    return Dictionary((*coarse.terms, *found.terms), rows, lengths) if found.terms else coarse
 
 
 def _measured(regression: Regression, stage: Stage, side: Side, terms: Sequence[Term]) -> Dictionary:

@@ -163,9 +163,9 @@ def smallest_sufficient(ranked: Sequence[Ranked]) -> list[Ranked]:
     near = _NEAR if best.share < _NEARLY_ALL else _NEAR_ALL
     chance = 3.0 * np.sqrt(2.0 * best.dof) * max(1.0, best.chi2_per_sample)
     enough = [r for r in ranked if gain(r) > gain(best) - max(near * gain(best), chance)]
-    return sorted(enough, key=lambda r: (dimension(r), r.criterion))
+    return sorted(enough, key=lambda r: (dimension(r.coordinates), r.criterion))
 
 
-def dimension(found: Ranked) -> int:
+def dimension(coordinates: Sequence[str]) -> int:
     """How much a set of coordinates supposes: nothing for a constant, one for each coordinate, and for a memory."""
-    return 0 if found.coordinates == ("1",) else len(found.coordinates)
+    return 0 if tuple(coordinates) == ("1",) else len(coordinates)

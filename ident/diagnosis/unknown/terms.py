@@ -6,8 +6,8 @@ written from it. Values are SI.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -18,8 +18,9 @@ from .splines import UNITS, Places, Size, lagging, plays, quick, sharp
 _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _WAVES = np.linspace(1.5, 9.0, 16)  # sin(w x/largest)
 _HUMPS = (0.05, 0.1, 0.2, 0.4)  # widths of what acts near zero only, in parts of the largest value
-_TURNS = (0.006, 0.0125, 0.025, 0.05, 0.1, 0.2)  # widths of steps
+_TURNS = (0.006, 0.0125, 0.025, 0.05, 0.1, 0.2, 0.4, 0.7)  # widths of steps, up to a gentle saturation
 _GAPS = (0.3, 0.45, 0.6, 0.75)
+_LIMITS = (0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.75)  # of what is cut off; beside a straight line, of what is dead
 _STEP = 0.003  # width of a step that is too sharp to measure
 _PLAYS = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7)
 _LATE = (0.04, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 15.0, 50.0)  # periods; a fixed step follows none shorter
@@ -46,6 +47,7 @@ class Term(NamedTuple):
     - `powers`: of the coordinates by whose units its amplitude's is divided; `written`: amplitude over the coefficient
       in the text, where the number in the code divides out a unit that the text keeps.
     - `memory`: "", "play" or "late"; of which coordinate is the first of `names`.
+    - `kind`, of terms that differ in their number alone, and `again`, the same with another one.
     """
 
     text: str
@@ -56,6 +58,8 @@ class Term(NamedTuple):
     number: Number | None = None
     written: float = 1.0
     memory: str = ""
+    kind: str = ""
+    again: Callable[[float], Term] | None = None
 
 
 def monomial(powers: Iterable[tuple[str, int]]) -> Term:
@@ -83,36 +87,49 @@ def single(name: str, size: Size) -> list[Term]:
              lambda x: np.sign(x[n]) * np.abs(x[n] / largest) ** 1.5,
              length(largest, f"{n} at which the term is its amplitude", False), largest**1.5),
     ]  # fmt: skip
-    found += [_step(n, part * largest, length) for part in _TURNS]
-    found += [_wave(n, largest / w, length) for w in _WAVES]
-    found += [_hump(n, part * largest, length) for part in _HUMPS]
-    for sign, gap in itertools.product((1, -1), [part * largest for part in _GAPS]):
-        if gap < (size.high if sign > 0 else -size.low):
-            found.append(_contact(n, sign, gap, length))
+    found += _family(f"step {n}", partial(_step, n, length), [part * largest for part in _TURNS])
+    found += _family(f"wave {n}", partial(_wave, n, length), [largest / w for w in _WAVES])
+    found += _family(f"hump {n}", partial(_hump, n, length), [part * largest for part in _HUMPS])
+    found += _family(f"cut {n}", partial(_cut, n, length), [part * largest for part in _LIMITS])
+    for sign, end in ((1, size.high), (-1, -size.low)):
+        gaps = [part * largest for part in _GAPS if part * largest < end]
+        found += _family(f"contact {sign} {n}", partial(_contact, n, length, sign), gaps)
     return found
 
 
-def _wave(n: str, scale: float, length: Callable[..., Number]) -> Term:
+def _family(kind: str, of: Callable[[float], Term], values: Iterable[float]) -> list[Term]:
+    """Terms that differ in one number."""
+    again = lambda value: of(value)._replace(kind=kind, again=again)
+    return [again(value) for value in values]
+
+
+def _wave(n: str, length: Callable[..., Number], scale: float) -> Term:
     own = length(scale, "length of the sine over 2π")
     return Term(f"sin({n}/{number(scale)})", f"jnp.sin({n} / {{n}})", (n,), (), lambda x: np.sin(x[n] / scale), own)
 
 
-def _step(n: str, width: float, length: Callable[..., Number]) -> Term:
+def _step(n: str, length: Callable[..., Number], width: float) -> Term:
     own = length(width, f"{n} over which the term turns")
     return Term(f"tanh({n}/{number(width)})", f"jnp.tanh({n} / {{n}})", (n,), (), lambda x: np.tanh(x[n] / width), own)
 
 
-def _hump(n: str, width: float, length: Callable[..., Number]) -> Term:
+def _hump(n: str, length: Callable[..., Number], width: float) -> Term:
     value = lambda x: np.tanh(x[n] / (0.1 * width)) * np.exp(-((x[n] / width) ** 2))
     own = length(width, f"{n} beyond which the term dies out")
     code = f"jnp.tanh({n} / (0.1 * {{n}})) * jnp.exp(-(({n} / {{n}}) ** 2))"
     return Term(f"sign({n}) exp(−({n}/{number(width)})²)", code, (n,), (), value, own)
 
 
-def _contact(n: str, sign: int, gap: float, length: Callable[..., Number]) -> Term:
+def _contact(n: str, length: Callable[..., Number], sign: int, gap: float) -> Term:
     code = f"jnp.maximum({n} - {{n}}, 0.0)" if sign > 0 else f"jnp.maximum(-{n} - {{n}}, 0.0)"
     text = f"max({n} − {number(gap)}, 0)" if sign > 0 else f"max(−{n} − {number(gap)}, 0)"
     return Term(text, code, (n,), ((n, 1),), lambda x: np.maximum(sign * x[n] - gap, 0.0), length(gap, "gap"))
+
+
+def _cut(n: str, length: Callable[..., Number], limit: float) -> Term:
+    own = length(limit, f"{n} beyond which the term stays what it is")
+    code, text = f"jnp.clip({n}, -{{n}}, {{n}})", f"clip({n}, ±{number(limit)})"
+    return Term(text, code, (n,), ((n, 1),), lambda x: np.clip(x[n], -limit, limit), own)
 
 
 def _exponential(n: str, time: float) -> Term:

@@ -1,0 +1,88 @@
+"""What lies in laboratories rather than in devices: mains, an input that passes no constant, a device that warms up or
+is read at another spot, an amplifier at its limit, a drive with a dead zone, a damper that works one way."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.signal import butter, lfilter
+
+from .lab import Lab, Signal, device, multisine, oscillator, sine, solve
+
+_HEAD = "time (s),drive (V),displacement (um)"
+_RATE = 30.0  # samples per period of the resonance
+
+
+def _drives(rng: np.random.Generator, f: float, size: float) -> list[Signal]:
+    """Two sines, and two sums of sines."""
+    tones = [sine(2 * size, 0.62 * f), sine(size, 0.985 * f)]
+    return [
+        *tones,
+        multisine(rng, size, 0.3 * f, 2 * f, 0.05 * f),
+        multisine(rng, 0.8 * size, 0.3 * f, 2 * f, 0.05 * f),
+    ]
+
+
+def _records(
+    lab: Lab, rng: np.random.Generator, force: Callable[..., float], read: Callable[..., np.ndarray] | None = None,
+    push: Callable[[np.ndarray], np.ndarray] = lambda u: u, warmer: Sequence[float] = (0.0,) * 4,
+) -> None:  # fmt: skip
+    """Records of an oscillator of 120 to 180 Hz, 8 μm at 1 V and resonance; the last is held out."""
+    f, quality = rng.uniform(120, 180), 40.0
+    w, t = 2 * np.pi * f, np.arange(1800) / (_RATE * f)
+    for i, (u, own) in enumerate(zip(_drives(rng, f, 2.0), warmer, strict=True)):
+        sprung: Any = lambda z, v, u, t, own=own: -own * w * w * z + force(w, z, v)
+        drive: Signal = lambda t, u=u: push(np.asarray(u(t)))
+        z = solve(oscillator(f, quality, 0.2 * w * w, drive, sprung), t, [0, 0])[0]
+        reading = z if read is None else read(i, t, z)
+        lab.write(f"run{i}", _HEAD, t, np.asarray(u(t)), reading, noise=0.004, digits=8, held=i == 3)
+
+
+def _drag(w: float, z: float, v: float) -> float:
+    return -0.0009 * v * abs(v)
+
+
+@device("quadratic-damping|power-law-damping")
+def mains(lab: Lab, rng: np.random.Generator) -> None:
+    """Drag, under hum of 50 Hz in a phase of its own in every record."""
+    _records(lab, rng, _drag, lambda i, t, z: z + 0.4 * np.sin(2 * np.pi * 50 * t + rng.uniform(0, 2 * np.pi)))
+
+
+@device("quadratic-stiffness", "ac-coupling")
+def ac_coupled(lab: Lab, rng: np.random.Generator) -> None:
+    """A spring that is not symmetric, read through an input that passes nothing below 2.5 Hz."""
+    high = lambda i, t, z: np.asarray(lfilter(*butter(1, 2.5, "high", fs=1 / t[1]), z))
+    _records(lab, rng, lambda w, z, v: -0.008 * w * w * z * z, high)
+
+
+@device("quadratic-damping|power-law-damping")
+def warm(lab: Lab, rng: np.random.Generator) -> None:
+    """Drag, on a device whose spring is another one in every record."""
+    _records(lab, rng, _drag, warmer=0.004 * rng.standard_normal(4))
+
+
+@device("cubic-stiffness")
+def spot(lab: Lab, rng: np.random.Generator) -> None:
+    """A spring that hardens, read at another spot of the stage in every record."""
+    times = 1 + 0.02 * rng.standard_normal(4)
+    _records(lab, rng, lambda w, z, v: -1.5e-4 * w * w * z**3, lambda i, t, z: times[i] * z)
+
+
+@device(beyond=True)
+def amplifier(lab: Lab, rng: np.random.Generator) -> None:
+    """An amplifier at its limit behind the point where the drive is measured."""
+    _records(lab, rng, lambda w, z, v: 0.0, push=lambda u: 3 * np.tanh(u / 3))
+
+
+@device(beyond=True, floor=False)
+def dead_zone(lab: Lab, rng: np.random.Generator) -> None:
+    """A drive that does nothing below 0.6 V."""
+    _records(lab, rng, lambda w, z, v: 0.0, push=lambda u: np.sign(u) * np.maximum(np.abs(u) - 0.6, 0.0))
+
+
+@device(beyond=True)
+def one_way_damper(lab: Lab, rng: np.random.Generator) -> None:
+    """A damper that is stronger one way."""
+    _records(lab, rng, lambda w, z, v: -0.3 * w / 40 * abs(v))

@@ -1,0 +1,141 @@
+"""A device that differs from one record to the next: warmer or charged, or read with another sensitivity.
+
+Each record then has a number s of its own, found by Gauss-Newton steps beside everything that the model absorbs:
+
+    m z̈ + c ż + k (1 + s) z = F    or    reading = (1 + s) z.
+
+To a sine every nonlinear device is a linear one of another resonance at each level
+(N. Minorsky, Nonlinear Oscillations, 1962, ch. 14): that records differ is an answer only where no law explains them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from ...campaign.campaign import Campaign
+from ...campaign.record import Trace
+from ...fit import Fit, fit
+from ...fit.reading import read
+from ..evidence.criterion import VERY_STRONG, Left, behind, criteria
+from ..linearised.regression import by_record, prepare
+from ..linearised.shorten import working
+from ..linearised.trajectory import Diverged
+from ..unknown.subsets import regress
+
+Kind = Literal["stiffness", "sensitivity"]
+
+_ROUNDS = 4  # of the records' numbers and the device's in turn
+_SETTLED = 0.3  # of its error bar: a step that moves no number further ends them
+_SMALL = 1e-4  # change of a stiffness by which its derivative is taken
+_FEWEST = 3  # records: of two that disagree nobody knows which one is the device's
+
+
+class Differing(NamedTuple):
+    """Records that differ in one `kind` of number: `sizes` and `errors` (traces,), as shares, the mean of the fitted
+    ones zero, and the `fit` of the same model to the records as a device like the others would have given them."""
+
+    kind: Kind
+    sizes: np.ndarray
+    errors: np.ndarray
+    fit: Fit
+
+    @property
+    def words(self) -> str:
+        """What differs, for people."""
+        names = [trace.name for trace in self.fit.campaign.traces]
+        share = 50.0 if self.kind == "stiffness" else 100.0  # a resonance moves by half of what its spring does
+        what = "resonance" if self.kind == "stiffness" else "sensitivity"
+        each = ", ".join(f"{share * s:+.2g} ± {share * e:.1g} % in {name}"
+                         for name, s, e in zip(names, self.sizes, self.errors, strict=True))  # fmt: skip
+        return (
+            f"The records agree only if each has a {what} of its own: {each}. They are read so, held-out ones too: was "
+            + ("the device warmer or otherwise loaded in some?" if self.kind == "stiffness" else "the sensor moved?")
+        )
+
+    def moved(self, before: Differing) -> bool:
+        """Whether a number has moved by more than is little beside its error."""
+        return bool(np.any(np.abs(self.sizes - before.sizes) > _SETTLED * self.errors))
+
+    def begun(self, start: Fit) -> Fit:
+        """The fit from which a walk had begun, with the records read so."""
+        campaign = self.fit.campaign
+        told = replace(campaign, notes=(*campaign.notes, self.words))
+        return fit(start.model, told, initial=start.values)
+
+
+def differing(fitted: Fit, kinds: tuple[Kind, ...] = ("stiffness", "sensitivity")) -> Differing | None:
+    """The kind of number by which the records of a fit differ, if that explains them clearly better than one device
+    does; None if it does not."""
+    if len(fitted.campaign.fitted) < _FEWEST or fitted.campaign.fitted_sweeps or fitted.model.form != "oscillator":
+        return None
+    found = [one for kind in kinds if (one := _found(fitted, kind)) is not None]
+    more = len(fitted.campaign.fitted) - 1
+    weigh = lambda one: Left(prepare(working(one.fit)).left, one.fit.freedom + more)
+    before = prepare(working(fitted))
+    better = [one for one in found if behind(weigh(one), Left(before.left, fitted.freedom)) < -VERY_STRONG]
+    return better[int(np.argmin(criteria([weigh(one) for one in better])))] if better else None
+
+
+def _found(fitted: Fit, kind: Kind) -> Differing | None:
+    campaign, now = fitted.campaign, fitted
+    inside = [i for i, trace in enumerate(campaign.traces) if not trace.holdout]
+    sizes, errors = np.zeros((2, len(campaign.traces)))
+    try:
+        for _ in range(_ROUNDS):
+            regression = prepare(working(now))
+            rows = np.zeros((len(inside), regression.trajectories.tape.samples))
+            for row, trace, own in zip(rows, now.campaign.fitted, regression.trajectories.tape.slices, strict=True):
+                row[own] = _slope(now, trace, kind)
+            solved = regress(regression.project(by_record(regression, rows)), regression.residual)
+            step, spread = solved.coefficients, solved.spread
+            step, spread = step - np.mean(step), spread - np.mean(spread, axis=0)  # what all share is the device's
+            errors[inside] = np.linalg.norm(spread, axis=1) * np.sqrt(max(regression.chi2 / regression.n, 1.0))
+            sizes[inside] += step
+            now = fit(fitted.model, _with(campaign, kind, sizes), initial=now.values)
+            if np.all(np.abs(step) < _SETTLED * errors[inside]):
+                break
+    except (Diverged, np.linalg.LinAlgError):
+        return None
+    for i, trace in enumerate(campaign.traces):
+        if trace.holdout:
+            sizes[i], errors[i] = _by_itself(now, trace, kind)
+    now = fit(fitted.model, _with(campaign, kind, sizes), initial=now.values, most=1)
+    return Differing(kind, sizes, errors, now) if np.all(np.isfinite(sizes)) else None
+
+
+def _slope(now: Fit, trace: Trace, kind: Kind) -> np.ndarray:
+    """Change of the reading of a record with its number, (n,)."""
+    here = read(now.model, now.values, [trace])[0]
+    if kind == "sensitivity":
+        return here
+    return (read(now.model, now.values, [_differing(trace, kind, _SMALL)])[0] - here) / _SMALL
+
+
+def _by_itself(now: Fit, trace: Trace, kind: Kind) -> tuple[float, float]:
+    """The number of a held-out record and its error, from what the model misses of it."""
+    size, error = 0.0, np.inf
+    for _ in range(_ROUNDS):
+        own = _differing(trace, kind, size)
+        left = (own.response - read(now.model, now.values, [own])[0])[own.counted] / own.noise.sigma
+        slope = _slope(now, own, kind)[own.counted] / own.noise.sigma
+        weight = float(slope @ slope)
+        size, error = size + float(slope @ left) / weight, 1 / np.sqrt(weight)
+    return size, error
+
+
+def _with(campaign: Campaign, kind: Kind, sizes: np.ndarray) -> Campaign:
+    """The campaign with traces that differ."""
+    own = iter(sizes)
+    told = (_differing(r, kind, float(next(own))) if isinstance(r, Trace) else r for r in campaign.records)
+    return replace(campaign, records=tuple(told))
+
+
+def _differing(trace: Trace, kind: Kind, size: float) -> Trace:
+    if kind == "stiffness":
+        return replace(trace, stiffer=(1 + trace.stiffer) * (1 + size) - 1)
+    times = 1 / (1 + size)
+    noise = replace(trace.noise, sigma=trace.noise.sigma * times)
+    return replace(trace, response=trace.response * times, noise=noise, rescaled=trace.rescaled * times)
