@@ -319,7 +319,7 @@ def _weighed_ties(
     rivals = possible(real, tried)
     ties = tie_set(regression, found.candidate, rivals, library, tried)
     known = {one.candidate.name for one in tried}
-    scored = [tie.name for tie in ties.ties if tie.name not in known and np.isfinite(tie.behind)][:_REFITTED_TIES]
+    scored = [tie.name for tie in ties.ties if tie.name not in known][:_REFITTED_TIES]
     if scored:
         more = at_once(lambda c: confirm(regression, library[c.name], c), [c for c in rivals if c.name in scored])
         tried = [*tried, *more]

@@ -112,7 +112,9 @@ def tie_set(
     in_motion = all(record.start != "rest" for record in regression.fit.campaign.fitted)
     exact = exact_partners(best.name, library, _is_linear(regression), in_motion)
     for other in candidates:
-        similar = in_motion or reproduced(regression, best, other) > EXACT_SIGNATURE
+        # Where both were refitted, transients may have told them apart: a force rings where a reading does not.
+        judged = best.name in refits and other.name in refits
+        similar = in_motion or (not judged and reproduced(regression, best, other) > EXACT_SIGNATURE)
         if other.name in exact and other.name not in named and similar:
             found.append(_tie(best, other, float("nan"), 1.0, library))
     return TieSet(best.name, tuple(sorted(found, key=lambda t: (not np.isnan(t.behind), t.behind))))
