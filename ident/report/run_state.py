@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..campaign import Campaign, NoiseFloor, read_campaign
+from ..campaign.record import Trace
 from ..campaign.tables.opening import read_bytes
 from ..campaign.trust import checksum
 from ..effects.registry import find, registry
@@ -71,6 +72,7 @@ def state(fit: Fit) -> dict[str, Any]:
         "substeps": [span.substeps for span in fit.solved.data.tape.spans],
         # An estimate, and with sigma = "fitted" a result: another version might find another.
         "noise": [asdict(record.noise) for record in fit.campaign.records],
+        "edges": [record.edge if isinstance(record, Trace) else None for record in fit.campaign.records],
     }
 
 
@@ -94,8 +96,10 @@ def restore_campaign(document: dict[str, Any], folder: Path) -> Campaign:
     added = tuple(path for path in told if path not in known_files)
     campaign = replace(campaign, effect_files=(*campaign.effect_files, *added))
     floors = [NoiseFloor(**{**floor, "ar": tuple(floor["ar"])}) for floor in kept["noise"]]
-    records = tuple(replace(record, noise=noise) for record, noise in zip(campaign.records, floors, strict=True))
-    return replace(campaign, records=records)
+    records = [replace(record, noise=noise) for record, noise in zip(campaign.records, floors, strict=True)]
+    edges = kept.get("edges", [None] * len(records))
+    held = (replace(r, edge=e) if isinstance(r, Trace) else r for r, e in zip(records, edges, strict=True))
+    return replace(campaign, records=tuple(held))
 
 
 def _model(document: dict[str, Any], campaign: Campaign, folder: Path) -> tuple[Model, np.ndarray]:

@@ -109,7 +109,8 @@ def _columns(stretch: Stretch, points: np.ndarray, level: bool) -> tuple[np.ndar
     """What gains and constant do to a reading, (n, modes (+ 1)), and a basis of its free motions, (n, m)."""
     values = np.exp(points)
     columns = [
-        recursive_filter(*oscillator_filter(f, q, stretch.step, stretch.order), stretch.drive) / stretch.size
+        recursive_filter(*oscillator_filter(f, q, stretch.step, stretch.order, stretch.edge), stretch.drive)
+        / stretch.size
         for f, q in values
     ]
     columns += [np.ones_like(stretch.response) / stretch.size] if level else []
