@@ -109,7 +109,7 @@ def continue_from(
             report(f"added {step.added}: error over noise {step.fit.fitted.error_over_noise:.3g}")
         current, regression = with_its_constant(steps[-1].fit, regression, library, report)
         steps[-1] = steps[-1]._replace(fit=current)
-        if revised and (other := other_drive(current, regression, report)) is not None:
+        if revised and (other := _drive_beside(more, current, regression, report)) is not None:
             return with_drive(other)
         look = Look(regression, first, library, report)
         keep(Walked(start, tuple(steps), gains))
@@ -133,6 +133,20 @@ def continue_from(
     lacks = lacking(_after_effects(steps, regression), first, report) if steps else 0.0
     verdict = _verdict(steps, regression, first, lacks, contradicted(steps[-1].fit if steps else start))
     return Discovery(verdict, start, tuple(steps), ranking, gains, remaining, regression, lacks)
+
+
+def _drive_beside(more: list[Step], current: Fit, regression: Regression, report: Report) -> Campaign | None:
+    """The campaign with another drive between the samples, if the records ask for it beside what was added; beside the
+    first of two, too, for the second may be its lag."""
+    if len(more) > 1:
+        try:
+            first = more[0].fit
+            other = other_drive(first, prepare(working(first)), report)
+        except Diverged:
+            other = None
+        if other is not None:
+            return other
+    return other_drive(current, regression, report)
 
 
 def _starts_say_more(before: Fit, after: Fit) -> bool:
