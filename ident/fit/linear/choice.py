@@ -18,31 +18,27 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-import numpy as np
-from scipy import optimize
-
 from ...campaign.campaign import MOST_MODES
 from ...campaign.held_drive import jumps
 from ...campaign.record import Trace
 from ...errors import UserError
 from ...model import ABOVE_THE_DRIVE
 from .candidate import Candidate
-from .drives import held, with_edge
+from .drives import held, is_length, with_edge
 from .forms import FORMS
 from .guess import guess_linear
 from .independent import independent_samples
 from .modes import find_modes, solved
-from .rows import Kind, fitted, rows_of, solve
+from .rows import Kind, fitted, rows_of, searched
 from .stretches import Stretch, highest_content, stretch_of
 
-FormName = Literal["oscillator", "overdamped", "no-spring", "quasi-static"]
+FormName = Literal["oscillator", "overdamped", "base", "no-spring", "quasi-static"]
 Told = Literal["auto", "oscillator", "no-spring", "quasi-static"]
-LEVELS = {"oscillator": "sensor-offset", "overdamped": "sensor-offset", "no-spring": "static-force",
-          "quasi-static": "sensor-offset"}  # fmt: skip
+LEVELS = {"oscillator": "sensor-offset", "overdamped": "sensor-offset", "base": "sensor-offset",
+          "no-spring": "static-force", "quasi-static": "sensor-offset"}  # fmt: skip
 """The effect that a constant is, beside each form: without a spring it is a force, for a level is where it starts."""
 _FEWEST = 20.0  # independent samples in what is left: a single line has four, which buy nothing
 _GREATER_PART = math.sqrt(2.0)  # half of the power
-_BEYOND = 8.0  # times the range of the grid: so far the search may go
 
 
 @dataclass(frozen=True)
@@ -59,7 +55,9 @@ class LinearChoice:
         return next((c for c in self.candidates if c.form == "quasi-static"), None)
 
 
-def choose_linear(records: Sequence[Trace], told: str = "auto", *, modes: int | None = None) -> LinearChoice:
+def choose_linear(
+    records: Sequence[Trace], told: str = "auto", *, modes: int | None = None, base: bool = True
+) -> LinearChoice:
     """The linear model with which to start on these records.
 
     Where a record starts from rest the first sample says where the zero is: a constant is then looked for only if gain
@@ -67,7 +65,7 @@ def choose_linear(records: Sequence[Trace], told: str = "auto", *, modes: int | 
     counted from where they come to rest.
 
     **Arguments:** `told`: "auto", or the form that the campaign asks for; `modes`: how many an oscillator has, None if
-    the records decide.
+    the records decide; `base`: whether it may stand on what the drive moves.
     """
     free = [record.between == "auto" and record.driven for record in records]
     stretches = with_edge([stretch_of(record) for record in records], free, None)
@@ -79,18 +77,18 @@ def choose_linear(records: Sequence[Trace], told: str = "auto", *, modes: int | 
         for name in get_args(FormName)
         if told == "auto" or told in (name, FORMS[name].family if name in FORMS else name)
     ]
-    forms = [FORMS[name] for name in names if name in FORMS and (driven or name != "no-spring")]
+    forms = [FORMS[name] for name in names if name in FORMS and name != "base" and (driven or name != "no-spring")]
     starts = {} if guess is None else {"oscillator": (guess.frequency, guess.quality)}
 
     def compared(stretches: Sequence[Stretch]) -> tuple[list[Candidate], float]:
-        searched = lambda constant: [
-            _searched(stretches, Kind(form.name, constant, form), starts.get(form.name)) for form in forms
+        every = lambda constant: [
+            searched(stretches, Kind(form.name, constant, form), starts.get(form.name)) for form in forms
         ]
         found = [fitted(stretches, Kind("constant", True))]
         found += [_static(records, stretches)] if driven else []
-        found += [*searched(False), *(searched(True) if level else [])]
+        found += [*every(False), *(every(True) if level else [])]
         if driven and not level and min(found, key=lambda c: c.left).level:
-            found += searched(True)
+            found += every(True)
         return _weighed(stretches, found)
 
     found, n = compared(stretches)
@@ -102,6 +100,8 @@ def choose_linear(records: Sequence[Trace], told: str = "auto", *, modes: int | 
         priced = int(other.edge != 0)
         own = [c._replace(edge=other.edge, numbers=c.numbers + priced) for c in own if c.form in FORMS]
         found = sorted((c._replace(criterion=_plain(c, n)) for c in [*own, *found]), key=lambda c: c.criterion)
+    if base and other is None and "base" in names:
+        found = sorted([*found, *_on_base(records, stretches, found, n)], key=lambda c: c.criterion)
     moved = all(record.order == 0 for record in records)  # a rate has no gain to a steady drive
     allowed = [c for c in found if c.form in names and (moved or c.form != "quasi-static")]
     if modes is not None and modes > 1:
@@ -137,6 +137,20 @@ def _held(
     best = min([one, *held(stretches, one, free, jumping)], key=lambda c: _plain(c, n))
     clear = jumping or best.left < one.left / _GREATER_PART
     return best if best.edge is not None and clear else None
+
+
+def _on_base(
+    records: Sequence[Trace], stretches: Sequence[Stretch], found: Sequence[Candidate], n: float
+) -> list[Candidate]:
+    """The oscillator on a base that the drive moves, if it may be chosen."""
+    springs, driven = [c for c in found if c.form in ("oscillator", "overdamped")], [r for r in records if r.driven]
+    smooth = all(stretch.edge is None for stretch in stretches)
+    if not (springs and driven and smooth) or found[0].left < _GREATER_PART * _least(records, stretches):
+        return []
+    best = searched(stretches, Kind("base", springs[0].level, FORMS["base"]), None)
+    told = all(is_length(record.drive_channel.unit) for record in driven)
+    clear = told or best.left < found[0].left / _GREATER_PART
+    return [best._replace(criterion=_plain(best, n))] if clear else []
 
 
 def _numbers(one: Candidate, modes: int) -> int:
@@ -191,32 +205,12 @@ def _static(records: Sequence[Trace], stretches: Sequence[Stretch]) -> Candidate
     return found._replace(first=frequency, second=ABOVE_THE_DRIVE, gain=gain)
 
 
-def _searched(stretches: Sequence[Stretch], kind: Kind, start: tuple[float, float] | None) -> Candidate:
-    """The best of a kind: over the grid of its form, then by Nelder and Mead from the two best points."""
-    assert kind.form is not None
-    form, grid = kind.form, kind.form.grid(stretches)
-    misfit = lambda x: solve(stretches, kind, np.exp(x))[0]
-    trials = sorted(
-        ((misfit(np.log(point)), tuple(np.log(point))) for point in [*grid, *([start] if start else [])]),
-    )
-    low, high = np.min(grid, axis=0) / _BEYOND, np.max(grid, axis=0) * _BEYOND
-    bounds = np.log([np.maximum(low, form.least), np.minimum(high, form.most)])
-    best = trials[0]
-    for _, x in trials[:2]:
-        steps = np.eye(len(x)) * np.array([0.03, 0.4])[: len(x)]
-        simplex = np.clip(np.vstack([x, np.asarray(x) + steps]), *bounds)
-        options = {"initial_simplex": simplex, "xatol": 1e-5, "fatol": 1e-10, "maxiter": 100}
-        at = optimize.minimize(misfit, simplex[0], method="Nelder-Mead", bounds=bounds.T, options=options)
-        best = min(best, (float(at.fun), tuple(at.x)))
-    return fitted(stretches, kind, form.told(np.exp(np.array(best[1])), stretches))
-
-
 def _weighed(stretches: Sequence[Stretch], found: Sequence[Candidate]) -> tuple[list[Candidate], float]:
     """The candidates with their criterion, best first; and the independent samples in what the best one leaves."""
     best = min(found, key=lambda c: c.left)
     form = FORMS.get(best.form)
     point = None if form is None else form.point(best.first, best.second)
-    rows, targets = rows_of(stretches, Kind(best.form, best.level, form, bool(best.lead)), point)
+    rows, targets = rows_of(stretches, Kind(best.form, best.level, form), point)
     n = independent_samples(solved(rows, targets)[1])
     return sorted((c._replace(criterion=_plain(c, n)) for c in found), key=lambda c: c.criterion), n
 

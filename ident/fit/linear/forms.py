@@ -103,6 +103,19 @@ class Overdamped(_WithSpring):
         return np.array([omega / (2 * math.pi), omega / (seen + slow)])
 
 
+class OnBase(_WithSpring):
+    """z̈ + (ω0/Q) (ż − g u̇) + ω0² (z − g u) = 0: spring and damper stand on a base, which is what the drive moves."""
+
+    name = "base"
+    qualities = (0.15, 0.4, 1.0, 3.0, 12.0, 40.0)
+    least, most = (0.0, 1e-2), (math.inf, 1e4)
+
+    def answer(self, point: np.ndarray, stretch: Stretch, push: np.ndarray) -> np.ndarray:
+        """To the drive of the stretch, the only thing that moves its base."""
+        omega = 2 * math.pi * float(point[0])
+        return super().answer(point, stretch, omega**2 * push + omega / float(point[1]) * stretch.rate)
+
+
 class NoSpring(Form):
     """z̈ + ż/τ = g u + F0: a mass and a damper, which stay where they are left."""
 
@@ -148,4 +161,4 @@ def _drifting_filter(tau: float, step: float, order: int, edge: float | None) ->
     return sampled_filter(ramp, np.array([1.0, -1.0 - decay, decay]), step, order, edge)
 
 
-FORMS: dict[str, Form] = {form.name: form for form in (Underdamped(), Overdamped(), NoSpring())}
+FORMS: dict[str, Form] = {form.name: form for form in (Underdamped(), Overdamped(), OnBase(), NoSpring())}

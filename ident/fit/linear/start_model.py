@@ -28,7 +28,7 @@ def linear_choice(campaign: Campaign) -> LinearChoice | None:
     every = math.ceil(sum(len(record.time) for record in records) / _ENOUGH)
     told = 1 if {*FURTHER} & {*campaign.effects} else campaign.modes
     try:
-        return choose_linear(records[::every], campaign.linear, modes=told)
+        return choose_linear(records[::every], campaign.linear, modes=told, base=not campaign.sweeps)
     except UserError as error:
         raise UserError(error.what, where=_place(campaign), do=error.do) from None
 
