@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from . import devices, driven_far, held, of_structures, on_base
+from . import devices, driven_far, held, of_structures, on_base, ringing
 from .lab import DEVICES, Lab
 
-__all__ = ["DEVICES", "Lab", "devices", "driven_far", "held", "judge", "of_structures", "on_base"]
+__all__ = ["DEVICES", "Lab", "devices", "driven_far", "held", "judge", "of_structures", "on_base", "ringing"]
 
 OFFSETS = frozenset({"sensor-offset", "static-force"})
 """A level, which is in many records and no fault to name."""

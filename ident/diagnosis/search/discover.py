@@ -40,6 +40,7 @@ from ..side_by_side import at_once
 from .change import try_without
 from .constant import with_its_constant
 from .drive import other_drive
+from .further_mode import with_its_mode
 from .lacking import lacking
 from .parts import Parts
 from .prune import Pruned, confirmed, hurts, prune
@@ -108,6 +109,7 @@ def continue_from(
             steps.append(step)
             report(f"added {step.added}: error over noise {step.fit.fitted.error_over_noise:.3g}")
         current, regression = with_its_constant(steps[-1].fit, regression, library, report)
+        current, regression = with_its_mode(current, regression, report)
         steps[-1] = steps[-1]._replace(fit=current)
         if revised and (other := _drive_beside(more, current, regression, report)) is not None:
             return with_drive(other)

@@ -106,15 +106,15 @@ def choose_linear(
     allowed = [c for c in found if c.form in names and (moved or c.form != "quasi-static")]
     if modes is not None and modes > 1:
         allowed = [c for c in allowed if c.form == "oscillator"]
-        if not driven or not allowed:
-            raise UserError(f"modes = {modes} needs time records of an oscillator with their drive", do="remove it")
+        if not allowed:
+            raise UserError(f"modes = {modes} needs time records of an oscillator", do="remove it")
     if not allowed:
         what = 'linear = "quasi-static" needs a drive that was measured, and a displacement that answers it'
         raise UserError(what, do="remove it, and let the records choose")
     chosen = min(allowed, key=lambda c: c.criterion)
     # Two modes together may resemble no single one: whichever form has won, more are looked for.
     alone = [c for c in allowed if c.form == "oscillator"]
-    one = min(alone, key=lambda c: c.criterion) if alone and driven else None
+    one = min(alone, key=lambda c: c.criterion) if alone else None
     most = modes or next((m - 1 for m in range(2, MOST_MODES + 1) if not _room(one, m, n)), MOST_MODES) if one else 0
     more = [] if one is None or most < 2 else _with_modes(records, stretches, one, modes, most)
     rise = lambda c: _priced(c, n) - _priced(chosen, n) if modes is None else _plain(c, n) - _plain(chosen, n)
@@ -179,10 +179,13 @@ def _with_modes(
 ) -> list[Candidate]:
     """The oscillator with two modes, with three, … up to `most`, if the campaign asks for them or records show them:
     what they predict of records that were left out must be the greater part of what one mode leaves, noise included."""
-    if told == 1 or (told is None and _least(records, stretches) > one.left / _GREATER_PART):
+    driven = any(stretch.driven for stretch in stretches)
+    # Of a decay a further line is among what its noise floor is read off.
+    if told == 1 or (told is None and driven and _least(records, stretches) > one.left / _GREATER_PART):
         return []
     found = find_modes(stretches, (one.first, one.second), one.level, told, most)
-    if told is None and found[-1].predicted > min(found[0].predicted, found[-1].alone) / _GREATER_PART:
+    before = min(found[0].predicted, found[-1].alone) if driven else found[0].predicted
+    if told is None and found[-1].predicted > before / _GREATER_PART:
         return []
     return [
         one._replace(left=m.left, numbers=_numbers(one, len(m.modes)), first=m.modes[0].frequency,
