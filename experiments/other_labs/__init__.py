@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
-from . import devices, driven_far, of_structures, on_benches  # the order seeds the devices
+from . import devices, driven_far, held, of_structures, on_base, on_benches, ringing
 from .lab import DEVICES, Lab
 
-__all__ = ["DEVICES", "Lab", "devices", "driven_far", "judge", "of_structures", "on_benches"]
+__all__ = [
+    "DEVICES",
+    "Lab",
+    "devices",
+    "driven_far",
+    "held",
+    "judge",
+    "of_structures",
+    "on_base",
+    "on_benches",
+    "ringing",
+]
 
 OFFSETS = frozenset({"sensor-offset", "static-force"})
 """A level, which is in many records and no fault to name."""

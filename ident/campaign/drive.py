@@ -1,7 +1,8 @@
 """The measured drive between its samples, and its rate of change.
 
-Effects that act on the drive need V and dV/dt at the inner points of the integrator's steps. V goes exactly through its
-samples; dV/dt must not amplify the noise of the drive column.
+Effects that act on the drive need V and dV/dt at the inner points of the integrator's steps. A smooth V goes exactly
+through its samples; dV/dt must not amplify the noise of the drive column. Through a drive that is held, by a converter
+or a switch, no smooth curve goes (`held_drive`).
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from .held_drive import held_drive
 from .period import find_period, fourier_basis, least_squares
 from .record import Trace
 
@@ -63,21 +65,24 @@ def _has_series(period: float) -> bool:
 def half_step_drive(record: Trace, substeps: int = 1) -> tuple[np.ndarray, np.ndarray]:
     """The drive and its derivative on the half-step grid of a Runge-Kutta solver with `substeps` steps per sample.
 
-    V is the not-a-knot cubic spline through the samples. V̇ is the derivative of the drive's Fourier series if it is
-    periodic, otherwise of a smoothing spline that leaves out what the noise of the drive column hides.
+    A smooth V is the not-a-knot cubic spline through the samples; V̇ the derivative of the drive's Fourier series if it
+    is periodic, otherwise of a smoothing spline that leaves out what the noise of the drive column hides. One that is
+    held is that of `held_drive`.
 
     **Returns:** V (2 (n−1) `substeps` + 1,) in V, V̇ of the same shape in V/s.
 
     Source: C. de Boor, A Practical Guide to Splines, 1978, ch. IV; P. H. C. Eilers, "A perfect smoother",
     Anal. Chem. 75 (2003) 3631, doi:10.1021/ac034173t.
     """
-    voltage, slope = _half_steps(_Same(record.drive), substeps, record.period)
+    voltage, slope = _half_steps(_Same(record.drive), substeps, record.period, record.edge)
     return voltage, slope / record.step
 
 
 @lru_cache(maxsize=64)  # as many as `response.lane` keeps
-def _half_steps(drive: _Same, substeps: int, period: float | None) -> tuple[np.ndarray, np.ndarray]:
+def _half_steps(drive: _Same, substeps: int, period: float | None, edge: float | None) -> tuple[np.ndarray, np.ndarray]:
     """The drive and its derivative per sample interval on the half-step grid."""
+    if edge is not None:
+        return held_drive(drive.array, substeps, edge)
     from scipy.interpolate import CubicSpline  # here, because its import costs more than reading a campaign
 
     samples, n = drive.array, len(drive.array)

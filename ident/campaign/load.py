@@ -187,6 +187,8 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         measures=spec.measures,
         masked=masked,
         stuck=stuck,
+        between=spec.between,
+        edge=0.0 if spec.between == "hold" else None,
     )
     return trace, notes
 

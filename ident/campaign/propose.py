@@ -18,6 +18,7 @@ from .added_drive import with_drive
 from .device import Oscillator, Platform
 from .drive import drive_frequency
 from .guess import guess_device, guess_kind, match_any, renamed
+from .held_drive import jumps
 from .load import load_record, read_table
 from .quality.checks import PLATFORM_TRAVEL
 from .record import Record, Sweep, Trace, same_level
@@ -174,6 +175,8 @@ def _record(
         return _Proposal(tuple(lines), None, (*doubts, f"as it stands it cannot be read: {error}"))
     doubts += [note.removeprefix(f"{path.name}: ") for note in notes if not _ANSWERED.search(note)]
     if isinstance(record, Trace):
+        if isinstance(device, Oscillator) and jumps(record.drive):
+            doubts.append('the drive jumps; where between two samples a fit tells, or between = "hold": at the first')
         start, why = _start(record)
         lines.append(f'start = "{start}"' + " " * max(1, 24 - len(start)) + f"# {why}")
     else:

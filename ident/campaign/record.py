@@ -13,6 +13,7 @@ import numpy as np
 
 Start = Literal["rest", "steady", "unknown"]
 Measures = Literal["displacement", "velocity", "acceleration"]
+Between = Literal["auto", "smooth", "hold"]
 MEASURES: tuple[Measures, ...] = ("displacement", "velocity", "acceleration")
 """What a sensor reads, in the order of the derivatives of the displacement."""
 
@@ -68,6 +69,8 @@ class Trace:
       `stiffer`: the share by which the device's own spring is so here, where they differ in that.
     - `stuck`: share of the samples that stick to a limit; others that say nothing are missing.
     - `measures`: what the response is; m stands for m/s or m/s² where it is no displacement.
+    - `between`: what the campaign says of the drive between its samples; `edge`: None if it is a smooth curve, else it
+      is held, and the value of a sample begins so many sampling intervals after it.
     - `excerpt`: a stretch of a longer record, cut out to compare models on it; no estimate is reported from it.
     """
 
@@ -90,6 +93,8 @@ class Trace:
     stuck: float = 0.0
     rescaled: float = 1.0
     stiffer: float = 0.0
+    between: Between = "auto"
+    edge: float | None = None
 
     @property
     def differs(self) -> bool:

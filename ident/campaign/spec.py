@@ -6,14 +6,14 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 from ident.errors import UserError
 from ident.units import FREQUENCY, LENGTH, MASS, TIME, VOLTAGE, Dimension, find_unit, parse_quantity, to_si
 
 from .device import Device, Oscillator
 from .document import Section, shown
-from .record import MEASURES, Measures
+from .record import MEASURES, Between, Measures
 from .scale import Scale, parse_scale
 from .tables.amplitude_unit import TO_PEAK, is_amplitude_unit, split_convention
 from .tables.opening import check_file, exists
@@ -56,6 +56,7 @@ class RecordSpec:
     segment: int | None = None
     undriven: bool = False
     measures: Measures = "displacement"
+    between: Between = "auto"
     scale: Mapping[str, Scale] = field(default_factory=dict)
     table: Table | None = None
 
@@ -129,6 +130,7 @@ def parse_record(section: Section, folder: Path, device: Device, usual: Measures
         segment=_segment(section),
         undriven=undriven,
         measures=measures,  # type: ignore[arg-type]
+        between=section.choice("between", get_args(Between), "auto"),  # type: ignore[arg-type]
         scale=_scale(
             section, {"drive": (drive_unit, drive_dimension), "response": (response_unit, response_dimension)}
         ),
@@ -143,7 +145,9 @@ def parse_record(section: Section, folder: Path, device: Device, usual: Measures
                 key, "belongs to a sweep, and this record is a trace", 'remove it, or write kind = "sweep"'
             )
     for key in (
-        ("start", "skip", "rate", "drive", "drive_file", "measures", "scale", "segment") if kind == "sweep" else ()
+        ("start", "skip", "rate", "drive", "drive_file", "measures", "between", "scale", "segment")
+        if kind == "sweep"
+        else ()
     ):
         if key in section.values:
             raise section.error(

@@ -21,7 +21,7 @@ from .curves import lay_curves
 from .finish import Minimum, finish
 from .fit_starts import fit_starts
 from .linear.guess import LinearGuess
-from .linear.one_tone import gain_of, hold_dragged, hold_gain, hold_quality
+from .linear.one_tone import hold_dragged, hold_gain, hold_quality, with_quality
 from .on_orbits import on_orbits
 from .problem import Data, Evaluation, Static, Unknowns, evaluate
 from .race import cost_of, race
@@ -71,7 +71,7 @@ def fit(
     """
     if not campaign.fitted_sweeps:  # a curve tells gain and quality, whatever the traces do
         model = hold_quality(hold_gain(model, campaign.fitted), campaign.fitted)
-    all_else = replace(model, undetermined=model.undetermined & {gain_of(model)})
+    all_else = with_quality(model)
     search = partial(minimise, robust=robust, most=most, until=until)
     found = search(model, campaign, starts=starts, seed=seed, initial=initial, begun=begun, report=report)
     if model.undetermined != all_else.undetermined and found.error > _AT_THE_FLOOR:

@@ -16,7 +16,7 @@ from ..model import Model, make_effect
 from ..threads import one_thread
 from .fit import fit
 from .floors import sharpened
-from .linear.start_model import start_model
+from .linear.start_model import start_model, with_drives
 from .result import Fit, SigmaChoice
 
 Effects = Model | Sequence[str | type[AbstractEffect]] | str | None
@@ -51,7 +51,7 @@ def fit_data(
     **Raises:** UserError for data, effects or settings that cannot be used.
     """
     until = time.monotonic() + seconds
-    campaign = read_campaign(data, **told)
+    campaign = with_drives(read_campaign(data, **told))
     model = model_for(campaign, effects, report)
     fitted = partial(
         fit, model, sigma=sigma, robust=robust, starts=starts, seed=seed, initial=initial, report=report, until=until

@@ -18,6 +18,7 @@ from ..threads import one_thread
 from .change_values import changed_values
 from .fit_data import Effects, model_for
 from .linear.guess import data_scales, guess_linear
+from .linear.start_model import with_drives
 from .reading import read
 from .result import Fit
 from .starts import base_values
@@ -81,7 +82,7 @@ def simulate(
     if isinstance(data, Fit):
         state = data.model, data.campaign, data.values
     else:
-        campaign = read_campaign(data, **told)
+        campaign = with_drives(read_campaign(data, **told))
         state = start_state(campaign, model_for(campaign, effects, report))
     return simulate_state(state, values or {}, records, report)
 

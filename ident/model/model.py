@@ -15,7 +15,7 @@ from .parameters import ModelParameter
 ABOVE_THE_DRIVE = 15.0
 """Times the drive's band lies the resonance that stands for none in a quasi-static model: there inertia changes the
 answer by 1/15², and at a quality of as much damping shifts it by less."""
-_LEAST_QUALITY = {"oscillator": 0.5, "overdamped": 1e-4}
+_LEAST_QUALITY = {"oscillator": 0.5, "overdamped": 1e-4, "base": 1e-2}
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,8 @@ class Model:
     - `held`: full names of parameters that a fit must not move; `freed`: of those that it must; `undetermined`: of
       those that a fit holds because its records do not determine them.
     - `form` of the linear part: "oscillator"; "overdamped", the same without a least quality factor; "no-spring",
-      whose second parameter is the decay time of a velocity, and whose first only sets the scale of time;
+      whose second parameter is the decay time of a velocity, and whose first only sets the scale of time; "base", an
+      oscillator whose spring and damper stand on what the drive moves;
       "quasi-static", an oscillator so far above the drive's band that its inertia does nothing there, both held.
     """
 
@@ -92,7 +93,12 @@ class Model:
     @property
     def key(self) -> tuple[Any, ...]:
         """What decides the compiled code."""
-        return (self.form == "no-spring", tuple(effect.key for effect in self.effects))
+        return (self.kind, tuple(effect.key for effect in self.effects))
+
+    @property
+    def kind(self) -> str:
+        """The form as far as it decides the equation of motion."""
+        return self.form if self.form in ("no-spring", "base") else ""
 
     @property
     def parameters(self) -> tuple[ModelParameter, ...]:
@@ -100,8 +106,9 @@ class Model:
         linear = self.linear
         own = [
             *self._times(),
-            ModelParameter(f"{linear.prefix}.{linear.gain_name}", linear.gain_unit, 1e-12, False, kind="linear",
-                           doc="drive gain", expected=linear.expected_gain),
+            ModelParameter(f"{linear.prefix}.{linear.gain_name}", "m/V" if self.form == "base" else linear.gain_unit,
+                           1e-12, False, kind="linear", expected=linear.expected_gain,
+                           doc="travel of the base per unit of the drive" if self.form == "base" else "drive gain"),
         ]  # fmt: skip
         for effect in self.effects:
             own += [

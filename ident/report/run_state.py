@@ -72,8 +72,8 @@ def state(fit: Fit) -> dict[str, Any]:
         "substeps": [span.substeps for span in fit.solved.data.tape.spans],
         # An estimate, and with sigma = "fitted" a result: another version might find another.
         "noise": [asdict(record.noise) for record in fit.campaign.records],
-        # What differs between records, if something does: estimates too.
-        "differing": [[trace.rescaled, trace.stiffer] for trace in fit.campaign.traces],
+        # What of a trace was estimated: how it differs from the others, and where a drive that is held changes.
+        "traces": [[trace.rescaled, trace.stiffer, trace.edge] for trace in fit.campaign.traces],
     }
 
 
@@ -98,11 +98,12 @@ def restore_campaign(document: dict[str, Any], folder: Path) -> Campaign:
     campaign = replace(campaign, effect_files=(*campaign.effect_files, *added))
     floors = [NoiseFloor(**{**floor, "ar": tuple(floor["ar"])}) for floor in kept["noise"]]
     records = [replace(record, noise=noise) for record, noise in zip(campaign.records, floors, strict=True)]
-    differing = iter(kept.get("differing", ()))
+    own = iter(kept.get("traces", ()))
     for i, record in enumerate(records):
-        if isinstance(record, Trace) and (own := next(differing, None)) is not None:
-            times, stiffer = own
-            records[i] = replace(record, response=record.response * times, rescaled=times, stiffer=stiffer)
+        if isinstance(record, Trace) and (told := next(own, None)) is not None:
+            times, stiffer, edge = told
+            response = record.response * times
+            records[i] = replace(record, response=response, rescaled=times, stiffer=stiffer, edge=edge)
     return replace(campaign, records=tuple(records))
 
 

@@ -13,6 +13,8 @@ from ..model import ABOVE_THE_DRIVE, Model
 from .lane import lane_of
 from .tape import Tape, lay
 
+_EDGES = 0.3  # of the noise: so much may the edges of a held drive change a response
+
 
 def lay_out(records: Sequence[Trace], frequency: float, quality: float, model: Model) -> Tape:
     """Records on a tape, with a solver step small enough for their noise floors and for the sharpest effect.
@@ -41,6 +43,7 @@ def steps_of(record: Trace, frequency: float, quality: float, finest: int, form:
     (With σ/10 instead of σ/(10 √n) 400 simulated campaigns returned frequencies 0.18 error bars too high.)
     In an excerpt no frequency is reported: σ/10 is fine, and so is half of the steps that sharp effects need.
     An overdamped motion has a decay of rate ω/Q, of which a step may hold two times: it has no bound beyond 2.8.
+    The edges of a drive that is held are a filter 1 − (ωh)²/12, of which a gain takes up the greater part.
     Of a resonance that stands for none, far above what is driven, nothing is asked: its steps need a bound only.
     """
     signal = float(np.std(record.response)) or 1.0
@@ -53,6 +56,8 @@ def steps_of(record: Trace, frequency: float, quality: float, finest: int, form:
     if finest:
         largest = min(largest, 2 * math.pi / finest * slower * (2 if record.excerpt else 1))
     omega = 2 * math.pi * frequency
+    if record.edge is not None:
+        largest = min(largest, math.sqrt(12 * _EDGES * min(record.noise.sigma / signal, 0.1)) * slower)
     if quality < 0.5:
         largest = min(largest, 2.0 * quality)
     return int(np.clip(math.ceil(omega * record.step / largest - 0.05), 1, 32))

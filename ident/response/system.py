@@ -42,7 +42,7 @@ class Equation:
     def fingerprint(self) -> str | None:
         """The same for other processes; None if an effect has no file that could tell whether it changed."""
         told = [effect.fingerprint for effect in self.model.effects]
-        return None if None in told else repr((self.model.form == "no-spring", told))
+        return None if None in told else repr((self.model.kind, told))
 
     @cached_property
     def constants(self) -> np.ndarray:
@@ -107,6 +107,7 @@ class System(NamedTuple):
     moving: Any = 0.0
     order: Any = 0.0
     share: Any = 1.0  # of what the actuator gives, that acts on the stage; of the drive, that the sensor sees past it
+    base: Any = None  # travel of the base that carries spring and damper, per unit of the drive; None if that pushes
 
     def drive(self, voltage: Any, rate: Any) -> Drive:
         """The drive as the effects see it."""
@@ -120,6 +121,18 @@ class System(NamedTuple):
         past = effect.overrides("sensor") and not effect.overrides("force")
         return self.drive(self.share * voltage, self.share * rate) if past else self.drive(voltage, rate)
 
+    def apart(self, z: Any, v: Any, voltage: Any, rate: Any) -> tuple[Any, Any]:
+        """Displacement and velocity of the stage against what carries it: spring, damper and forces act by these."""
+        return (z, v) if self.base is None else (z - self.base * voltage, v - self.base * rate)
+
+    def seen_by(self, effect: AbstractEffect, z: Any, v: Any, voltage: Any, rate: Any) -> tuple[Any, Any]:
+        """Displacement and velocity as an effect sees them: a sensor stands beside the device."""
+        return self.apart(z, v, voltage, rate) if effect.overrides("force") else (z, v)
+
+    def push(self, voltage: Any) -> Any:
+        """Force of the drive itself."""
+        return self.gain * voltage if self.base is None else 0.0 * voltage
+
     def at(self, block: Block) -> System:
         """The same in a block of a record."""
         mass, stiffness = self.mass + block.load, self.stiffness * (1 + block.stiffer)
@@ -129,22 +142,26 @@ class System(NamedTuple):
     def numbers(self) -> Any:
         """Its numbers alone, a tree of arrays."""
         own = tuple((dict(effect.values), effect.prepared) for effect in self.effects)
-        return (self.mass, self.damping, self.stiffness, self.gain, own)
+        return (self.mass, self.damping, self.stiffness, self.gain, own, self.base)
 
     def with_numbers(self, numbers: Any) -> System:
         """The same with other numbers, as `numbers` gives them."""
-        mass, damping, stiffness, gain, own = numbers
+        mass, damping, stiffness, gain, own, base = numbers
         effects: dict[str, AbstractEffect] = {}
         for effect, (values, prepared) in zip(self.effects, own, strict=True):
             effects[effect.name] = effect.carrying(values, prepared)
         joined = (e.accompanied(effects[e.needs]) if e.needs else e for e in effects.values())
-        return System(tuple(joined), mass, damping, stiffness, gain, self.omega, self.moving, self.order, self.share)
+        return self._replace(
+            effects=tuple(joined), mass=mass, damping=damping, stiffness=stiffness, gain=gain, base=base
+        )
 
 
 def assemble(equation: Equation, constants: Numbers, values: Numbers) -> System:
     """Bind parameter values, (m,) SI, to the equation of motion; `constants` as the equation's own."""
     (frequency, quality, gain), effects = equation.model.bind(values)
     stiffness, damping = equation.model.spring_and_damper(frequency, quality, constants[0])
+    if equation.model.form == "base":
+        return System(effects, constants[0], damping, stiffness, stiffness * gain, base=gain)
     return System(effects, constants[0], damping, stiffness, constants[1] * gain)
 
 
@@ -165,12 +182,14 @@ def derivative(
     """(ż, v̇, hidden rates) of the state `y` at `at` = (V, V̇, t), and the remembered force if there is one."""
     voltage, rate, t, *remembered = at
     z, v, *hidden = y
-    given, force, rates = sum(remembered, system.gain * voltage), -system.damping * v - system.stiffness * z, []
+    apart, pace = system.apart(z, v, voltage, rate)
+    given, force, rates = sum(remembered, system.push(voltage)), -system.damping * pace - system.stiffness * apart, []
     for effect, own in zip(system.effects, parts, strict=True):
         if own is None:
             continue
         memory = tuple(hidden[own])
-        state, drive = State(z, v, memory), system.drive_of(effect, voltage, rate)
+        state = State(*system.seen_by(effect, z, v, voltage, rate), memory)
+        drive = system.drive_of(effect, voltage, rate)
         if effect.overrides("force"):
             force = force + effect.force(state, drive, t)
         if effect.overrides("drive"):

@@ -63,6 +63,6 @@ def test_a_walk_goes_on_beside_what_differs():
     assert [step.added for step in found.discovery.steps] == ["quadratic-damping"]
     assert found.verdict == "ambiguous" and found.final.fitted.error_over_noise == pytest.approx(1.0, abs=0.05)
     assert any("a resonance of its own" in note for note in found.final.campaign.notes)
-    kept = state(found.final)["differing"]
-    assert kept == [[1.0, trace.stiffer] for trace in found.final.campaign.traces]
+    kept = state(found.final)["traces"]
+    assert kept == [[1.0, trace.stiffer, None] for trace in found.final.campaign.traces]
     assert all(trace.differs for trace in found.final.campaign.traces)

@@ -196,8 +196,9 @@ def _memories(
                 ends.append(h)
                 found.append(path)
                 continue
-            seen = Seen(motion.z[k], motion.v[k], chunk.voltage[k], chunk.rate[k], block.times(points, 0.5),
-                        block.step, block.omega, here.gain, block.moving)  # fmt: skip
+            drive = chunk.voltage[k], chunk.rate[k]
+            moved = here.seen_by(effect, motion.z[k], motion.v[k], *drive)
+            seen = Seen(*moved, *drive, block.times(points, 0.5), block.step, block.omega, here.gain, block.moving)
             fresh = jnp.stack([jnp.asarray(x, float) for x in effect.begun(seen.first)])
             fresh = fresh + pasts[k, part.start - 2 : part.stop - 2]
             end, along = memory_along(effect, tuple(jnp.where(chunk.first[k] > 0, fresh, h)), seen)
@@ -227,8 +228,8 @@ def _at_points(function: Any, system: System, motion: Motion, paths: tuple, chun
 
 def _force(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any) -> Any:
     """Total force on the stage."""
-    drive = system.drive(u, r)
-    force = system.gain * u - system.damping * v - system.stiffness * z
+    drive, (z, v) = system.drive(u, r), system.apart(z, v, u, r)
+    force = system.push(u) - system.damping * v - system.stiffness * z
     for effect, h in zip(system.effects, hidden, strict=True):
         if effect.overrides("force"):
             force = force + effect.force(State(z, v, tuple(h)), drive, t)

@@ -14,7 +14,7 @@ from ...effects.effect import AbstractEffect
 from ...fit import Fit, fit
 from ...fit.fit import minimise
 from ...fit.linear.guess import DataScales
-from ...fit.linear.one_tone import gain_of
+from ...fit.linear.one_tone import with_quality
 from ...fit.rebuild import fit_at
 from ...model import QUALITY, Model, make_effect
 from ..linearised.regression import Regression
@@ -133,7 +133,7 @@ def with_effect(before: Fit, effect: type[AbstractEffect]) -> Model:
     A quality factor that had to be held, for a steady sine does not determine it, is free beside the effect, as it is
     in the scores: a wrong one would make another effect of it.
     """
-    free = replace(before.model, undetermined=before.model.undetermined & {gain_of(before.model)})
+    free = with_quality(before.model)
     return free + make_effect(before.campaign, effect.name, {effect.name: effect})
 
 

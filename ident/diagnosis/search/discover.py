@@ -39,6 +39,8 @@ from ..ranking.score import Candidate, kept_more_than_chance, score, significant
 from ..side_by_side import at_once
 from .change import try_without
 from .constant import with_its_constant
+from .drive import other_drive
+from .further_mode import with_its_mode
 from .lacking import lacking
 from .parts import Parts
 from .prune import Pruned, confirmed, hurts, prune
@@ -51,6 +53,7 @@ Keep = Callable[[Walked], None]
 """Called with the walk so far after each of its steps, so that one that is stopped has left them."""
 
 MOST_TERMS = 6
+_DRIVES = 3  # that a walk goes on to, one of them before any effect, after the one that the start model chose
 _SHORTLIST = 3  # refits to excerpts, of which those on all samples decide
 _REFITTED_TIES = 12  # of the names that tie by their scores; a record that says little leaves more than that
 
@@ -71,13 +74,24 @@ def continue_from(
     most: int = MOST_TERMS,
     keep: Keep = lambda _: None,
     look: Look | None = None,
+    revised: int = _DRIVES,
 ) -> Discovery:
-    """The loop from a fit, or from where it was stopped; `look`: at the first fit, if somebody had one already."""
+    """The loop from a fit, or from where it was stopped; `look`: at the first fit, if somebody had one already;
+    `revised`: how often it may still begin again with another drive between the samples."""
     start = walked.start
     look = look or first_look(start, library, report)
     first, at_best, gains = look.first, look.regression, dict(walked.gains)
     ranking = tuple(look.candidates) if look.worth_it else ()
     steps, look = _gone_before(walked, look)
+
+    def with_drive(campaign: Campaign) -> Discovery:
+        again = Walked(fit(start.model, campaign, initial=start.values))
+        return continue_from(again, library, report, most, keep, revised=revised - 1)
+
+    if revised == _DRIVES and not steps and look.worth_it and look.real:
+        rival = max(promised(c, look.regression) for c in look.real)
+        if (other := other_drive(start, look.regression, report, rival)) is not None:
+            return with_drive(other)
     current = steps[-1].fit if steps else start
     while look.worth_it and look.real and len(steps) < most:
         alone = not_worth_adding(look.regression, max(promised(c, look.regression) for c in look.real), first)
@@ -95,7 +109,10 @@ def continue_from(
             steps.append(step)
             report(f"added {step.added}: error over noise {step.fit.fitted.error_over_noise:.3g}")
         current, regression = with_its_constant(steps[-1].fit, regression, library, report)
+        current, regression = with_its_mode(current, regression, report)
         steps[-1] = steps[-1]._replace(fit=current)
+        if revised and (other := _drive_beside(more, current, regression, report)) is not None:
+            return with_drive(other)
         look = Look(regression, first, library, report)
         keep(Walked(start, tuple(steps), gains))
     regression, candidates = look.regression, look.candidates
@@ -118,6 +135,20 @@ def continue_from(
     lacks = lacking(_after_effects(steps, regression), first, report) if steps else 0.0
     verdict = _verdict(steps, regression, first, lacks, contradicted(steps[-1].fit if steps else start))
     return Discovery(verdict, start, tuple(steps), ranking, gains, remaining, regression, lacks)
+
+
+def _drive_beside(more: list[Step], current: Fit, regression: Regression, report: Report) -> Campaign | None:
+    """The campaign with another drive between the samples, if the records ask for it beside what was added; beside the
+    first of two, too, for the second may be its lag."""
+    if len(more) > 1:
+        try:
+            first = more[0].fit
+            other = other_drive(first, prepare(working(first)), report)
+        except Diverged:
+            other = None
+        if other is not None:
+            return other
+    return other_drive(current, regression, report)
 
 
 def _starts_say_more(before: Fit, after: Fit) -> bool:

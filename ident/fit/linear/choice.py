@@ -16,59 +16,29 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, get_args
-
-import numpy as np
-from scipy import optimize
+from typing import Literal, get_args
 
 from ...campaign.campaign import MOST_MODES
+from ...campaign.held_drive import jumps
 from ...campaign.record import Trace
 from ...errors import UserError
 from ...model import ABOVE_THE_DRIVE
-from .forms import FORMS, Form
+from .candidate import Candidate
+from .drives import held, is_length, with_edge
+from .forms import FORMS
 from .guess import guess_linear
 from .independent import independent_samples
-from .modes import Mode, find_modes, solved
+from .modes import find_modes, solved
+from .rows import Kind, fitted, rows_of, searched
 from .stretches import Stretch, highest_content, stretch_of
 
-FormName = Literal["oscillator", "overdamped", "no-spring", "quasi-static"]
+FormName = Literal["oscillator", "overdamped", "base", "no-spring", "quasi-static"]
 Told = Literal["auto", "oscillator", "no-spring", "quasi-static"]
-LEVELS = {"oscillator": "sensor-offset", "overdamped": "sensor-offset", "no-spring": "static-force",
-          "quasi-static": "sensor-offset"}  # fmt: skip
+LEVELS = {"oscillator": "sensor-offset", "overdamped": "sensor-offset", "base": "sensor-offset",
+          "no-spring": "static-force", "quasi-static": "sensor-offset"}  # fmt: skip
 """The effect that a constant is, beside each form: without a spring it is a force, for a level is where it starts."""
 _FEWEST = 20.0  # independent samples in what is left: a single line has four, which buy nothing
 _GREATER_PART = math.sqrt(2.0)  # half of the power
-_BEYOND = 8.0  # times the range of the grid: so far the search may go
-
-
-class Candidate(NamedTuple):
-    """One linear model.
-
-    **Arguments:** `form`: its name, also "constant" and "quasi-static"; `level`: whether with a constant; `left`: rms
-    of what it leaves over that of the signal; `numbers`: how many are fitted beside the initial states; `criterion`;
-    `first`, `second`: frequency (Hz) and quality, or a time scale (Hz) and the decay time (s) without a spring; `gain`
-    ((m/s²)/V) and `constant` (SI, of the effect in `LEVELS`); `further` modes of an oscillator.
-    """
-
-    form: str
-    level: bool
-    left: float
-    numbers: int
-    criterion: float = math.inf
-    first: float = math.nan
-    second: float = math.nan
-    gain: float = 0.0
-    constant: float = 0.0
-    further: tuple[Mode, ...] = ()
-
-    @property
-    def words(self) -> str:
-        """What it is, for a table."""
-        names = {"constant": "a constant", "quasi-static": "gain and offset, no inertia", "overdamped":
-                 "oscillator, overdamped", "no-spring": "mass and damper, no spring"}  # fmt: skip
-        level = {"constant": "", "quasi-static": "", "no-spring": ", constant force"}.get(self.form, ", offset")
-        modes = f", {1 + len(self.further)} modes" if self.further else ""
-        return names.get(self.form, self.form) + modes + (level if self.level else "")
 
 
 @dataclass(frozen=True)
@@ -85,7 +55,9 @@ class LinearChoice:
         return next((c for c in self.candidates if c.form == "quasi-static"), None)
 
 
-def choose_linear(records: Sequence[Trace], told: str = "auto", *, modes: int | None = None) -> LinearChoice:
+def choose_linear(
+    records: Sequence[Trace], told: str = "auto", *, modes: int | None = None, base: bool = True
+) -> LinearChoice:
     """The linear model with which to start on these records.
 
     Where a record starts from rest the first sample says where the zero is: a constant is then looked for only if gain
@@ -93,39 +65,56 @@ def choose_linear(records: Sequence[Trace], told: str = "auto", *, modes: int | 
     counted from where they come to rest.
 
     **Arguments:** `told`: "auto", or the form that the campaign asks for; `modes`: how many an oscillator has, None if
-    the records decide.
+    the records decide; `base`: whether it may stand on what the drive moves.
     """
-    stretches = [stretch_of(record) for record in records]
+    free = [record.between == "auto" and record.driven for record in records]
+    stretches = with_edge([stretch_of(record) for record in records], free, None)
     driven = any(stretch.driven for stretch in stretches)
     level = driven and all(record.start != "rest" for record in records)
-    found = [_of(stretches, "constant", True, None, None)]
-    found += [_static(records, stretches)] if driven else []
     guess = guess_linear(records) if told not in ("no-spring", "quasi-static") else None
     names = [
         name
         for name in get_args(FormName)
         if told == "auto" or told in (name, FORMS[name].family if name in FORMS else name)
     ]
-    forms = [FORMS[name] for name in names if name in FORMS and (driven or name != "no-spring")]
+    forms = [FORMS[name] for name in names if name in FORMS and name != "base" and (driven or name != "no-spring")]
     starts = {} if guess is None else {"oscillator": (guess.frequency, guess.quality)}
-    searched = lambda constant: [_searched(stretches, form, constant, starts.get(form.name)) for form in forms]
-    found += [*searched(False), *(searched(True) if level else [])]
-    if driven and not level and min(found, key=lambda c: c.left).level:
-        found += searched(True)
-    found, n = _weighed(stretches, found)
+
+    def compared(stretches: Sequence[Stretch]) -> tuple[list[Candidate], float]:
+        every = lambda constant: [
+            searched(stretches, Kind(form.name, constant, form), starts.get(form.name)) for form in forms
+        ]
+        found = [fitted(stretches, Kind("constant", True))]
+        found += [_static(records, stretches)] if driven else []
+        found += [*every(False), *(every(True) if level else [])]
+        if driven and not level and min(found, key=lambda c: c.left).level:
+            found += every(True)
+        return _weighed(stretches, found)
+
+    found, n = compared(stretches)
+    other = _held(records, stretches, free, found, n)
+    if other is not None:
+        stretches = with_edge(stretches, free, other.edge)
+        starts = {"oscillator": (other.first, other.second)} if other.form == "oscillator" else {}
+        own, n = compared(stretches)
+        priced = int(other.edge != 0)
+        own = [c._replace(edge=other.edge, numbers=c.numbers + priced) for c in own if c.form in FORMS]
+        found = sorted((c._replace(criterion=_plain(c, n)) for c in [*own, *found]), key=lambda c: c.criterion)
+    if base and other is None and "base" in names:
+        found = sorted([*found, *_on_base(records, stretches, found, n)], key=lambda c: c.criterion)
     moved = all(record.order == 0 for record in records)  # a rate has no gain to a steady drive
     allowed = [c for c in found if c.form in names and (moved or c.form != "quasi-static")]
     if modes is not None and modes > 1:
         allowed = [c for c in allowed if c.form == "oscillator"]
-        if not driven or not allowed:
-            raise UserError(f"modes = {modes} needs time records of an oscillator with their drive", do="remove it")
+        if not allowed:
+            raise UserError(f"modes = {modes} needs time records of an oscillator", do="remove it")
     if not allowed:
         what = 'linear = "quasi-static" needs a drive that was measured, and a displacement that answers it'
         raise UserError(what, do="remove it, and let the records choose")
     chosen = min(allowed, key=lambda c: c.criterion)
     # Two modes together may resemble no single one: whichever form has won, more are looked for.
     alone = [c for c in allowed if c.form == "oscillator"]
-    one = min(alone, key=lambda c: c.criterion) if alone and driven else None
+    one = min(alone, key=lambda c: c.criterion) if alone else None
     most = modes or next((m - 1 for m in range(2, MOST_MODES + 1) if not _room(one, m, n)), MOST_MODES) if one else 0
     more = [] if one is None or most < 2 else _with_modes(records, stretches, one, modes, most)
     rise = lambda c: _priced(c, n) - _priced(chosen, n) if modes is None else _plain(c, n) - _plain(chosen, n)
@@ -135,6 +124,33 @@ def choose_linear(records: Sequence[Trace], told: str = "auto", *, modes: int | 
     elif more:
         chosen = min([chosen, *more], key=lambda c: c.criterion)
     return LinearChoice(tuple(sorted([*found, *more], key=lambda c: c.criterion)), chosen, told)
+
+
+def _held(
+    records: Sequence[Trace], stretches: Sequence[Stretch], free: Sequence[bool], found: Sequence[Candidate], n: float
+) -> Candidate | None:
+    """The best candidate with drives that are held, if the records choose one; `free`: whose drives they may be."""
+    one = next((c for c in found if c.form in FORMS), None)
+    if one is None or not any(free) or one.left < _GREATER_PART * _least(records, stretches):
+        return None
+    jumping = any(jumps(record.drive) for record, own in zip(records, free, strict=True) if own)
+    best = min([one, *held(stretches, one, free, jumping)], key=lambda c: _plain(c, n))
+    clear = jumping or best.left < one.left / _GREATER_PART
+    return best if best.edge is not None and clear else None
+
+
+def _on_base(
+    records: Sequence[Trace], stretches: Sequence[Stretch], found: Sequence[Candidate], n: float
+) -> list[Candidate]:
+    """The oscillator on a base that the drive moves, if it may be chosen."""
+    springs, driven = [c for c in found if c.form in ("oscillator", "overdamped")], [r for r in records if r.driven]
+    smooth = all(stretch.edge is None for stretch in stretches)
+    if not (springs and driven and smooth) or found[0].left < _GREATER_PART * _least(records, stretches):
+        return []
+    best = searched(stretches, Kind("base", springs[0].level, FORMS["base"]), None)
+    told = all(is_length(record.drive_channel.unit) for record in driven)
+    clear = told or best.left < found[0].left / _GREATER_PART
+    return [best._replace(criterion=_plain(best, n))] if clear else []
 
 
 def _numbers(one: Candidate, modes: int) -> int:
@@ -163,12 +179,13 @@ def _with_modes(
 ) -> list[Candidate]:
     """The oscillator with two modes, with three, … up to `most`, if the campaign asks for them or records show them:
     what they predict of records that were left out must be the greater part of what one mode leaves, noise included."""
-    noise = sum((r.noise.sigma / p.size) ** 2 * len(p.response) for r, p in zip(records, stretches, strict=True))
-    least = math.sqrt(noise / sum(stretch.power for stretch in stretches))
-    if told == 1 or (told is None and least > one.left / _GREATER_PART):
+    driven = any(stretch.driven for stretch in stretches)
+    # Of a decay a further line is among what its noise floor is read off.
+    if told == 1 or (told is None and driven and _least(records, stretches) > one.left / _GREATER_PART):
         return []
     found = find_modes(stretches, (one.first, one.second), one.level, told, most)
-    if told is None and found[-1].predicted > min(found[0].predicted, found[-1].alone) / _GREATER_PART:
+    before = min(found[0].predicted, found[-1].alone) if driven else found[0].predicted
+    if told is None and found[-1].predicted > before / _GREATER_PART:
         return []
     return [
         one._replace(left=m.left, numbers=_numbers(one, len(m.modes)), first=m.modes[0].frequency,
@@ -177,76 +194,18 @@ def _with_modes(
     ]  # fmt: skip
 
 
+def _least(records: Sequence[Trace], stretches: Sequence[Stretch]) -> float:
+    """rms of the noise over that of the signal."""
+    noise = sum((r.noise.sigma / p.size) ** 2 * len(p.response) for r, p in zip(records, stretches, strict=True))
+    return math.sqrt(noise / sum(stretch.power for stretch in stretches))
+
+
 def _static(records: Sequence[Trace], stretches: Sequence[Stretch]) -> Candidate:
     """Gain and offset, as an oscillator far above the band of the drives."""
-    found = _of(stretches, "quasi-static", True, None, None)
+    found = fitted(stretches, Kind("quasi-static", True))
     frequency = ABOVE_THE_DRIVE * max(highest_content(record.drive, record.step) for record in records if record.driven)
     gain = found.gain * (2 * math.pi * frequency) ** 2
     return found._replace(first=frequency, second=ABOVE_THE_DRIVE, gain=gain)
-
-
-def _searched(stretches: Sequence[Stretch], form: Form, level: bool, start: tuple[float, float] | None) -> Candidate:
-    """The best of a form: over its grid, then by Nelder and Mead from the two best points."""
-    grid = form.grid(stretches)
-    misfit = lambda x: _solve(stretches, form, level, np.exp(x))[0]
-    trials = sorted(
-        ((misfit(np.log(point)), tuple(np.log(point))) for point in [*grid, *([start] if start else [])]),
-    )
-    low, high = np.min(grid, axis=0) / _BEYOND, np.max(grid, axis=0) * _BEYOND
-    bounds = np.log([np.maximum(low, form.least), np.minimum(high, form.most)])
-    best = trials[0]
-    for _, x in trials[:2]:
-        steps = np.eye(len(x)) * np.array([0.03, 0.4])[: len(x)]
-        simplex = np.clip(np.vstack([x, np.asarray(x) + steps]), *bounds)
-        options = {"initial_simplex": simplex, "xatol": 1e-5, "fatol": 1e-10, "maxiter": 100}
-        at = optimize.minimize(misfit, simplex[0], method="Nelder-Mead", bounds=bounds.T, options=options)
-        best = min(best, (float(at.fun), tuple(at.x)))
-    return _of(stretches, form.name, level, form, form.told(np.exp(np.array(best[1])), stretches))
-
-
-def _of(stretches: Sequence[Stretch], name: str, level: bool, form: Form | None, point: np.ndarray | None) -> Candidate:
-    left, solved = _solve(stretches, form, level, point, name)
-    drive = 0 if name == "constant" or not any(stretch.driven for stretch in stretches) else 1
-    numbers = drive + level + (0 if point is None else len(point))
-    gain = float(solved[0]) if drive else 0.0
-    constant = float(solved[drive]) if level else 0.0
-    if point is None or form is None:
-        return Candidate(name, level, left, numbers, gain=gain, constant=constant)
-    first, second = form.parameters(point, stretches)
-    return Candidate(name, level, left, numbers, math.inf, first, second, gain, constant)
-
-
-def _solve(
-    stretches: Sequence[Stretch], form: Form | None, level: bool, point: np.ndarray | None, name: str = ""
-) -> tuple[float, np.ndarray]:
-    """(rms left over rms of the signal, gain and constant)."""
-    rows, targets = _rows(stretches, form, level, point, name)
-    if not math.isfinite(float(np.linalg.norm(rows))):
-        return 1e9, np.zeros(rows.shape[1])
-    found, rest = solved(rows, targets)
-    return math.sqrt(float(rest @ rest) / sum(stretch.power for stretch in stretches)), found
-
-
-def _rows(
-    stretches: Sequence[Stretch], form: Form | None, level: bool, point: np.ndarray | None, name: str
-) -> tuple[np.ndarray, np.ndarray]:
-    """What gain and constant do to the readings (n, 1 or 2), and the readings (n,), free motions taken out of both."""
-    driven = any(stretch.driven for stretch in stretches) and name != "constant"
-    rows, targets = [], []
-    for stretch in stretches:
-        one = np.ones_like(stretch.response)
-        columns = [stretch.drive] if driven else []
-        columns += [one] if level else []
-        if form is not None and point is not None:
-            columns = [form.answer(point, stretch, stretch.drive)] if driven else []
-            columns += [form.answer(point, stretch, one) if form.name == "no-spring" else one] if level else []
-        stacked = np.stack([*(c / stretch.size for c in columns), stretch.response], axis=1)
-        if form is not None and point is not None and not stretch.rest:
-            basis, _ = np.linalg.qr(form.free(point, stretch))
-            stacked = stacked - basis @ (basis.T @ stacked)
-        rows.append(stacked[:, :-1])
-        targets.append(stacked[:, -1])
-    return np.concatenate(rows), np.concatenate(targets)
 
 
 def _weighed(stretches: Sequence[Stretch], found: Sequence[Candidate]) -> tuple[list[Candidate], float]:
@@ -254,7 +213,7 @@ def _weighed(stretches: Sequence[Stretch], found: Sequence[Candidate]) -> tuple[
     best = min(found, key=lambda c: c.left)
     form = FORMS.get(best.form)
     point = None if form is None else form.point(best.first, best.second)
-    rows, targets = _rows(stretches, form, best.level, point, best.form)
+    rows, targets = rows_of(stretches, Kind(best.form, best.level, form), point)
     n = independent_samples(solved(rows, targets)[1])
     return sorted((c._replace(criterion=_plain(c, n)) for c in found), key=lambda c: c.criterion), n
 

@@ -12,7 +12,7 @@ from typing import ClassVar
 import numpy as np
 
 from ...campaign.noise.recursive import recursive_filter
-from .stretches import Stretch, free_motion, oscillator_filter
+from .stretches import Stretch, free_motion, oscillator_filter, sampled_filter
 
 _POINTS_PER_OCTAVE = 5  # Nelder and Mead find the rest
 
@@ -64,7 +64,7 @@ class _WithSpring(Form):
         return list(itertools.product(np.geomspace(lowest, highest, count), self.qualities))
 
     def answer(self, point: np.ndarray, stretch: Stretch, push: np.ndarray) -> np.ndarray:
-        return recursive_filter(*oscillator_filter(point[0], point[1], stretch.step, stretch.order), push)
+        return recursive_filter(*oscillator_filter(point[0], point[1], stretch.step, stretch.order, stretch.edge), push)
 
     def free(self, point: np.ndarray, stretch: Stretch) -> np.ndarray:
         return free_motion(stretch, float(point[0]), float(point[1]))
@@ -103,6 +103,19 @@ class Overdamped(_WithSpring):
         return np.array([omega / (2 * math.pi), omega / (seen + slow)])
 
 
+class OnBase(_WithSpring):
+    """z̈ + (ω0/Q) (ż − g u̇) + ω0² (z − g u) = 0: spring and damper stand on a base, which is what the drive moves."""
+
+    name = "base"
+    qualities = (0.15, 0.4, 1.0, 3.0, 12.0, 40.0)
+    least, most = (0.0, 1e-2), (math.inf, 1e4)
+
+    def answer(self, point: np.ndarray, stretch: Stretch, push: np.ndarray) -> np.ndarray:
+        """To the drive of the stretch, the only thing that moves its base."""
+        omega = 2 * math.pi * float(point[0])
+        return super().answer(point, stretch, omega**2 * push + omega / float(point[1]) * stretch.rate)
+
+
 class NoSpring(Form):
     """z̈ + ż/τ = g u + F0: a mass and a damper, which stay where they are left."""
 
@@ -116,7 +129,7 @@ class NoSpring(Form):
         return [(tau,) for tau in np.geomspace(shortest, 10 * longest, 40)]
 
     def answer(self, point: np.ndarray, stretch: Stretch, push: np.ndarray) -> np.ndarray:
-        return recursive_filter(*_drifting_filter(float(point[0]), stretch.step, stretch.order), push)
+        return recursive_filter(*_drifting_filter(float(point[0]), stretch.step, stretch.order, stretch.edge), push)
 
     def free(self, point: np.ndarray, stretch: Stretch) -> np.ndarray:
         t = stretch.step * np.arange(len(stretch.response))
@@ -132,20 +145,20 @@ class NoSpring(Form):
         return np.array([second])
 
 
-def _drifting_filter(tau: float, step: float, order: int) -> tuple[np.ndarray, np.ndarray]:
-    """Digital filter (b, a) of z̈ + ż/τ = u, as `oscillator_filter`: the second difference of the response to a ramp."""
-    x = step / tau * np.arange(4)
-    if order == 0:
-        series = x**3 / 6 - x**4 / 24 + x**5 / 120 - x**6 / 720
-        p = tau**3 * np.where(x < 0.05, series, x**2 / 2 - x - np.expm1(-x))
-    elif order == 1:
-        p = tau**2 * np.where(x < 0.05, x**2 / 2 - x**3 / 6 + x**4 / 24 - x**5 / 120, x + np.expm1(-x))
-    else:
-        p = -tau * np.expm1(-x)
+def _drifting_filter(tau: float, step: float, order: int, edge: float | None) -> tuple[np.ndarray, np.ndarray]:
+    """Digital filter (b, a) of z̈ + ż/τ = u, as `oscillator_filter`."""
+
+    def ramp(t: np.ndarray, order: int) -> np.ndarray:
+        x = t / tau
+        if order == 0:
+            series = x**3 / 6 - x**4 / 24 + x**5 / 120 - x**6 / 720
+            return tau**3 * np.where(x < 0.05, series, x**2 / 2 - x - np.expm1(-x))
+        if order == 1:
+            return tau**2 * np.where(x < 0.05, x**2 / 2 - x**3 / 6 + x**4 / 24 - x**5 / 120, x + np.expm1(-x))
+        return -tau * np.expm1(-x) if order == 2 else np.exp(-x)
+
     decay = math.exp(-step / tau)
-    a = np.array([1.0, -1.0 - decay, decay])
-    g = np.array([p[1], p[2] - 2 * p[1], p[3] - 2 * p[2] + p[1]]) / step
-    return np.array([g[0], g[1] + a[1] * g[0], g[2] + a[1] * g[1] + a[2] * g[0]]), a
+    return sampled_filter(ramp, np.array([1.0, -1.0 - decay, decay]), step, order, edge)
 
 
-FORMS: dict[str, Form] = {form.name: form for form in (Underdamped(), Overdamped(), NoSpring())}
+FORMS: dict[str, Form] = {form.name: form for form in (Underdamped(), Overdamped(), OnBase(), NoSpring())}

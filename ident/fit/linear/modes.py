@@ -7,7 +7,8 @@ mode after the other, each from the best point of a grid beside those that are t
 A nonlinear device may be mimicked by modes of which each serves one record. So modes are judged on records, or halves
 of a record, that were left out: only what they predict there counts, and they are taken for linear physics only if they
 predict the greater part of what one mode leaves. How a record began is no prediction: one mode is given the free
-motions of the others too, and all a constant, or a slow mode would stand for a zero that is off. What explains less is
+motions of the others too, and all a constant, or a slow mode would stand for a zero that is off. Of decays, which are
+how they began and nothing else, frequencies and qualities are judged alone. What explains less is
 weighed later, against the effects. Of 26 oscillators with one of 13 effects none was predicted better by more than a
 tenth; of two with a second mode the rest fell below a tenth (`experiments/many_modes.py`).
 
@@ -26,6 +27,7 @@ from scipy import optimize
 
 from ...campaign.campaign import MOST_MODES
 from ...campaign.noise.recursive import recursive_filter
+from .free_modes import amplitudes, next_line
 from .guess import GRID_STEP
 from .stretches import Stretch, free_motion, oscillator_filter
 
@@ -72,9 +74,13 @@ def find_modes(
     stretches = _some(stretches)
     folds = _folds(stretches)
     points = np.log([first])
+    driven = any(stretch.driven for stretch in stretches)
     found = [_described(stretches, points, level, folds)]
     while len(points) < (told or most):
-        points = _searched(stretches, np.vstack([points, _next(stretches, points)]))
+        more = _next(stretches, points) if driven else next_line(stretches, points)
+        if more is None:
+            break
+        points = _searched(stretches, np.vstack([points, more]))
         one = _described(stretches, points, level, folds)
         if told is None and (_overlap(one.modes) or not one.predicted < found[-1].predicted):
             break
@@ -109,7 +115,8 @@ def _columns(stretch: Stretch, points: np.ndarray, level: bool) -> tuple[np.ndar
     """What gains and constant do to a reading, (n, modes (+ 1)), and a basis of its free motions, (n, m)."""
     values = np.exp(points)
     columns = [
-        recursive_filter(*oscillator_filter(f, q, stretch.step, stretch.order), stretch.drive) / stretch.size
+        recursive_filter(*oscillator_filter(f, q, stretch.step, stretch.order, stretch.edge), stretch.drive)
+        / stretch.size
         for f, q in values
     ]
     columns += [np.ones_like(stretch.response) / stretch.size] if level else []
@@ -206,6 +213,11 @@ def _described(
     modes = [Mode(math.exp(f), math.exp(q), float(gain)) for (f, q), gain in zip(points, found, strict=False)]
     sizes = np.concatenate([np.full(len(stretch.response), stretch.size) for stretch in stretches])[:, None]
     order = np.argsort(-np.linalg.norm(sizes * rows[:, : len(points)] * found[: len(points)], axis=0))
+    if not any(stretch.driven for stretch in stretches):
+        begun = amplitudes(stretches, points)  # which it has in the place of a travel
+        modes = [mode._replace(gain=a * (2 * math.pi * mode.frequency) ** 2 / (2 * math.pi * mode.frequency)
+                               ** stretches[0].order) for mode, a in zip(modes, begun, strict=True)]  # fmt: skip
+        order = np.argsort(-begun)
     constant = float(found[-1]) if level else 0.0
     left = math.sqrt(float(left @ left) / sum(stretch.power for stretch in stretches))
     return Modes(tuple(modes[i] for i in order), constant, left, *_predicted(stretches, points, folds))

@@ -13,6 +13,7 @@ import numpy as np
 
 from ...campaign.drive import drive_frequency
 from ...campaign.record import Trace
+from ...effects.library.second_mode import SecondMode
 from ...model import FREQUENCY, QUALITY, Model
 
 _SAME = 2e-3  # relative difference of frequencies that count as one
@@ -23,7 +24,16 @@ def hold_quality(model: Model, records: Sequence[Trace]) -> Model:
     """The model with its quality factor `undetermined`, if steady sines of one frequency are all there is to determine
     it, and free else."""
     steady = _one_frequency(records) and all(map(_steady, records))
-    return _held(model) if steady else replace(model, undetermined=model.undetermined & {gain_of(model)})
+    return _held(model) if steady else with_quality(model)
+
+
+def with_quality(model: Model) -> Model:
+    """The model with a quality factor that is fitted."""
+    return replace(model, undetermined=model.undetermined - {_quality_of(model)})
+
+
+def _quality_of(model: Model) -> str:
+    return f"{model.linear.prefix}.quality"
 
 
 def gain_of(model: Model) -> str:
@@ -32,14 +42,18 @@ def gain_of(model: Model) -> str:
 
 
 def hold_gain(model: Model, records: Sequence[Trace]) -> Model:
-    """The model without a drive, its gain `undetermined` at zero, if none of the records has one that changes."""
+    """The model without a drive, its gain `undetermined` at zero, if none of the records has one that changes.
+
+    A further mode then keeps the travel that it starts with, in units of which its history is fitted.
+    """
     name = gain_of(model)
+    travels = {f"{effect.name}.travel" for effect in model.effects if isinstance(effect, SecondMode)}
     if any(record.driven for record in records):
-        return replace(model, undetermined=model.undetermined - {name})
+        return replace(model, undetermined=model.undetermined - {name} - travels)
     if name in model.freed | model.held:
         return model
     start = (*((known, value) for known, value in model.start if known != name), (name, 0.0))
-    return replace(model, start=start, undetermined=model.undetermined | {name})
+    return replace(model, start=start, undetermined=model.undetermined | {name} | (travels - model.freed - model.held))
 
 
 def hold_dragged(model: Model, values: np.ndarray, records: Sequence[Trace]) -> Model:
@@ -56,7 +70,7 @@ def hold_dragged(model: Model, values: np.ndarray, records: Sequence[Trace]) -> 
 
 
 def _held(model: Model) -> Model:
-    name = f"{model.linear.prefix}.quality"
+    name = _quality_of(model)
     return model if name in model.freed | model.held else replace(model, undetermined=model.undetermined | {name})
 
 

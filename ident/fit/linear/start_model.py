@@ -28,9 +28,20 @@ def linear_choice(campaign: Campaign) -> LinearChoice | None:
     every = math.ceil(sum(len(record.time) for record in records) / _ENOUGH)
     told = 1 if {*FURTHER} & {*campaign.effects} else campaign.modes
     try:
-        return choose_linear(records[::every], campaign.linear, modes=told)
+        return choose_linear(records[::every], campaign.linear, modes=told, base=not campaign.sweeps)
     except UserError as error:
         raise UserError(error.what, where=_place(campaign), do=error.do) from None
+
+
+def with_drives(campaign: Campaign) -> Campaign:
+    """The campaign with its drives between the samples as its records choose them, where it does not say what they are
+    there: smooth curves, or held values (`Trace.edge`)."""
+    free = [r for r in campaign.traces if r.between == "auto" and r.driven]
+    choice = linear_choice(campaign) if free else None
+    if choice is None or all(r.edge == choice.chosen.edge for r in free):
+        return campaign
+    records = tuple(replace(r, edge=choice.chosen.edge) if r in free else r for r in campaign.records)
+    return replace(campaign, records=records)
 
 
 def _place(campaign: Campaign) -> str:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
+from ...campaign.drive import half_step_drive
 from ...campaign.noise.recursive import recursive_filter
 from ...campaign.record import Trace
 
@@ -28,18 +30,21 @@ class Sums(NamedTuple):
 
 
 class Stretch(NamedTuple):
-    """A record for the linear search: its liveliest stretch, the response divided by its `size`; `rest`: whether it
+    """A record for the linear search: its liveliest stretch, the response divided by its `size`; `rate` of the drive,
+    per s; `rest`: whether it
     starts from rest; `power` of the response about its mean; `order` of the derivative of the displacement that it is;
-    `sums` that have been asked for, by frequency and quality."""
+    `edge` of a drive that is held, as of `Trace`; `sums` that have been asked for, by frequency and quality."""
 
     step: float
     drive: np.ndarray
+    rate: np.ndarray
     response: np.ndarray
     size: float
     rest: bool
     driven: bool
     power: float
     order: int
+    edge: float | None
     sums: dict[tuple[float, float], Sums]
 
 
@@ -51,7 +56,20 @@ def stretch_of(record: Trace) -> Stretch:
     rest = record.start == "rest" and part.start == 0
     response = record.response[part] / size
     power = float(np.sum((response - np.mean(response)) ** 2))
-    return Stretch(record.step, record.drive[part], response, size, rest, record.driven, power, record.order, {})
+    rate = half_step_drive(replace(record, edge=None))[1][::2]
+    return Stretch(
+        record.step,
+        record.drive[part],
+        rate[part],
+        response,
+        size,
+        rest,
+        record.driven,
+        power,
+        record.order,
+        record.edge,
+        {},
+    )
 
 
 def _liveliest(response: np.ndarray) -> slice:
@@ -68,33 +86,53 @@ def highest_content(signal: np.ndarray, step: float) -> float:
     return max(index, 1) / (len(signal) * step)
 
 
-def oscillator_filter(frequency: float, quality: float, step: float, order: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    """Digital filter (b, a) of z̈ + (ω0/Q) ż + ω0² z = u, exact for an input that is linear between samples; of z, or of
-    its derivative of some `order` up to 2.
+def oscillator_filter(
+    frequency: float, quality: float, step: float, order: int = 0, edge: float | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Digital filter (b, a) of z̈ + (ω0/Q) ż + ω0² z = u, exact for an input that is linear between samples, or held
+    (`edge`, see `Trace`); of z, or of its derivative of some `order` up to 2.
 
-    The response to one triangle of input is the second difference of the response p(t) to a ramp; the poles are those
-    of the oscillator, so three terms of that response fix the numerator.
+    The response to one triangle of input is the second difference of the response p(t) to a ramp, that to a value that
+    is held the difference of p'(t); the poles are those of the oscillator, so three terms of that response fix the
+    numerator.
 
-    Source: K. J. Åström, B. Wittenmark, Computer-Controlled Systems, 1997, §2.3 (first-order hold).
+    Source: K. J. Åström, B. Wittenmark, Computer-Controlled Systems, 1997, §2.3 (zero- and first-order hold).
     """
     omega = 2 * math.pi * frequency
     decay = omega / (2 * quality)
     ringing = cmath.sqrt(omega**2 - decay**2) or 1e-9 * omega
-    t = step * np.arange(4)
-    one, other = (np.exp((-decay + sign * 1j * ringing) * t) for sign in (1, -1))
-    cosine, sine = (
-        np.real(one + other) / 2,
-        np.real((one - other) / (2j * ringing)),
-    )  # decaying; sine over its frequency
-    if order == 0:
-        p = t / omega**2 - 2 * decay / omega**4 * (1.0 - cosine) + (2 * decay**2 - omega**2) / omega**4 * sine
-    elif order == 1:
-        p = (1.0 - cosine - decay * sine) / omega**2
-    else:
-        p = sine
-    a = np.array([1.0, -2 * cosine[1], math.exp(-2 * decay * step)])
-    g = np.array([p[1], p[2] - 2 * p[1], p[3] - 2 * p[2] + p[1]]) / step
-    return np.array([g[0], g[1] + a[1] * g[0], g[2] + a[1] * g[1] + a[2] * g[0]]), a
+
+    ways = lambda t: (np.exp((-decay + sign * 1j * ringing) * t) for sign in (1, -1))
+
+    def ramp(t: np.ndarray, order: int) -> np.ndarray:
+        one, other = ways(t)
+        # decaying; sine over its frequency
+        cosine, sine = np.real(one + other) / 2, np.real((one - other) / (2j * ringing))
+        if order == 0:
+            return t / omega**2 - 2 * decay / omega**4 * (1.0 - cosine) + (2 * decay**2 - omega**2) / omega**4 * sine
+        if order == 1:
+            return (1.0 - cosine - decay * sine) / omega**2
+        return sine if order == 2 else cosine - decay * sine
+
+    return sampled_filter(
+        ramp, np.array([1.0, -float(np.real(sum(ways(step)))), math.exp(-2 * decay * step)]), step, order, edge
+    )
+
+
+def sampled_filter(
+    ramp: Callable[[np.ndarray, int], np.ndarray], a: np.ndarray, step: float, order: int, edge: float | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Numerator and denominator `a` (3,) of a system of two poles, from the derivative of some order of its response to
+    a `ramp`, at times (n,)."""
+    if edge is None:
+        p, late = ramp(step * np.arange(4), order), 0
+        g = np.array([p[1], p[2] - 2 * p[1], p[3] - 2 * p[2] + p[1]]) / step
+    else:  # after so many whole intervals a value has acted since a part of one
+        late = max(math.ceil(edge), 0)
+        p = ramp(step * (late - edge + np.arange(3)), order + 1)
+        g = np.array([p[0], p[1] - p[0], p[2] - p[1]])
+    b = np.array([g[0], g[1] + a[1] * g[0], g[2] + a[1] * g[1] + a[2] * g[0]])
+    return np.concatenate([np.zeros(late), b]), a
 
 
 def free_motion(stretch: Stretch, frequency: float, quality: float) -> np.ndarray:
@@ -125,7 +163,7 @@ def sums(stretches: Sequence[Stretch], frequency: float, quality: float) -> Sums
     for stretch in stretches:  # what is known is remembered: campaigns that differ by a record ask for the others again
         if (frequency, quality) not in stretch.sums:
             alike.setdefault(
-                (stretch.step, len(stretch.drive), stretch.rest, stretch.driven, stretch.order), []
+                (stretch.step, len(stretch.drive), stretch.rest, stretch.driven, stretch.order, stretch.edge), []
             ).append(stretch)
     for group in alike.values():
         for stretch, found in zip(group, _projected(group, frequency, quality), strict=True):
@@ -140,7 +178,7 @@ def _projected(stretches: Sequence[Stretch], frequency: float, quality: float) -
     forced = np.zeros_like(measured)  # to a decay a constant drive is a level, whatever the gain
     if first.driven:
         drives = np.stack([stretch.drive / stretch.size for stretch in stretches], axis=1)
-        forced = recursive_filter(*oscillator_filter(frequency, quality, first.step, first.order), drives).T
+        forced = recursive_filter(*oscillator_filter(frequency, quality, first.step, first.order, first.edge), drives).T
     both = np.stack([forced, measured])
     if first.rest:
         both -= both.mean(axis=2, keepdims=True)

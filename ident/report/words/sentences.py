@@ -27,7 +27,8 @@ _SURPRISE = 4.0  # spreads from what is known beforehand: not one device in ten 
 GOOD = 1.1  # error over noise up to which the noise floor is reached (it is itself known to some ten per cent)
 
 
-_OTHER_KINDS = {"no-spring": "mass and damper without a spring", "quasi-static": "gain without inertia"}
+_OTHER_KINDS = {"no-spring": "mass and damper without a spring", "quasi-static": "gain without inertia",
+                "base": "linear oscillator on the base that the drive moves"}  # fmt: skip
 
 
 class Sentence(NamedTuple):

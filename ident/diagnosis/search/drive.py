@@ -1,0 +1,101 @@
+"""The drive between its samples at every node of a walk: is it held, and since when?
+
+The start model chose it beside the whole misfit (`fit.linear.drives`), in which a drive that is held, and so late, may
+hide behind an effect, or an effect behind it. What another drive does to the readings is a push along the motion that
+was measured, g (V' − V), with no number to fit; the criterion weighs it as it weighs effects, and a refit has the last
+word. Left out, it would be named a lag.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...campaign.campaign import Campaign
+from ...campaign.device import Oscillator
+from ...campaign.drive import half_step_drive
+from ...campaign.held_drive import jumps
+from ...campaign.record import Trace
+from ...fit import Fit, fit
+from ...pulse import Report
+from ...response.system import assemble
+from ..evidence.criterion import VERY_STRONG, Left, behind, criteria
+from ..linearised.columns import push_columns
+from ..linearised.regression import Regression, by_record, prepare
+from ..linearised.shorten import CRAWLS
+from ..linearised.trajectory import Diverged
+
+_EDGES = np.arange(-1.0, 2.01, 0.25)  # of drives that jump, in sampling intervals; between them a parabola tells
+
+
+def other_drive(fitted: Fit, regression: Regression, report: Report, rival: float = 0.0) -> Campaign | None:
+    """The campaign of a fit with another drive between the samples, if the records clearly ask for it by now; what it
+    says itself stays.
+
+    **Arguments:** `regression`: of the fit; `rival`: the fall of χ² that the best effect promises, if one is to be
+    added: the drive must explain as much.
+    """
+    records = [r for r in fitted.campaign.fitted if _may_be_otherwise(r)]
+    if not records or not isinstance(fitted.model.device, Oscillator) or not regression.credible:
+        return None
+    now, jumping = records[0].edge, any(jumps(r.drive) for r in records)
+    edges = [None, 0.0]
+    if jumping:
+        found = _left_with(regression, list(_EDGES))
+        edges.append(_refined(regression, float(_EDGES[np.argmin([float(x @ x) for x in found])])))
+    edges = [e for e in edges if e != now]
+    left = _left_with(regression, edges)
+    numbers = lambda edge: regression.numbers + (edge not in (None, 0.0))
+    weighed = [Left(x, numbers(edge)) for x, edge in zip(left, edges, strict=True)]
+    here = Left(regression.residual, numbers(now))
+    *others, _ = criteria([*weighed, here])
+    best = int(np.argmin(others))
+    edge, drop = edges[best], regression.chi2 - float(left[best] @ left[best])
+    if drop < rival - VERY_STRONG or behind(weighed[best], here) > -VERY_STRONG:
+        return None
+    changed = with_edges(fitted.campaign, edge)
+    try:
+        shown = fit(fitted.model, with_edges(regression.fit.campaign, edge), initial=fitted.values, most=CRAWLS)
+        if behind(Left(prepare(shown).residual, numbers(edge)), here) > -VERY_STRONG:
+            return None
+    except Diverged:
+        return None
+    held = "is a smooth curve" if edge is None else f"is held, from {edge:+.2g} samples"
+    report(f"the drive {held} between its samples: once more, with such a drive")
+    return changed
+
+
+def with_edges(campaign: Campaign, edge: float | None) -> Campaign:
+    """The campaign with another drive between the samples, where it does not say what it is."""
+    records = (replace(r, edge=edge) if _may_be_otherwise(r) else r for r in campaign.records)
+    return replace(campaign, records=tuple(records))
+
+
+def _may_be_otherwise(record: object) -> bool:
+    return isinstance(record, Trace) and record.between == "auto" and record.driven
+
+
+def _left_with(regression: Regression, edges: Sequence[float | None]) -> list[np.ndarray]:
+    """Whitened residuals (n,) with other drives, without what the model absorbs."""
+    trajectories = regression.trajectories
+    tape, equation = trajectories.tape, trajectories.solved.static.equation
+    gain = float(assemble(equation, equation.constants, regression.fit.values).gain)
+    grids = []
+    for record, lane, span in zip(regression.fit.campaign.fitted, tape.lanes, tape.spans, strict=True):
+        free = _may_be_otherwise(record)
+        others = [half_step_drive(replace(record, edge=e if free else record.edge), span.substeps)[0] for e in edges]
+        grids.append(gain * np.stack([other - lane.voltage for other in others], axis=1))
+    rows = by_record(regression, push_columns(tape, trajectories.dynamics, tape.windows(grids)))
+    traces = regression.left[: rows.shape[1]]
+    rest = regression.left[rows.shape[1] :]
+    return list(regression.project(np.concatenate([traces - rows, np.tile(rest, (len(edges), 1))], axis=1)))
+
+
+def _refined(regression: Regression, edge: float) -> float:
+    """The edge that leaves least, by the parabola through three."""
+    spacing = float(_EDGES[1] - _EDGES[0])
+    low, middle, high = (float(x @ x) for x in _left_with(regression, [edge - spacing, edge, edge + spacing]))
+    bend = low - 2 * middle + high
+    return edge + (0.5 * spacing * (low - high) / bend if bend > 0 else 0.0)

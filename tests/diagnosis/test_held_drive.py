@@ -1,0 +1,51 @@
+"""A drive that is held, asked for beside a fit that took it for a smooth curve."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ident.campaign import Channel, NoiseFloor, Trace
+from ident.campaign.campaign import Campaign
+from ident.campaign.device import Oscillator
+from ident.diagnosis.linearised.regression import prepare
+from ident.diagnosis.search.drive import other_drive
+from ident.fit import fit
+from ident.fit.linear.forms import FORMS
+from ident.fit.linear.start_model import start_model
+from ident.fit.linear.stretches import stretch_of
+
+F, Q, STEP = 30.0, 8.0, 1 / 600.0
+
+
+def campaign_of(edge: float | None, **told: object) -> Campaign:
+    """A linear oscillator under a square wave whose edges lie so many samples late, or a chirp; the fit is not told."""
+    k = np.arange(1500)
+    drive = np.where((k > 10) & ((k // 67) % 2 == 1), 1.0, 0.0) if edge is not None else np.sin(k**2 / 9000)
+    volts, metres, floor = Channel("V", 1.0), Channel("m", 1.0), NoiseFloor(0.005)
+    record = Trace("a", STEP * k, drive, drive, volts, metres, floor, "rest", **told)  # type: ignore[arg-type]
+    one = stretch_of(replace(record, edge=edge))
+    answer = (2 * np.pi * F) ** 2 * FORMS["oscillator"].answer(np.array([F, Q]), one, drive)
+    response = answer + 0.005 * np.random.default_rng(5).standard_normal(len(k))
+    return Campaign("square", (replace(record, response=response),), Oscillator("m", "V"))
+
+
+def asked(campaign: Campaign) -> Campaign | None:
+    found = fit(start_model(campaign), campaign)
+    return other_drive(found, prepare(found), lambda _: None)
+
+
+@pytest.mark.parametrize("edge", [-0.9, -0.1, 1.0])
+def test_the_edges_are_found_beside_a_fit(edge):
+    """Those that lie far from a smooth curve in two steps: a push is linear, a model is not."""
+    other = asked(campaign_of(edge))
+    assert other is not None and other.traces[0].edge == pytest.approx(edge, abs=0.1)
+    other = asked(other) or other
+    assert other.traces[0].edge == pytest.approx(edge, abs=0.02)
+
+
+def test_a_smooth_drive_and_one_that_is_told_stay_as_they_are():
+    assert asked(campaign_of(None)) is None
+    assert asked(campaign_of(-0.9, between="smooth")) is None
