@@ -22,6 +22,7 @@ from ..linearised.shorten import CRAWLS, is_long
 from ..linearised.whiten import whiten
 from .score import Candidate
 from .splits import split_starts, takes_over
+from .usual_form import in_usual_form
 
 
 class Confirmed(NamedTuple):
@@ -29,8 +30,9 @@ class Confirmed(NamedTuple):
 
     **Arguments:** `model` and `values` (SI) of the refit; `chi2`: whitened, comparable with the regression's; `gain`:
     share of the regression's excess over noise that it removed; `left` (n,): the whitened residual, and `numbers`, the
-    fitted parameters (see `evidence`); `possible`: whether the effect ended with a sign that it can have and a motion
-    that has a bound; `begun`: the initial states there, (records, s) SI, which samples alone do not always tell.
+    fitted parameters (see `evidence`) without shapes that are as usual (see `usual_form`); `possible`: whether the
+    effect ended with a sign that it can have and a motion that has a bound; `begun`: the initial states there,
+    (records, s) SI, which samples alone do not always tell.
     """
 
     candidate: Candidate
@@ -187,9 +189,8 @@ def _weighed(
     gain = 1.0 - (chi2 - regression.n) / regression.excess
     values = found.values
     possible = np.isfinite(chi2) and is_possible(model, values, model.effects[-1], regression.fit.scales)
-    return Confirmed(
-        candidate, model, values, chi2, gain, left, len(found.static.free), bool(possible), found.best.found.starts
-    )
+    numbers = len(found.static.free) - in_usual_form(regression, model, found, left)
+    return Confirmed(candidate, model, values, chi2, gain, left, numbers, bool(possible), found.best.found.starts)
 
 
 def is_possible(model: Model, values: np.ndarray, effect: AbstractEffect, scales: DataScales) -> bool:
