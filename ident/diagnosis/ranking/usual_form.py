@@ -6,9 +6,10 @@ room for devices that differ, and costs nothing where this one does not: the law
 is then the one that the records prefer. Counted as if the records had to tell it, a law would lose to any other that
 happens to be written with fewer letters.
 
-A shape counts as a number where χ² would rise by more than four, two standard errors, if it were held at the nearest
-value of its grid and all else were fitted again; by as many times more as what is left is larger than noise. Several of
-one law are held together, or as many of them as can be.
+The usual form has its shapes at the nearest values of their grids. It is weighed without another refit: χ² would rise
+by what moving them there does to the readings and no other parameter makes good. Of several shapes those are held which
+it is best to hold; the rise, and 2 ln m for the choice between m usual values, count as the part of a number that costs
+as much.
 """
 
 from __future__ import annotations
@@ -25,30 +26,30 @@ from ..linearised.basis import orthonormal
 from ..linearised.regression import Regression
 from ..linearised.whiten import whiten
 
-_ERRORS = 2.0  # standard errors within which a shape is its usual one, as for an amplitude that is none (`Fit.freedom`)
 
+def numbers_told(regression: Regression, model: Model, found: Minimum, left: np.ndarray) -> float:
+    """How many numbers of a refit the records had to tell: its fitted parameters, or fewer in the usual form of the
+    model's last effect.
 
-def in_usual_form(regression: Regression, model: Model, found: Minimum, left: np.ndarray) -> int:
-    """How many of the fitted shapes of a model's last effect the records do not tell from their usual values.
-
-    **Arguments:** `found`: a refit of the model, which leaves `left` (n,), whitened as the regression is.
+    **Arguments:** `found`: the refit, which leaves `left` (n,), whitened as the regression is.
     """
-    free, values, name = list(found.static.free), found.values, model.effects[-1].name
+    free, name = list(found.static.free), model.effects[-1].name
     shapes = [k for k, i in enumerate(free) if _has_usual(model.parameters[i]) and model.parameters[i].effect == name]
     chi2 = float(left @ left)
-    if not shapes or not np.isfinite(chi2):
-        return 0
-    rows = _rows(regression, found)
-    noise = max(chi2 / independent_samples(left), 1.0)
-    away = {k: _away(model.parameters[free[k]], float(values[free[k]])) for k in shapes}
-    for count in range(len(shapes), 0, -1):
+    if not shapes or not 0 < chi2 < np.inf:
+        return len(free)
+    n, rows = independent_samples(left), _rows(regression, found)
+    away = {k: _away(model.parameters[free[k]], float(found.values[free[k]])) * rows[k] for k in shapes}
+    told = [float(len(free))]
+    for count in range(1, len(shapes) + 1):
         for held in itertools.combinations(shapes, count):
-            moved = sum(away[k] * values[free[k]] * rows[k] for k in held)
             others = orthonormal(rows[[k for k in range(len(free)) if k not in held]])
+            moved = sum(away[k] for k in held)
             moved = moved - others @ (others.T @ moved)
-            if float(moved @ moved) < _ERRORS**2 * count * noise:
-                return count
-    return 0
+            rise = n * np.log1p(float(moved @ moved) / chi2)
+            choice = 2 * sum(np.log(len(model.parameters[free[k]].grid)) for k in held)
+            told.append(len(free) - count + (rise + choice) / np.log(n))
+    return min(told)
 
 
 def _has_usual(parameter: ModelParameter) -> bool:
@@ -57,13 +58,12 @@ def _has_usual(parameter: ModelParameter) -> bool:
 
 
 def _away(parameter: ModelParameter, value: float) -> float:
-    """Logarithm of the nearest usual value over this one."""
-    ratios = np.log(np.asarray(parameter.grid) / value)
-    return float(ratios[np.argmin(np.abs(ratios))])
+    """How far the nearest usual value is."""
+    return float(min(np.asarray(parameter.grid) - value, key=abs))
 
 
 def _rows(regression: Regression, found: Minimum) -> np.ndarray:
-    """(p, n) what the fitted parameters do to the readings, SI, whitened as the regression is."""
+    """(p, n) what the fitted parameters (SI) do to the readings, whitened as the regression is."""
     evaluation, data, free = found.best.found, found.data, list(found.static.free)
     samples = zip(regression.whitenings, data.tape.slices, strict=True)
     traces = [whiten(one, evaluation.response.slopes[: len(free), own]) for one, own in samples]
