@@ -27,7 +27,7 @@ def told(sharpness: float, fullness: float, errors: tuple[float, float]) -> floa
     rows = np.linalg.qr(ROWS.T)[0].T
     rows[names.index("sharpness")] /= errors[0]
     rows[names.index("fullness")] /= errors[1]
-    evaluation = SimpleNamespace(values=values, by_x=rows, response=None)
+    evaluation = SimpleNamespace(values=values, by_x=rows, response=SimpleNamespace(slopes=rows[:, :0]))
     data = SimpleNamespace(
         tape=SimpleNamespace(slices=(), samples=0),
         scale=np.ones(7),

@@ -65,7 +65,8 @@ def _away(parameter: ModelParameter, value: float) -> float:
 def _rows(regression: Regression, found: Minimum) -> np.ndarray:
     """(p, n) what the fitted parameters (SI) do to the readings, whitened as the regression is."""
     evaluation, data, free = found.best.found, found.data, list(found.static.free)
-    samples = zip(regression.whitenings, data.tape.slices, strict=True)
-    traces = [whiten(one, evaluation.response.slopes[: len(free), own]) for one, own in samples]
+    samples, slope = zip(regression.whitenings, data.tape.slices, strict=True), evaluation.response.slopes[: len(free)]
+    slope = np.where(np.isfinite(slope), slope, 0.0)
+    traces = [whiten(one, slope[:, own]) for one, own in samples]
     rows = np.concatenate([*traces, evaluation.by_x[:, data.tape.samples :]], axis=1)
     return rows / (slopes(evaluation.values[free], data.lower, data.upper) * data.scale)[:, None]
