@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.diagnosis.linearised.regression import prepare
+from ident.diagnosis.linearised.trajectory import Diverged
 from ident.diagnosis.ranking.score import Candidate, kept_more_than_chance, score
 from ident.diagnosis.where.locate import locate
 from ident.effects.effect import AbstractEffect, Drive, Scalar, State, amplitude
@@ -108,3 +110,15 @@ def test_a_refit_that_keeps_what_chance_would_give_is_no_effect() -> None:
     assert kept(323.1 - 31.9)
     assert not kept(323.1 - 7.6)
     assert not kept(323.2)
+
+
+def test_a_model_that_no_drive_makes_answer_is_told_as_one_without_a_motion() -> None:
+    """Two lags that undo one another had ended so, and the walk with them."""
+    device = Oscillator(output="m")
+    fitted = fit(Model(device), Campaign("", (sweep(0.2, CUBIC, True, 3, 3e-5),), device))
+    steady = fitted.solved.found.steady
+    assert steady is not None
+    none = replace(steady, unknowns=np.full_like(steady.unknowns, np.nan))
+    solved = fitted.solved._replace(found=fitted.solved.found._replace(steady=none))
+    with pytest.raises(Diverged):
+        prepare(replace(fitted, solved=solved))

@@ -30,14 +30,14 @@ class Weighed(Protocol):
     @property
     def left(self) -> np.ndarray: ...
     @property
-    def numbers(self) -> int: ...
+    def numbers(self) -> float: ...
 
 
 class Left(NamedTuple):
     """What a model leaves, and its numbers."""
 
     left: np.ndarray
-    numbers: int
+    numbers: float
 
 
 def criteria(models: Sequence[Weighed]) -> list[float]:

@@ -115,7 +115,7 @@ class _Explained(NamedTuple):
     model: Model
     values: np.ndarray
     left: np.ndarray
-    numbers: int
+    numbers: float
     worst: float
     traces: Sequence[Trace] = ()
 
@@ -194,7 +194,7 @@ def _better(faulty: _Explained, sound: _Explained, shapes: float) -> bool:
     return most and weights[0] - weights[1] > VERY_STRONG
 
 
-def _beside(left: np.ndarray, other: np.ndarray, numbers: int) -> Left:
+def _beside(left: np.ndarray, other: np.ndarray, numbers: float) -> Left:
     """What another hypothesis leaves, as of as many samples: where a fault is read, a few may not count."""
     return Left(other * np.sqrt(len(left) / len(other)), numbers)
 
@@ -221,7 +221,7 @@ def _instead(fitted: Fit, faulty: _Explained, look: Look) -> _Explained | None:
 
 
 def _explained(
-    fitted: Fit, regression: Regression, model: Model, values: np.ndarray, left: np.ndarray, n: int
+    fitted: Fit, regression: Regression, model: Model, values: np.ndarray, left: np.ndarray, n: float
 ) -> _Explained:
     """A model by what it leaves of the samples that count."""
     parts = [left[own] for own in regression.places]

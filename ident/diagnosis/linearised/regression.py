@@ -19,7 +19,7 @@ from .balance import balanced, samples_of
 from .basis import orthonormal
 from .columns import Terms, contributions, no_histories, push_columns
 from .curve_columns import Moves, Plane, curve_order, plane_of
-from .trajectory import Trajectories, lay_out
+from .trajectory import Diverged, Trajectories, lay_out
 from .whiten import Whitening, whiten, whitening_of
 
 _TINY = 1e-20  # a step in an imaginary direction loses no digits (Squire, Trapp, 1998, SIAM Rev. 40, 110)
@@ -176,6 +176,8 @@ def prepare(fit: Fit, believed: bool = False) -> Regression:
     take both away, seen on the measured motion, "explains" whatever was measured. A fit has no such freedom, and shows
     it by having left what they claim to absorb; its own Jacobian is then taken instead. Where the equation of motion
     explains the acceleration, nothing can be taken away: what they absorb is then bent by the fit, not by them.
+
+    **Raises:** Diverged if the model's motion has no bound, or no drive makes it answer as a sweep was measured.
     """
     trajectories = lay_out(fit)
     records = fit.campaign.fitted
@@ -190,6 +192,9 @@ def prepare(fit: Fit, believed: bool = False) -> Regression:
     left = list(white)
     curves = solved.data.curves
     if curves is not None:
+        steady = solved.found.steady
+        if steady is None or not np.all(np.isfinite(steady.needed)):
+            raise Diverged(fit.campaign.fitted_sweeps[0].name)
         lengths += [len(curves.places(own)) for own in curves.slices]
         left.append(-solved.found.residuals[trajectories.tape.samples :][curve_order(solved)])
     starts = tuple(int(x) for x in np.concatenate([[0], np.cumsum(lengths)[:-1]]))

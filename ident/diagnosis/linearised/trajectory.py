@@ -32,7 +32,7 @@ _NOISE = 1.5  # residual over noise, squared, up to which a residual may be nois
 
 
 class Diverged(ArithmeticError):
-    """The motion of a model has no bound on a record: nothing can be compared with it."""
+    """A model has no motion on a record, or one without bound: nothing can be compared with it."""
 
 
 class Path(NamedTuple):

@@ -22,15 +22,17 @@ from ..linearised.shorten import CRAWLS, is_long
 from ..linearised.whiten import whiten
 from .score import Candidate
 from .splits import split_starts, takes_over
+from .usual_form import numbers_told
 
 
 class Confirmed(NamedTuple):
     """A candidate after its refit.
 
     **Arguments:** `model` and `values` (SI) of the refit; `chi2`: whitened, comparable with the regression's; `gain`:
-    share of the regression's excess over noise that it removed; `left` (n,): the whitened residual, and `numbers`, the
-    fitted parameters (see `evidence`); `possible`: whether the effect ended with a sign that it can have and a motion
-    that has a bound; `begun`: the initial states there, (records, s) SI, which samples alone do not always tell.
+    share of the regression's excess over noise that it removed; `left` (n,): the whitened residual, and `numbers` that
+    the records had to tell (see `evidence` and `usual_form`); `possible`: whether the effect ended with a sign that it
+    can have and a motion that has a bound; `begun`: the initial states there, (records, s) SI, which samples alone do
+    not always tell.
     """
 
     candidate: Candidate
@@ -39,7 +41,7 @@ class Confirmed(NamedTuple):
     chi2: float
     gain: float
     left: np.ndarray
-    numbers: int
+    numbers: float
     possible: bool
     begun: np.ndarray | None = None
 
@@ -187,9 +189,8 @@ def _weighed(
     gain = 1.0 - (chi2 - regression.n) / regression.excess
     values = found.values
     possible = np.isfinite(chi2) and is_possible(model, values, model.effects[-1], regression.fit.scales)
-    return Confirmed(
-        candidate, model, values, chi2, gain, left, len(found.static.free), bool(possible), found.best.found.starts
-    )
+    numbers = numbers_told(regression, model, found, left)
+    return Confirmed(candidate, model, values, chi2, gain, left, numbers, bool(possible), found.best.found.starts)
 
 
 def is_possible(model: Model, values: np.ndarray, effect: AbstractEffect, scales: DataScales) -> bool:

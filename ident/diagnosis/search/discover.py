@@ -366,7 +366,7 @@ def _in_order(tried: list[Confirmed], regression: Regression) -> list[Confirmed]
     weighed = dict(zip((found.candidate.name for found in tried), criteria(tried), strict=True))
     order = sorted(tried, key=lambda found: weighed[found.candidate.name])
     limit = order[0].chi2 + laws_differ_by(regression, order[0].chi2) if order else 0.0
-    near = sorted((found for found in order if found.chi2 <= limit), key=lambda found: found.model.numbers)
+    near = sorted((found for found in order if found.chi2 <= limit), key=lambda found: round(found.numbers))
     order = near + [found for found in order if found.chi2 > limit]
     if not order:
         return []
