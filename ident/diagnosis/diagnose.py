@@ -187,7 +187,8 @@ def diagnose(
         found = replace(found, steps=(*found.steps, step) if kept else (step,))
         if kept and (by_itself := _by_itself(found, regression, report)) is not None:
             found = replace(found, steps=(step._replace(fit=by_itself),))
-    return replace(answer(beyond.unknown, beyond.path), discovery=found)
+        suspects = judged_again(suspects, found.final, report)  # the law that they had lacked may have made them so
+    return replace(answer(beyond.unknown, beyond.path), discovery=found, suspects=suspects)
 
 
 def _apart(
