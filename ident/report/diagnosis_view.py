@@ -60,7 +60,10 @@ def _verdict_words(found: Diagnosis) -> str:
             f"Nothing is named, {error}: no law explains what the model leaves; it may be noise, or how records begin."
         )
     if loop.verdict == "ambiguous" and not loop.lacking and not any(len(s.tie_set) > 1 for s in named):
-        return f"On the fitted records {names}{refined} {'is' if one else 'are'} what was missing, {error}."
+        seen = "On the fitted records"
+        if any(trace.differs for trace in final.campaign.traces):
+            seen = "Beside a number of its own for each record"
+        return f"{seen} {names}{refined} {'is' if one else 'are'} what was missing, {error}."
     if loop.verdict == "identified" and adequate(loop.regression):
         return f"Missing {was} {names}{refined}: with {them} the model is adequate, {error}."
     if loop.verdict == "identified":

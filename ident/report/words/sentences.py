@@ -54,7 +54,7 @@ def verdict(fit: Fit) -> str:
         text = f"{model} does not describe {records}: the error is {ratio_text(ratio)} times the noise floor"
         text += f" (worst in {worst.name}, {ratio_text(worst.error_over_noise)})." if n > 1 else "."
         text += " Something is missing from it; `ident diagnose` looks for it."
-    text += _heldout(fit) + _not_counted(fit)
+    text += _differing(fit) + _heldout(fit) + _not_counted(fit)
     if ratio <= GOOD:
         fitted = [e for e in fit.estimates if e.fitted]
         known = sum(not e.flags for e in fitted)
@@ -70,6 +70,20 @@ def _not_counted(fit: Fit) -> str:
     return f" Samples that clipped or are missing were not counted, {share}: there nothing judges the model."
 
 
+def _differing(fit: Fit) -> str:
+    """What is another number in every record, if there is such a one."""
+    traces = fit.campaign.traces
+    if not any(trace.differs for trace in traces):
+        return ""
+    stiffer, scale = [trace.stiffer for trace in traces], [1 / trace.rescaled for trace in traces]
+    # A resonance moves by half of what its spring does.
+    what, apart = ("resonance", np.ptp(stiffer) / 2) if any(stiffer) else ("sensitivity", np.ptp(scale))
+    return (
+        f" Each record, held-out ones too, has a {what} of its own in this, up to {100 * apart:.2g} % apart: one "
+        "device for all of them does not reach so far."
+    )
+
+
 def _heldout(fit: Fit) -> str:
     if fit.holdout is None:
         return " No record was held out, so nothing shows how well it predicts."
@@ -77,7 +91,8 @@ def _heldout(fit: Fit) -> str:
     number = ratio_text(ratio)
     if ratio <= max(GOOD, 1.1 * fit.fitted.error_over_noise):
         as_well = "to the noise floor too" if ratio <= GOOD else "no worse"
-        return f" Held-out records, which it has never seen, are predicted {as_well} ({number})."
+        seen = "but for that number it has" if any(t.differs for t in fit.campaign.traces) else "it has"
+        return f" Held-out records, which {seen} never seen, are predicted {as_well} ({number})."
     worst = max((s for s in fit.scores if s.holdout), key=lambda s: s.error_over_noise)
     expected = expected_error(fit) if fit.fitted.error_over_noise <= GOOD else math.inf
     why = "so the model does not carry over to them."
