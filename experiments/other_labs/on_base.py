@@ -52,7 +52,7 @@ def seat(lab: Lab, rng: np.random.Generator) -> None:
 
 
 @device()
-def shaker(lab: Lab, rng: np.random.Generator) -> None:
+def shaking_table(lab: Lab, rng: np.random.Generator) -> None:
     """Nothing hidden; the table's own sensor in V, and the body in mm."""
     f = 9 * rng.uniform(0.9, 1.1)
     t = np.arange(2000) / (40 * f)
