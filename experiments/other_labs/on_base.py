@@ -30,10 +30,10 @@ def carried(f: float, quality: float, height: CubicSpline, law: Callable | None 
 
 @device("cubic-stiffness")
 def car(lab: Lab, rng: np.random.Generator) -> None:
-    """A spring that stiffens by half over 30 mm, road and body in mm."""
+    """A spring whose force is half as large again at 30 mm, road and body in mm."""
     f = 1.4 * rng.uniform(0.9, 1.1)
     t, w2 = np.arange(2000) / (40 * f), (2 * np.pi * f) ** 2
-    for i, size in enumerate([0.01, 0.02, 0.035, 0.028]):
+    for i, size in enumerate([0.006, 0.012, 0.02, 0.016]):
         u = road(rng, size, f, t[-1])
         z = solve(carried(f, 1.6, u, lambda z, v: -0.5 * w2 * z**3 / 0.03**2), t, [0, 0])[0]
         lab.write(f"road{i}", "t (s),road (mm),body (mm)", t, 1e3 * u(t), 1e3 * z, held=i == 3)
@@ -52,7 +52,7 @@ def seat(lab: Lab, rng: np.random.Generator) -> None:
 
 
 @device()
-def shaker(lab: Lab, rng: np.random.Generator) -> None:
+def shaking_table(lab: Lab, rng: np.random.Generator) -> None:
     """Nothing hidden; the table's own sensor in V, and the body in mm."""
     f = 9 * rng.uniform(0.9, 1.1)
     t = np.arange(2000) / (40 * f)

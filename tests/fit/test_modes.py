@@ -66,10 +66,9 @@ def test_the_campaign_may_say_how_many_there_are():
     assert start_model(Campaign("wing", records, Oscillator(), effects=("second-mode",))).names == ("second-mode",)
 
 
-def test_modes_that_no_record_can_tell_are_refused():
-    still = replace(record(1), drive=np.zeros(N))
-    with pytest.raises(UserError, match="with their drive"):
-        start_model(Campaign("decay", (still,), Oscillator(), modes=2))
+def test_modes_of_a_form_that_has_none_are_refused():
+    with pytest.raises(UserError, match="modes = 2 needs"):
+        choose_linear([record(1)], "no-spring", modes=2)
 
 
 def test_one_mode_in_noise_stays_one():

@@ -25,8 +25,9 @@ from .rows import Kind, fitted, solve
 from .stretches import Stretch
 
 _EDGES = (-0.5, 0.0, 1.0)  # where searches for the edges begin: measured, on the samples, one late
-_EARLIEST, _LATEST = -1.0, 2.0  # beyond, it is no matter of edges
+_EARLIEST, _LATEST = -1.0, 2.0  # no sample shows what is to come; and what is later is a lag, and no matter of edges
 _NEAR = 0.01
+_NEARBY = 8.0  # times the frequency, quality or decay time beside a smooth drive: so far the search may go
 _STEPS = (0.01, 0.1, 0.2)  # first steps in ln of frequency and quality, or of a decay time, and of the edge
 
 
@@ -37,6 +38,8 @@ def held(stretches: Sequence[Stretch], one: Candidate, free: Sequence[bool], jum
     """
     form = FORMS[one.form]
     kind, start = Kind(one.form, one.level, form), np.log(form.point(one.first, one.second))
+    low = np.log(np.maximum(form.least, np.exp(start) / _NEARBY))
+    high = np.log(np.minimum(form.most, np.exp(start) * _NEARBY))
 
     def best(starts: Sequence[float]) -> Candidate:
         trials = []
@@ -46,21 +49,21 @@ def held(stretches: Sequence[Stretch], one: Candidate, free: Sequence[bool], jum
             kept = lambda x, edge=edge, fixed=fixed: with_edge(stretches, free, edge if fixed else float(x[-1]))
             misfit = lambda x, kept=kept: solve(kept(x), kind, np.exp(x[: len(start)]))[0]
             steps = np.diag([*_STEPS[: len(start)], *([] if fixed else [_STEPS[-1]])])
-            bounds = [(None, None)] * len(start) + ([] if fixed else [(_EARLIEST, _LATEST)])
+            bounds = [*zip(low, high, strict=True), *([] if fixed else [(_EARLIEST, _LATEST)])]
             found = optimize.minimize(
                 misfit, at, method="Nelder-Mead", bounds=bounds,
                 options={"initial_simplex": np.vstack([at, at + steps]), "xatol": 1e-4, "fatol": 1e-9, "maxiter": 150},
             )  # fmt: skip
             trials.append((float(found.fun), tuple(found.x), edge if fixed else float(found.x[-1])))
         _, x, edge = min(trials)
-        point = np.clip(np.exp(x[: len(start)]), form.least, form.most)
+        point = form.told(np.exp(np.array(x[: len(start)])), stretches)
         there = fitted(with_edge(stretches, free, edge), kind, point)
         return there._replace(edge=edge, numbers=there.numbers + (len(starts) > 1))
 
     if not jumping:
         return [best([0.0])]
     found = best(_EDGES)
-    between = found.edge is not None and _EARLIEST + _NEAR < found.edge < _LATEST - _NEAR
+    between = found.edge is not None and found.edge < _LATEST - _NEAR
     return [best([0.0]), found] if between else []
 
 

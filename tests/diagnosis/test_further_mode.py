@@ -1,0 +1,44 @@
+"""A mode of a decay that a bent line hid, asked for beside the effect that bends it."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from ident.campaign.campaign import Campaign
+from ident.campaign.device import Oscillator
+from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.diagnosis.linearised.regression import prepare
+from ident.diagnosis.search.further_mode import with_its_mode
+from ident.effects.library.quadratic_damping import QuadraticDamping
+from ident.fit import fit
+from ident.model import Model
+
+ONE, F, STEP, NOISE = Channel("V", 1.0), 23.0, 1 / 1400.0, 0.005
+
+
+def decays(second: float) -> Campaign:
+    """Two decays with drag, and with a second mode of some size relative to the first."""
+    w, t, rng, records = 2 * np.pi * F, STEP * np.arange(2500), np.random.default_rng(8), []
+    for size in (1.0, 0.5):
+        rates = lambda _, y: (y[1], -w * w * y[0] - w / 120 * y[1] - 0.02 * abs(y[1]) * y[1])
+        z = solve_ivp(rates, (0, t[-1]), (size, 0.0), "DOP853", t, rtol=1e-9, atol=1e-12).y[0]
+        z = z + second * size * np.exp(-np.pi * 144 / 90 * t) * np.cos(2 * np.pi * 144 * t + size)
+        noisy = z + NOISE * rng.standard_normal(len(t))
+        records.append(Trace(f"{size}", t, 0 * t, noisy, ONE, ONE, NoiseFloor(NOISE), "unknown"))
+    return Campaign("beam", tuple(records), Oscillator("V", "V"))
+
+
+def test_it_is_found_beside_the_effect_that_hid_it():
+    campaign = decays(0.05)
+    found = fit(Model(campaign.device) + QuadraticDamping(), campaign)
+    more, _ = with_its_mode(found, prepare(found), lambda _: None)
+    assert more.model.names == ("quadratic-damping", "second-mode")
+    assert abs(more.fitted.error_over_noise - 1) < 0.05 < found.fitted.error_over_noise - 1
+    assert abs(more["second-mode.period"].value * 144 - 1) < 0.01
+
+
+def test_noise_is_no_mode():
+    campaign = decays(0.0)
+    found = fit(Model(campaign.device) + QuadraticDamping(), campaign)
+    assert with_its_mode(found, prepare(found), lambda _: None)[0] is found
