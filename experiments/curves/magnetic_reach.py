@@ -181,7 +181,7 @@ def _of_the_decay() -> None:
     with (public_data.data_folder("magnetic_oscillator") / "frid_decay.csv").open(encoding="utf-8") as file:
         time, strain = np.array([[float(row["t_s"]), float(row["strain0_V"])] for row in csv.DictReader(file)]).T
     band = butter(4, (25.0, 45.0), "bandpass", fs=1 / float(np.median(np.diff(time))), output="sos")
-    seen = hilbert(sosfiltfilt(band, strain))
+    seen = np.asarray(hilbert(sosfiltfilt(band, strain)))
     told = []
     for after in (FAST, SLOW):
         own = (time > FALLING + after[0]) & (time < FALLING + after[1])
