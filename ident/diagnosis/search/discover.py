@@ -10,6 +10,7 @@ sure: with the true effect absent from the library an impostor still lowers the 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ import numpy as np
 from ...campaign.campaign import Campaign
 from ...fit import Fit, fit
 from ...fit.start_score import taken_by_starts
-from ...model import Model
+from ...model import QUALITY, Model
 from ..evidence.coloured_noise import behind_in_colour
 from ..evidence.criterion import VERY_STRONG, behind, criteria
 from ..evidence.enough import (
@@ -85,8 +86,11 @@ def continue_from(
     steps, look = _gone_before(walked, look)
 
     def with_drive(campaign: Campaign) -> Discovery:
-        again = Walked(fit(start.model, campaign, initial=start.values))
-        return continue_from(again, library, report, most, keep, revised=revised - 1)
+        again = fit(start.model, campaign, initial=start.values)
+        if again.model.form == "oscillator" and "at-bound" in again.estimates[QUALITY].flags:
+            # It had rung only to follow a drive that came at another time.
+            again = fit(replace(start.model, form="overdamped"), campaign, initial=again.values)
+        return continue_from(Walked(again), library, report, most, keep, revised=revised - 1)
 
     if revised == _DRIVES and not steps and look.worth_it and look.real:
         rival = max(promised(c, look.regression) for c in look.real)
