@@ -54,7 +54,7 @@ def verdict(fit: Fit) -> str:
         text = f"{model} does not describe {records}: the error is {ratio_text(ratio)} times the noise floor"
         text += f" (worst in {worst.name}, {ratio_text(worst.error_over_noise)})." if n > 1 else "."
         text += " Something is missing from it; `ident diagnose` looks for it."
-    text += _differing(fit) + _heldout(fit) + _not_counted(fit)
+    text += _held(fit) + _differing(fit) + _heldout(fit) + _not_counted(fit)
     if ratio <= GOOD:
         fitted = [e for e in fit.estimates if e.fitted]
         known = sum(not e.flags for e in fitted)
@@ -68,6 +68,16 @@ def _not_counted(fit: Fit) -> str:
         return ""
     share = listed([f"{np.mean(masked):.1%} of {name}" for name, masked in clipped])
     return f" Samples that clipped or are missing were not counted, {share}: there nothing judges the model."
+
+
+def _held(fit: Fit) -> str:
+    """How the drive ran between its samples, where the records have told it to be no smooth curve."""
+    edges = {r.edge for r in fit.campaign.traces if r.between == "auto" and r.edge is not None}
+    if not edges:
+        return ""
+    apart = max(edges, key=abs)
+    when = "" if round(apart, 1) == 0 else f", and acts {abs(apart):.2g} samples {'late' if apart > 0 else 'early'}"
+    return f" The drive is held between its samples{when}: so the records ask, and the campaign does not say."
 
 
 def _differing(fit: Fit) -> str:
