@@ -15,7 +15,7 @@ from ident.model import Model
 def test_more_numbers_that_tell_no_more_replace_no_name() -> None:
     """A loudspeaker's stiffening suspension and losses had left 5.79 noise floors, and a formula of thirteen numbers
     that left 5.77 took their place: "no effect of the library helps"."""
-    case = draw(41, ("cubic-stiffness",), size=0.05, noise=0.004, records=4, length=700)
+    case = draw(41, ("cubic-stiffness",), size=0.05, noise=0.004, records=4, length=700, detail="plain")
     campaign, library = campaign_of(case), built_in()
     start = Model(campaign.device)
     named = fit(start + library["cubic-stiffness"](), campaign)

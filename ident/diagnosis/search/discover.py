@@ -10,7 +10,6 @@ sure: with the true effect absent from the library an impostor still lowers the 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -18,7 +17,7 @@ import numpy as np
 from ...campaign.campaign import Campaign
 from ...fit import Fit, fit
 from ...fit.start_score import taken_by_starts
-from ...model import QUALITY, Model
+from ...model import Model
 from ..evidence.coloured_noise import behind_in_colour
 from ..evidence.criterion import VERY_STRONG, behind, criteria
 from ..evidence.enough import (
@@ -43,6 +42,7 @@ from .constant import with_its_constant
 from .drive import other_drive
 from .further_mode import with_its_mode
 from .lacking import lacking
+from .once_more import begun_with, drive_beside, lower_start
 from .parts import Parts
 from .prune import Pruned, confirmed, hurts, prune
 from .steps import Discovery, Step, Verdict, Walked
@@ -85,17 +85,13 @@ def continue_from(
     ranking = tuple(look.candidates) if look.worth_it else ()
     steps, look = _gone_before(walked, look)
 
-    def with_drive(campaign: Campaign) -> Discovery:
-        again = fit(start.model, campaign, initial=start.values)
-        if again.model.form == "oscillator" and "at-bound" in again.estimates[QUALITY].flags:
-            # It had rung only to follow a drive that came at another time.
-            again = fit(replace(start.model, form="overdamped"), campaign, initial=again.values)
-        return continue_from(Walked(again), library, report, most, keep, revised=revised - 1)
+    def once_more(start: Fit) -> Discovery:
+        return continue_from(Walked(start), library, report, most, keep, revised=revised - 1)
 
-    if revised == _DRIVES and not steps and look.worth_it and look.real:
+    if revised and not steps and look.worth_it and look.real:
         rival = max(promised(c, look.regression) for c in look.real)
         if (other := other_drive(start, look.regression, report, rival)) is not None:
-            return with_drive(other)
+            return once_more(begun_with(start, other))
     current = steps[-1].fit if steps else start
     while look.worth_it and look.real and len(steps) < most:
         alone = not_worth_adding(look.regression, max(promised(c, look.regression) for c in look.real), first)
@@ -115,10 +111,12 @@ def continue_from(
         current, regression = with_its_constant(steps[-1].fit, regression, library, report)
         current, regression = with_its_mode(current, regression, report)
         steps[-1] = steps[-1]._replace(fit=current)
-        if revised and (other := _drive_beside(more, current, regression, report)) is not None:
-            return with_drive(other)
+        if revised and (other := drive_beside(more, current, regression, report)) is not None:
+            return once_more(begun_with(start, other))
         look = Look(regression, first, library, report)
         keep(Walked(start, tuple(steps), gains))
+    if revised and steps and (lower := lower_start(start, current, report)) is not None:
+        return once_more(lower)
     regression, candidates = look.regression, look.candidates
     steps = _without_refuted(start, steps, regression)
     alike: tuple[Parts, ...] = ()
@@ -139,20 +137,6 @@ def continue_from(
     lacks = lacking(_after_effects(steps, regression), first, report) if steps else 0.0
     verdict = _verdict(steps, regression, first, lacks, contradicted(steps[-1].fit if steps else start))
     return Discovery(verdict, start, tuple(steps), ranking, gains, remaining, regression, lacks)
-
-
-def _drive_beside(more: list[Step], current: Fit, regression: Regression, report: Report) -> Campaign | None:
-    """The campaign with another drive between the samples, if the records ask for it beside what was added; beside the
-    first of two, too, for the second may be its lag."""
-    if len(more) > 1:
-        try:
-            first = more[0].fit
-            other = other_drive(first, prepare(working(first)), report)
-        except Diverged:
-            other = None
-        if other is not None:
-            return other
-    return other_drive(current, regression, report)
 
 
 def _starts_say_more(before: Fit, after: Fit) -> bool:

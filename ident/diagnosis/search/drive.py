@@ -28,6 +28,7 @@ from ..linearised.shorten import CRAWLS
 from ..linearised.trajectory import Diverged
 
 _EDGES = np.arange(-1.0, 2.01, 0.25)  # of drives that jump, in sampling intervals; between them a parabola tells
+_CLOSER = (0.25, 0.1, 0.05)  # sampling intervals between the three through which it is drawn
 
 
 def other_drive(fitted: Fit, regression: Regression, report: Report, rival: float = 0.0) -> Campaign | None:
@@ -45,6 +46,8 @@ def other_drive(fitted: Fit, regression: Regression, report: Report, rival: floa
     if jumping:
         found = _left_with(regression, list(_EDGES))
         edges.append(_refined(regression, float(_EDGES[np.argmin([float(x @ x) for x in found])])))
+        if now is not None:  # found beside what has been missing, and perhaps bent by it
+            edges.append(_refined(regression, now))
     edges = [e for e in edges if e != now]
     left = _left_with(regression, edges)
     numbers = lambda edge: regression.numbers + (edge not in (None, 0.0))
@@ -94,8 +97,9 @@ def _left_with(regression: Regression, edges: Sequence[float | None]) -> list[np
 
 
 def _refined(regression: Regression, edge: float) -> float:
-    """The edge that leaves least, by the parabola through three."""
-    spacing = float(_EDGES[1] - _EDGES[0])
-    low, middle, high = (float(x @ x) for x in _left_with(regression, [edge - spacing, edge, edge + spacing]))
-    bend = low - 2 * middle + high
-    return edge + (0.5 * spacing * (low - high) / bend if bend > 0 else 0.0)
+    """The edge that leaves least: by the parabola through three, and through three that lie closer there."""
+    for spacing in _CLOSER:
+        low, middle, high = (float(x @ x) for x in _left_with(regression, [edge - spacing, edge, edge + spacing]))
+        bend = low - 2 * middle + high
+        edge += 0.5 * spacing * (low - high) / bend if bend > 0 else 0.0
+    return edge

@@ -1,0 +1,60 @@
+"""Where a walk begins again: with another drive between the samples, or from a better minimum of its first model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from ...campaign.campaign import Campaign
+from ...fit import Fit, fit
+from ...model import QUALITY
+from ..evidence.criterion import VERY_STRONG, behind
+from ..linearised.regression import Regression, prepare
+from ..linearised.shorten import is_long, working
+from ..linearised.trajectory import Diverged
+from .drive import other_drive
+from .steps import Step
+
+Report = Callable[[str], None]
+
+
+def begun_with(start: Fit, campaign: Campaign) -> Fit:
+    """The first model on a campaign whose drives run otherwise between their samples; one that had rung only to follow
+    a drive that came at another time is overdamped."""
+    again = fit(start.model, campaign, initial=start.values)
+    if again.model.form != "oscillator" or "at-bound" not in again.estimates[QUALITY].flags:
+        return again
+    return fit(replace(start.model, form="overdamped"), campaign, initial=again.values)
+
+
+def lower_start(start: Fit, last: Fit, report: Report) -> Fit | None:
+    """The fit of the first model from where a walk has taken its numbers, if that is a clearly lower minimum than the
+    one from which the walk began: a name may owe all that it gained to the way there."""
+    if is_long(start.campaign) or start.campaign.sweeps:
+        return None
+    found = dict(zip((p.name for p in last.model.parameters), last.values, strict=True))
+    initial = np.array([found.get(p.name, v) for p, v in zip(start.model.parameters, start.values, strict=True)])
+    try:
+        lower = fit(start.model, start.campaign, initial=initial)
+    except (FloatingPointError, np.linalg.LinAlgError):
+        return None
+    if not behind(prepare(working(lower)), prepare(working(start))) < -VERY_STRONG:
+        return None
+    report("the first model has a better minimum: once more, from there")
+    return lower
+
+
+def drive_beside(more: list[Step], current: Fit, regression: Regression, report: Report) -> Campaign | None:
+    """The campaign with another drive between the samples, if the records ask for it beside what was added; beside the
+    first of two, too, for the second may be its lag."""
+    if len(more) > 1:
+        try:
+            first = more[0].fit
+            other = other_drive(first, prepare(working(first)), report)
+        except Diverged:
+            other = None
+        if other is not None:
+            return other
+    return other_drive(current, regression, report)
