@@ -179,7 +179,7 @@ def diagnose(
         nothing = replace(found, verdict="ambiguous", lacking=0.0)
         return replace(answer(followed_noise(beyond.unknown, gain)), discovery=nothing)
     better = after < found.final.fitted.error_over_noise and (
-        kept or not found.steps or _says_more(found.final, beyond.fit)
+        kept or not found.steps or (beyond.unknown.told and _says_more(found.final, beyond.fit))
     )
     if better and not hurts(last, beyond.fit):  # what bends to the fitted records alone is written, but not kept
         name = beyond.fit.model.names[-1]

@@ -75,6 +75,12 @@ class Unknown:
         }
 
     @property
+    def told(self) -> bool:
+        """Whether a short formula says it, or at least no other coordinates explain the same: else it is one of many
+        descriptions, and no law."""
+        return (self.formula is not None and self.formula.complete) or not self.alike
+
+    @property
     def dimension(self) -> int:
         """How many coordinates it supposes."""
         return dimension(self.coordinates)
