@@ -71,34 +71,34 @@ def differing(fitted: Fit, kinds: tuple[Kind, ...] = ("stiffness", "sensitivity"
     does; None if it does not."""
     if len(fitted.campaign.fitted) < _FEWEST or fitted.campaign.fitted_sweeps or fitted.model.form != "oscillator":
         return None
-    found = [one for kind in kinds if (one := _found(fitted, kind)) is not None]
     more = len(fitted.campaign.fitted) - 1
-    weigh = lambda one: Left(prepare(working(one.fit)).left, one.fit.freedom + more)
-    before = prepare(working(fitted))
-    better = [one for one in found if behind(weigh(one), Left(before.left, fitted.freedom)) < -VERY_STRONG]
-    return better[int(np.argmin(criteria([weigh(one) for one in better])))] if better else None
+    weigh = lambda fit, more: Left(prepare(working(fit)).left, fit.freedom + more)
+    try:
+        before = weigh(fitted, 0)
+        found = [(one, weigh(one.fit, more)) for kind in kinds if (one := _found(fitted, kind)) is not None]
+    except (Diverged, np.linalg.LinAlgError):  # a motion without bound tells nothing
+        return None
+    better = [(one, left) for one, left in found if behind(left, before) < -VERY_STRONG]
+    return better[int(np.argmin(criteria([left for _, left in better])))][0] if better else None
 
 
 def _found(fitted: Fit, kind: Kind) -> Differing | None:
     campaign, now = fitted.campaign, fitted
     inside = [i for i, trace in enumerate(campaign.traces) if not trace.holdout]
     sizes, errors = np.zeros((2, len(campaign.traces)))
-    try:
-        for _ in range(_ROUNDS):
-            regression = prepare(working(now))
-            rows = np.zeros((len(inside), regression.trajectories.tape.samples))
-            for row, trace, own in zip(rows, now.campaign.fitted, regression.trajectories.tape.slices, strict=True):
-                row[own] = _slope(now, trace, kind)
-            solved = regress(regression.project(by_record(regression, rows)), regression.residual)
-            step, spread = solved.coefficients, solved.spread
-            step, spread = step - np.mean(step), spread - np.mean(spread, axis=0)  # what all share is the device's
-            errors[inside] = np.linalg.norm(spread, axis=1) * np.sqrt(max(regression.chi2 / regression.n, 1.0))
-            sizes[inside] += step
-            now = fit(fitted.model, _with(campaign, kind, sizes), initial=now.values)
-            if np.all(np.abs(step) < _SETTLED * errors[inside]):
-                break
-    except (Diverged, np.linalg.LinAlgError):
-        return None
+    for _ in range(_ROUNDS):
+        regression = prepare(working(now))
+        rows = np.zeros((len(inside), regression.trajectories.tape.samples))
+        for row, trace, own in zip(rows, now.campaign.fitted, regression.trajectories.tape.slices, strict=True):
+            row[own] = _slope(now, trace, kind)
+        solved = regress(regression.project(by_record(regression, rows)), regression.residual)
+        step, spread = solved.coefficients, solved.spread
+        step, spread = step - np.mean(step), spread - np.mean(spread, axis=0)  # what all share is the device's
+        errors[inside] = np.linalg.norm(spread, axis=1) * np.sqrt(max(regression.chi2 / regression.n, 1.0))
+        sizes[inside] += step
+        now = fit(fitted.model, _with(campaign, kind, sizes), initial=now.values)
+        if np.all(np.abs(step) < _SETTLED * errors[inside]):
+            break
     for i, trace in enumerate(campaign.traces):
         if trace.holdout:
             sizes[i], errors[i] = _by_itself(now, trace, kind)
@@ -122,6 +122,8 @@ def _by_itself(now: Fit, trace: Trace, kind: Kind) -> tuple[float, float]:
         left = (own.response - read(now.model, now.values, [own])[0])[own.counted] / own.noise.sigma
         slope = _slope(now, own, kind)[own.counted] / own.noise.sigma
         weight = float(slope @ slope)
+        if not weight > 0:  # it does not move
+            return 0.0, np.inf
         size, error = size + float(slope @ left) / weight, 1 / np.sqrt(weight)
     return size, error
 

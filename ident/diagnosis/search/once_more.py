@@ -38,9 +38,9 @@ def lower_start(start: Fit, last: Fit, report: Report) -> Fit | None:
     initial = np.array([found.get(p.name, v) for p, v in zip(start.model.parameters, start.values, strict=True)])
     try:
         lower = fit(start.model, start.campaign, initial=initial)
-    except (FloatingPointError, np.linalg.LinAlgError):
-        return None
-    if not behind(prepare(working(lower)), prepare(working(start))) < -VERY_STRONG:
+        if not behind(prepare(working(lower)), prepare(working(start))) < -VERY_STRONG:
+            return None
+    except (Diverged, FloatingPointError, np.linalg.LinAlgError):  # from there the motion has no bound
         return None
     report("the first model has a better minimum: once more, from there")
     return lower
