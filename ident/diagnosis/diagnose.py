@@ -18,22 +18,18 @@ from ..fit.floors import sharpened
 from ..fit.start_score import mostly_starts
 from ..pulse import Report
 from ..threads import one_thread
-from .evidence.criterion import VERY_STRONG, behind
-from .evidence.enough import adequate, superfluous, worth_a_name
+from .evidence.enough import adequate
 from .faulty.between import differing
 from .faulty.suspects import BY_OTHERS, find_suspects, judged_again
 from .linearised.regression import Regression, prepare
 from .linearised.shorten import is_long, working
-from .linearised.trajectory import Diverged
 from .next_record.experiments import NextExperiment, next_experiments, rank_experiments
-from .ranking.look import BROKEN, first_look
-from .search.beyond import alone, free_name, go_beyond
+from .ranking.look import first_look
 from .search.discover import Keep, continue_from
-from .search.prune import confirmed, hurts
-from .search.steps import Discovery, Step, Verdict, Walked
+from .search.steps import Discovery, Verdict, Walked
 from .search.ties import Unseen, unseen
-from .unknown.effect_file import write_effect
-from .unknown.find import Unknown, find_unknown, followed_noise
+from .search.written import AS_WELL, beyond_library
+from .unknown.find import Unknown, find_unknown
 from .where.locate import Where, locate
 from .where.words import summary
 
@@ -41,8 +37,6 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 _EXPERIMENTS = 3
-_NEARLY = 0.05  # of the first misfit: if named effects leave less, they are kept and the rest is looked for
-_AS_WELL = 1.1  # of χ² per sample: what is left counts as no more, a twentieth of an error bar
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,44 +145,17 @@ def diagnose(
         found = replace(found, verdict="ambiguous")
     if found.verdict == "not-in-library" and mostly_starts(found.final):
         found = replace(found, verdict="ambiguous", lacking=0.0)  # what is left may be no physics at all
-    answer = partial(Diagnosis, found, where, unseen=unseen(regression, found.ranking, library), suspects=suspects)
+    answer = partial(Diagnosis, where=where, unseen=unseen(regression, found.ranking, library), suspects=suspects)
     if not fitted.campaign.fitted:
-        return answer()  # what a curve lacks beyond the library, and the next record, only traces tell
-    if found.verdict != "not-in-library":
-        unknown = _instead(regression, report) if found.lacking else None
-        return answer(unknown, next_experiments=measure_next(found, library, report))
-    if not found.steps and adequate(found.regression):
-        return answer()  # the fitted records lack nothing: it is the held-out ones that contradict
-    if effect_file is None:
-        return answer(_instead(regression, report))
-    kept = keeps_walk and _nearly_explained(found)
-    base, unknown = _lacked(found, regression, report) if kept else (regression, _instead(regression, report))
-    if unknown.written is None:
-        return answer(unknown)
-    kept = base is found.regression
-    last = found.final if kept else fitted
-    if kept and is_long(fitted.campaign):  # a refit of many terms to long records takes longer than the walk
-        write_effect(unknown, effect_file, free_name(last))
-        return answer(unknown, effect_file)
-    beyond = go_beyond(last, base, unknown, effect_file, report)
-    before, after = (one.fitted.error_over_noise for one in (last, beyond.fit))
-    gain = 1 - (after**2 - 1) / max(before**2 - 1, 1e-9)
-    helped = any(worth_a_name(kept * regression.excess, regression) for kept in found.confirmed.values())
-    if gain < BROKEN * beyond.unknown.share and not found.steps and not helped:
-        beyond.path.unlink()  # neither an effect of the library nor this one is there, once it is simulated
-        nothing = replace(found, verdict="ambiguous", lacking=0.0)
-        return replace(answer(followed_noise(beyond.unknown, gain)), discovery=nothing)
-    better = after < found.final.fitted.error_over_noise and (
-        kept or not found.steps or (beyond.unknown.told and _says_more(found.final, beyond.fit))
-    )
-    if better and not hurts(last, beyond.fit):  # what bends to the fitted records alone is written, but not kept
-        name = beyond.fit.model.names[-1]
-        step = Step(name, beyond.unknown.share, gain, (name,), "effect", beyond.fit)
-        found = replace(found, steps=(*found.steps, step) if kept else (step,))
-        if kept and (by_itself := _by_itself(found, regression, report)) is not None:
-            found = replace(found, steps=(step._replace(fit=by_itself),))
-        suspects = judged_again(suspects, found.final, report)  # the law that they had lacked may have made them so
-    return replace(answer(beyond.unknown, beyond.path), discovery=found, suspects=suspects)
+        return answer(found)  # what a curve lacks beyond the library, and the next record, only traces tell
+    written = beyond_library(found, regression, effect_file, keeps_walk, report)
+    answer = partial(answer, unknown=written.unknown, effect_file=written.path)
+    if written.discovery is not found and written.discovery.steps:
+        # The law that they had lacked may have made them suspects.
+        answer = partial(answer, suspects=judged_again(suspects, written.discovery.final, report))
+    if written.discovery.verdict == "not-in-library" or written.discovery is not found:
+        return answer(written.discovery)
+    return answer(found, next_experiments=measure_next(found, library, report))
 
 
 def _apart(
@@ -214,7 +181,7 @@ def _apart(
     if one is None:
         return None
     law = find_unknown(regression)
-    if law.formula is not None and law.dimension < 2 and law.chi2_after < _AS_WELL:
+    if law.formula is not None and law.dimension < 2 and law.chi2_after < AS_WELL:
         return None
     said = diagnose(one.begun(start), library, report, keep=keep)
     again = differing(fit(said.final.model, start.campaign, initial=said.final.values), (one.kind,))
@@ -227,53 +194,6 @@ def _apart(
     # An effect may be mistaken for what differs, as for what is faulty.
     sure = said.verdict == "identified"
     return replace(said, discovery=replace(said.discovery, verdict="ambiguous")) if sure else said
-
-
-def _nearly_explained(found: Discovery) -> bool:
-    """Whether named effects leave so little that the rest is looked for beside them, and not in their place."""
-    before, after = (fit.fitted.error_over_noise**2 - 1 for fit in (found.start, found.final))
-    return after < _NEARLY * before
-
-
-def _by_itself(found: Discovery, first: Regression, report: Report) -> Fit | None:
-    """The fit with the last step alone, where the named effects before it do no more beside it."""
-    names = [step.added for step in found.steps[:-1]]
-    if not names:
-        return None
-    report(f"does the model still need {' and '.join(names)}?")
-    without = alone(found.final, names)
-    try:
-        fine = superfluous(prepare(working(without)), prepare(working(found.final)), first)
-    except Diverged:  # without them the motion has no bound
-        return None
-    return without if fine else None
-
-
-def _says_more(named: Fit, written: Fit) -> bool:
-    """Whether what was written in the place of named effects is better than they are by the criterion, which counts its
-    numbers, and on records held out."""
-    try:
-        return behind(prepare(working(written)), prepare(working(named))) < -VERY_STRONG and confirmed(named, written)
-    except Diverged:  # a motion without bound says nothing
-        return False
-
-
-def _lacked(found: Discovery, start: Regression, report: Report) -> tuple[Regression, Unknown]:
-    """Where what the library lacks is looked for: beside the effects that were named; or in their place, where that
-    leaves less, for a wrong law may have taken the motion to where it forgets how it began."""
-    beside, instead = (_instead(regression, report) for regression in (found.regression, start))
-    said = beside.written is not None
-    if said and beside.chi2_after < _AS_WELL:
-        # One law of fewer coordinates that says everything is a shorter answer than names and another law.
-        alone = instead.written is not None and instead.chi2_after < _AS_WELL and instead.dimension < beside.dimension
-        return (start, instead) if alone else (found.regression, beside)
-    as_well = said and beside.chi2_after < _AS_WELL * instead.chi2_after
-    return (found.regression, beside) if as_well else (start, instead)
-
-
-def _instead(regression: Regression, report: Report) -> Unknown:
-    report("estimating what the library lacks, as a function of its coordinates")
-    return find_unknown(regression)
 
 
 def measure_next(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
-from ident.diagnosis.diagnose import _by_itself, _says_more
 from ident.diagnosis.linearised.regression import prepare
 from ident.diagnosis.search.steps import Discovery, Step
+from ident.diagnosis.search.written import _by_itself, _says_more
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.model import Model

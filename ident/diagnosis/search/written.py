@@ -1,0 +1,149 @@
+"""A law that no library has: looked for beside the names of a walk or in their place, written to a file, simulated, and
+kept if it says more than they do."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+from ...fit import Fit
+from ...pulse import Report
+from ..evidence.criterion import VERY_STRONG, behind
+from ..evidence.enough import adequate, superfluous, worth_a_name
+from ..linearised.regression import Regression, prepare
+from ..linearised.shorten import is_long, working
+from ..linearised.trajectory import Diverged
+from ..ranking.look import BROKEN
+from ..unknown.effect_file import write_effect
+from ..unknown.find import Unknown, find_unknown, followed_noise
+from .beyond import Beyond, alone, free_name, go_beyond
+from .prune import confirmed, hurts
+from .steps import Discovery, Step
+
+_NEARLY = 0.05  # of the first misfit: if named effects leave less, they are kept and the rest is looked for
+AS_WELL = 1.1  # of χ² per sample: what is left counts as no more, a twentieth of an error bar
+
+
+class Written(NamedTuple):
+    """The walk, with what was written if that was kept; what the library lacks, if anything; and the file with it."""
+
+    discovery: Discovery
+    unknown: Unknown | None = None
+    path: Path | None = None
+
+
+def beyond_library(
+    found: Discovery, start: Regression, path: Path | None, keeps_walk: bool, report: Report = lambda _: None
+) -> Written:
+    """What a walk lacks, written if `path` says where, and the walk with it.
+
+    **Arguments:** `start`: of the fit that the walk began with; `keeps_walk`: whether what was named is kept, if it
+    nearly explains the records, and what is written joins it.
+
+    **Raises:** UserError if the file exists.
+    """
+    if found.verdict != "not-in-library":
+        unknown = lacked_by(start, report) if found.lacking else None
+        if unknown is None or path is None or not (keeps_walk and _one_for_many(unknown, found)):
+            return Written(found, unknown)
+        beyond, gain = _simulated(found.start, start, unknown, path, report)
+        if not _says_more(found.final, beyond.fit):
+            beyond.path.unlink()
+            return Written(found, unknown)
+        step = _step(beyond, gain)
+        return Written(replace(found, steps=(step,), verdict="not-in-library"), beyond.unknown, beyond.path)
+    if not found.steps and adequate(found.regression):
+        return Written(found)  # the fitted records lack nothing: it is the held-out ones that contradict
+    if path is None:
+        return Written(found, lacked_by(start, report))
+    beside = keeps_walk and _nearly_explained(found)
+    base, unknown = _lacked(found, start, report) if beside else (start, lacked_by(start, report))
+    if unknown.written is None:
+        return Written(found, unknown)
+    beside = base is found.regression
+    last = found.final if beside else found.start
+    if beside and is_long(last.campaign):  # a refit of many terms to long records takes longer than the walk
+        write_effect(unknown, path, free_name(last))
+        return Written(found, unknown, path)
+    beyond, gain = _simulated(last, base, unknown, path, report)
+    helped = any(worth_a_name(kept * start.excess, start) for kept in found.confirmed.values())
+    if gain < BROKEN * beyond.unknown.share and not found.steps and not helped:
+        beyond.path.unlink()  # neither an effect of the library nor this one is there, once it is simulated
+        return Written(replace(found, verdict="ambiguous", lacking=0.0), followed_noise(beyond.unknown, gain))
+    better = beyond.fit.fitted.error_over_noise < found.final.fitted.error_over_noise and (
+        beside or not found.steps or (beyond.unknown.told and _says_more(found.final, beyond.fit))
+    )
+    if better and not hurts(last, beyond.fit):  # what bends to the fitted records alone is written, but not kept
+        step = _step(beyond, gain)
+        found = replace(found, steps=(*found.steps, step) if beside else (step,))
+        if beside and (by_itself := _by_itself(found, start, report)) is not None:
+            found = replace(found, steps=(step._replace(fit=by_itself),))
+    return Written(found, beyond.unknown, beyond.path)
+
+
+def lacked_by(regression: Regression, report: Report) -> Unknown:
+    """What a fit lacks, as a function of its coordinates."""
+    report("estimating what the library lacks, as a function of its coordinates")
+    return find_unknown(regression)
+
+
+def _lacked(found: Discovery, start: Regression, report: Report) -> tuple[Regression, Unknown]:
+    """Where what the library lacks is looked for: beside the effects that were named; or in their place, where that
+    leaves less, for a wrong law may have taken the motion to where it forgets how it began."""
+    beside, instead = (lacked_by(regression, report) for regression in (found.regression, start))
+    said = beside.written is not None
+    if said and beside.chi2_after < AS_WELL:
+        # One law of fewer coordinates that says everything is a shorter answer than names and another law.
+        shorter = instead.written is not None and instead.chi2_after < AS_WELL and instead.dimension < beside.dimension
+        return (start, instead) if shorter else (found.regression, beside)
+    as_well = said and beside.chi2_after < AS_WELL * instead.chi2_after
+    return (found.regression, beside) if as_well else (start, instead)
+
+
+def _one_for_many(unknown: Unknown, found: Discovery) -> bool:
+    """Whether one law of a single coordinate says everything that several names only come near to."""
+    formula = unknown.formula
+    says_it = formula is not None and formula.complete and unknown.dimension < 2 and unknown.chi2_after < AS_WELL
+    return says_it and len(found.steps) > 1 and not is_long(found.start.campaign)
+
+
+def _simulated(last: Fit, base: Regression, unknown: Unknown, path: Path, report: Report) -> tuple[Beyond, float]:
+    """The fit with what was written, and the share of the excess over noise that it removes."""
+    beyond = go_beyond(last, base, unknown, path, report)
+    before, after = (one.fitted.error_over_noise for one in (last, beyond.fit))
+    return beyond, 1 - (after**2 - 1) / max(before**2 - 1, 1e-9)
+
+
+def _step(beyond: Beyond, gain: float) -> Step:
+    name = beyond.fit.model.names[-1]
+    return Step(name, beyond.unknown.share, gain, (name,), "effect", beyond.fit)
+
+
+def _nearly_explained(found: Discovery) -> bool:
+    """Whether named effects leave so little that the rest is looked for beside them, and not in their place."""
+    before, after = (fit.fitted.error_over_noise**2 - 1 for fit in (found.start, found.final))
+    return after < _NEARLY * before
+
+
+def _by_itself(found: Discovery, first: Regression, report: Report) -> Fit | None:
+    """The fit with the last step alone, where the named effects before it do no more beside it."""
+    names = [step.added for step in found.steps[:-1]]
+    if not names:
+        return None
+    report(f"does the model still need {' and '.join(names)}?")
+    without = alone(found.final, names)
+    try:
+        fine = superfluous(prepare(working(without)), prepare(working(found.final)), first)
+    except Diverged:  # without them the motion has no bound
+        return None
+    return without if fine else None
+
+
+def _says_more(named: Fit, written: Fit) -> bool:
+    """Whether what was written in the place of named effects is better than they are by the criterion, which counts its
+    numbers, and on records held out."""
+    try:
+        return behind(prepare(working(written)), prepare(working(named))) < -VERY_STRONG and confirmed(named, written)
+    except Diverged:  # a motion without bound says nothing
+        return False
