@@ -66,7 +66,8 @@ class Trace:
     - `outliers`: samples of the file that left the curve; in `response` the curve takes their place.
     - `masked`: (n,) whether a sample says nothing, as where the response sticks to the limit of a range; none if None.
     - `rescaled`: times what was measured the response is, where records differ in the sensitivity of the sensor;
-      `stiffer`: the share by which the device's own spring is so here, where they differ in that.
+      `stiffer`: the share by which the device's own spring is so here, where they differ in that; `late`: samples by
+      which the response came later than that of the others, where they differ in that, which is taken out.
     - `stuck`: share of the samples that stick to a limit; others that say nothing are missing.
     - `measures`: what the response is; m stands for m/s or m/s² where it is no displacement.
     - `between`: what the campaign says of the drive between its samples; `edge`: None if it is a smooth curve, else it
@@ -93,13 +94,14 @@ class Trace:
     stuck: float = 0.0
     rescaled: float = 1.0
     stiffer: float = 0.0
+    late: float = 0.0
     between: Between = "auto"
     edge: float | None = None
 
     @property
     def differs(self) -> bool:
         """Whether it is known to differ from the others."""
-        return self.rescaled != 1.0 or self.stiffer != 0.0
+        return self.rescaled != 1.0 or self.stiffer != 0.0 or self.late != 0.0
 
     @property
     def counted(self) -> np.ndarray:

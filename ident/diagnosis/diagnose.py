@@ -18,11 +18,12 @@ from ..fit.floors import sharpened
 from ..fit.start_score import mostly_starts
 from ..pulse import Report
 from ..threads import one_thread
+from .apart import apart_after, apart_before
 from .evidence.enough import adequate
-from .faulty.between import differing
+from .faulty.between import Differing, differing
 from .faulty.suspects import BY_OTHERS, find_suspects, judged_again
 from .linearised.regression import Regression, prepare
-from .linearised.shorten import is_long, working
+from .linearised.shorten import working
 from .next_record.experiments import NextExperiment, next_experiments, rank_experiments
 from .ranking.look import first_look
 from .search.discover import Keep, continue_from
@@ -128,18 +129,19 @@ def diagnose(
     if any(suspect.first for suspect in suspects):
         nothing = Discovery("ambiguous", fitted, (), (), {}, (), regression)
         return Diagnosis(nothing, where, suspects=suspects)
+    before = None if walked.steps else apart_before(look, report)
+    if before is not None and (said := _read_apart(before, regression, library, report, keep)) is not None:
+        return said
     found = continue_from(walked, library, report, keep=keep, look=look)
     sharper = sharpened(found.final)
     if sharper is not None:
         report("what the last model leaves tells the noise floors better: once more, with these")
         again = Walked(fit(fitted.model, sharper, initial=fitted.values))
         return diagnose(again, library, report, effect_file, keeps_walk, keep)
-    if (
-        found.verdict != "adequate"
-        and not adequate(found.regression)
-        and (apart := _apart(found, regression, library, report, keep)) is not None
-    ):
-        return apart
+    if found.verdict != "adequate" and not adequate(found.regression) and before is None:
+        after = apart_after(look, found.final, report)
+        if after is not None and (said := _read_apart(after, regression, library, report, keep)) is not None:
+            return said
     suspects = judged_again(suspects, found.final, report)
     if found.verdict == "identified" and any(one.kind in BY_OTHERS for one in suspects):
         found = replace(found, verdict="ambiguous")
@@ -158,31 +160,18 @@ def diagnose(
     return answer(found, next_experiments=measure_next(found, library, report))
 
 
-def _apart(
-    found: Discovery,
-    regression: Regression,
-    library: Mapping[str, type[AbstractEffect]],
-    report: Report,
-    keep: Keep,
+def _read_apart(
+    one: Differing, regression: Regression, library: Mapping[str, type[AbstractEffect]], report: Report, keep: Keep
 ) -> Diagnosis | None:
     """The answer where records that differ in a number each, and the library, explain them to the noise; None where
     they do not, or one law of a single coordinate does, which is the shorter answer.
 
-    The numbers are found beside the effects that a walk has named, or from where it began, if these are wrong; and
-    again after the walk that they make possible, for what was missing had bent them.
+    The numbers are found again after the walk that they make possible, for what was missing had bent them.
     """
-    start = found.start
-    if is_long(start.campaign) or any(trace.differs for trace in start.campaign.traces):
-        return None
-    report("does the device differ from record to record?")
-    one = differing(found.final)
-    if one is None or not adequate(prepare(working(one.fit))):
-        one = differing(start) or one
-    if one is None:
-        return None
     law = find_unknown(regression)
     if law.formula is not None and law.dimension < 2 and law.chi2_after < AS_WELL:
         return None
+    start = regression.fit
     said = diagnose(one.begun(start), library, report, keep=keep)
     again = differing(fit(said.final.model, start.campaign, initial=said.final.values), (one.kind,))
     if again is None:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..campaign import Campaign, NoiseFloor, read_campaign
+from ..campaign.late import told_apart
 from ..campaign.record import Trace
 from ..campaign.tables.opening import read_bytes
 from ..campaign.trust import checksum
@@ -73,7 +74,7 @@ def state(fit: Fit) -> dict[str, Any]:
         # An estimate, and with sigma = "fitted" a result: another version might find another.
         "noise": [asdict(record.noise) for record in fit.campaign.records],
         # What of a trace was estimated: how it differs from the others, and where a drive that is held changes.
-        "traces": [[trace.rescaled, trace.stiffer, trace.edge] for trace in fit.campaign.traces],
+        "traces": [[trace.rescaled, trace.stiffer, trace.edge, trace.late] for trace in fit.campaign.traces],
     }
 
 
@@ -98,12 +99,12 @@ def restore_campaign(document: dict[str, Any], folder: Path) -> Campaign:
     campaign = replace(campaign, effect_files=(*campaign.effect_files, *added))
     floors = [NoiseFloor(**{**floor, "ar": tuple(floor["ar"])}) for floor in kept["noise"]]
     records = [replace(record, noise=noise) for record, noise in zip(campaign.records, floors, strict=True)]
-    own = iter(kept.get("traces", ()))
+    estimates = iter(kept.get("traces", ()))
     for i, record in enumerate(records):
-        if isinstance(record, Trace) and (told := next(own, None)) is not None:
-            times, stiffer, edge = told
-            response = record.response * times
-            records[i] = replace(record, response=response, rescaled=times, stiffer=stiffer, edge=edge)
+        if isinstance(record, Trace) and (told := next(estimates, None)) is not None:
+            times, stiffer, edge, late = (*told, 0.0)[:4]
+            own = replace(record, response=record.response * times, rescaled=times, stiffer=stiffer, edge=edge)
+            records[i] = told_apart(own, late)
     return replace(campaign, records=tuple(records))
 
 

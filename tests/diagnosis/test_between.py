@@ -64,5 +64,5 @@ def test_a_walk_goes_on_beside_what_differs():
     assert found.verdict == "ambiguous" and found.final.fitted.error_over_noise == pytest.approx(1.0, abs=0.05)
     assert any("a resonance of its own" in note for note in found.final.campaign.notes)
     kept = state(found.final)["traces"]
-    assert kept == [[1.0, trace.stiffer, None] for trace in found.final.campaign.traces]
+    assert kept == [[1.0, trace.stiffer, None, 0.0] for trace in found.final.campaign.traces]
     assert all(trace.differs for trace in found.final.campaign.traces)

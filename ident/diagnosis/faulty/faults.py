@@ -16,6 +16,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from ...campaign.campaign import Campaign
+from ...campaign.late import in_time
 from ...campaign.record import Sweep, Trace
 from ...fit import Fit
 from ...fit.finish import Minimum
@@ -24,7 +25,7 @@ from ...fit.linear.guess import GRID_STEP, coarse_frequency
 from ...fit.reading import read
 from ...model import FREQUENCY, Model
 from ..side_by_side import at_once
-from .nuisance import Nuisance, best_scale, moved, nuisances, rms, stretched
+from .nuisance import Nuisance, best_scale, nuisances, rms, stretched
 
 _SCALES = (0.5, 2.0, 0.1, 10.0, 0.9, 1.1, 0.95, 1.05, 0.98, 1.02, 0.99, 1.01)
 _DELAYS = (-10, -6, -4, -2.5, -1.5, -0.7, 0, 0.7, 1.5, 2.5, 4, 6, 10)  # samples that all records may be late
@@ -168,7 +169,7 @@ def _common_delay(fitted: Fit, step: float | None) -> Fault | None:
 
     def earlier(record: Trace | Sweep, late: float) -> Trace | Sweep:
         own = late * step / record.step if step and isinstance(record, Trace) else late
-        return moved(record, own) if isinstance(record, Trace) else record
+        return in_time(record, own) if isinstance(record, Trace) else record
 
     def read_so(late: float) -> Campaign:
         return replace(campaign, records=tuple(earlier(record, late) for record in campaign.records))

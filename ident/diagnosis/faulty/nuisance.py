@@ -14,6 +14,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
 
+from ...campaign.late import in_time
 from ...campaign.quality.suspect import Kind
 from ...campaign.record import Trace
 
@@ -61,7 +62,7 @@ def _gain(record: Trace, predicted: np.ndarray) -> Nuisance:
 def _delay(record: Trace, predicted: np.ndarray) -> Nuisance:
     """The response comes d samples late (negative: early)."""
     size, error = min(_shifts(record, predicted, 0, len(predicted)), key=lambda one: one[1])
-    return Nuisance("delay", size, "samples", error, moved(record, size))
+    return Nuisance("delay", size, "samples", error, in_time(record, size))
 
 
 def _shifts(record: Trace, predicted: np.ndarray, first: int, last: int) -> list[tuple[float, float]]:
@@ -88,21 +89,6 @@ def _shifts(record: Trace, predicted: np.ndarray, first: int, last: int) -> list
     return found
 
 
-def moved(record: Trace, late: float, begin: int = 0) -> Trace:
-    """The record with its response from sample `begin` on moved to where it belongs, if it came so many samples late.
-
-    Whole samples move the response, and where it then says nothing it is masked; what is left moves the drive.
-    """
-    n, whole = len(record.time), round(late)
-    index = np.arange(n)
-    source = np.where(index < begin, index, index + whole)
-    known = (index < begin) | ((source >= begin) & (source < n))
-    source = np.clip(source, 0, n - 1)
-    lost = ~known if record.masked is None else ~known | record.masked[source]
-    drive = CubicSpline(index, record.drive)(np.clip(index - (late - whole), 0, n - 1))
-    return replace(record, response=record.response[source], drive=drive, masked=lost)
-
-
 def _dropped(record: Trace, predicted: np.ndarray) -> Nuisance:
     """Samples are missing on the way: up to some sample the response is in time, from there on it is early."""
     n = len(record.time)
@@ -116,15 +102,15 @@ def _dropped(record: Trace, predicted: np.ndarray) -> Nuisance:
 def _lost(record: Trace, predicted: np.ndarray, lost: int) -> Nuisance:
     """So many samples are missing, where that suits the record best."""
     kept = len(record.time) - lost
-    in_time = (record.response - predicted) ** 2 * record.counted
+    until_then = (record.response - predicted) ** 2 * record.counted
     early = (record.response[:kept] - predicted[lost:]) ** 2 * record.counted[:kept]
-    before = np.concatenate([[0.0], np.cumsum(in_time)])[: kept + 1]
+    before = np.concatenate([[0.0], np.cumsum(until_then)])[: kept + 1]
     after = np.concatenate([np.cumsum(early[::-1])[::-1], [0.0]])
     begin = int(np.argmin(before + after))
     error = float(np.sqrt((before[begin] + after[begin]) / max(np.count_nonzero(record.counted[:kept]), 1)))
     if not 0 < begin < kept:
         return Nuisance("delay", -float(lost), DROPPED, np.inf)
-    return Nuisance("delay", -float(lost), DROPPED, error / record.noise.sigma, moved(record, -float(lost), begin))
+    return Nuisance("delay", -float(lost), DROPPED, error / record.noise.sigma, in_time(record, -float(lost), begin))
 
 
 def _drift(record: Trace, predicted: np.ndarray) -> Nuisance:

@@ -162,6 +162,12 @@ class Regression:
                 found[i] = np.clip(found[i], low, high)
         return found
 
+    def beside(self, rows: np.ndarray) -> Regression:
+        """The regression with what whitened rows (k, n) can absorb out of its residual too."""
+        absorbed = np.concatenate([self.absorbed, orthonormal(self.project(rows), rows)], axis=1)
+        residual = self.left - absorbed @ (absorbed.T @ self.left)
+        return replace(self, absorbed=absorbed, residual=residual, scored={}, refitted={})
+
     def project(self, stacked: np.ndarray) -> np.ndarray:
         """Whitened rows (k, n) without what the model absorbs."""
         return stacked - (stacked @ self.absorbed) @ self.absorbed.T

@@ -85,11 +85,16 @@ def _differing(fit: Fit) -> str:
     traces = fit.campaign.traces
     if not any(trace.differs for trace in traces):
         return ""
-    stiffer, scale = [trace.stiffer for trace in traces], [1 / trace.rescaled for trace in traces]
     # A resonance moves by half of what its spring does.
-    what, apart = ("resonance", np.ptp(stiffer) / 2) if any(stiffer) else ("sensitivity", np.ptp(scale))
+    apart = {
+        "resonance": (50.0 * np.ptp([trace.stiffer for trace in traces]), "%"),
+        "sensitivity": (100.0 * np.ptp([1 / trace.rescaled for trace in traces]), "%"),
+        "delay": (np.ptp([trace.late for trace in traces]), "samples"),
+    }
+    what = max(apart, key=lambda one: apart[one][0])  # the others do not differ
+    size, unit = apart[what]
     return (
-        f" Each record, held-out ones too, has a {what} of its own in this, up to {100 * apart:.2g} % apart: one "
+        f" Each record, held-out ones too, has a {what} of its own in this, up to {size:.2g} {unit} apart: one "
         "device for all of them does not reach so far."
     )
 

@@ -1,0 +1,86 @@
+"""Records that differ in a number each: told before a walk from what one effect beside those numbers promises, or after
+it beside what was named.
+
+Under numbers of the records' own no score sees an effect, and the effect bends the numbers. Their columns are taken
+along the measured motion and out of what the fit leaves; every effect is then scored beside them.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..fit import Fit
+from ..pulse import Report
+from .evidence.criterion import VERY_STRONG, behind, criteria
+from .evidence.enough import adequate
+from .faulty.between import KINDS, Differing, Kind, comparable, differing, numbers_of, rows_of
+from .linearised.regression import prepare
+from .linearised.shorten import is_long, working
+from .ranking.look import Look
+from .ranking.pairs import best_pair
+from .ranking.score import score, significant
+from .search.change import add
+from .search.written import AS_WELL
+
+
+class _Promise(NamedTuple):
+    """What a kind of number for each record and one effect, if one helps, leave by their scores, (n,)."""
+
+    kind: Kind
+    effect: str | None
+    left: np.ndarray
+    numbers: float
+
+
+def apart_before(look: Look, report: Report) -> Differing | None:
+    """Records that differ, and reach the noise floor beside at most one effect, where no two effects promise as much:
+    the walk that would look for more of them is spared."""
+    regression = look.regression
+    if not _may_differ(regression.fit) or not look.worth_it:
+        return None
+    if min((found.chi2 for found in look.tried if found.possible), default=np.inf) < AS_WELL * regression.n:
+        return None
+    promise = _best(look, report)
+    pair = best_pair(regression, look.candidates)
+    if behind(promise, pair or regression) > -VERY_STRONG:
+        return None
+    found = _simulated(look, promise)
+    return found if found is not None and adequate(prepare(working(found.fit))) else None
+
+
+def apart_after(look: Look, final: Fit, report: Report) -> Differing | None:
+    """Records that differ beside what a walk has named; or beside what promises most, if that was wrong."""
+    if not _may_differ(final):
+        return None
+    report("does the device differ from record to record?")
+    found = differing(final)
+    if found is not None and adequate(prepare(working(found.fit))):
+        return found
+    return _simulated(look, _best(look, report)) or found
+
+
+def _may_differ(fitted: Fit) -> bool:
+    campaign = fitted.campaign
+    return comparable(fitted) and not is_long(campaign) and not any(trace.differs for trace in campaign.traces)
+
+
+def _best(look: Look, report: Report) -> _Promise:
+    """The kind of number that leaves least with the effect that it goes with."""
+    report("does one effect explain more where records differ in a number each?")
+    regression = look.regression
+    promises = []
+    for kind in KINDS:
+        beside = regression.beside(rows_of(regression, kind))
+        best = next(iter(significant(score(beside, look.library))), None)
+        left, numbers = beside.residual, regression.numbers + numbers_of(regression.fit, kind)
+        if best is not None:
+            left, numbers = left - best.signature.T @ (best.signature @ left), numbers + best.dof
+        promises.append(_Promise(kind, best and best.name, left, numbers))
+    return promises[int(np.argmin(criteria(promises)))]
+
+
+def _simulated(look: Look, promise: _Promise) -> Differing | None:
+    fitted = look.regression.fit
+    return differing(fitted if promise.effect is None else add(fitted, look.library[promise.effect]), (promise.kind,))
