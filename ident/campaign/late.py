@@ -26,8 +26,3 @@ def in_time(record: Trace, late: float, begin: int = 0) -> Trace:
     if record.edge is not None:
         return replace(own, edge=record.edge + late - whole)
     return replace(own, drive=CubicSpline(index, record.drive)(np.clip(index - (late - whole), 0, n - 1)))
-
-
-def told_apart(record: Trace, late: float) -> Trace:
-    """The same, where the records of a campaign differ in that; it is remembered."""
-    return record if late == 0 else replace(in_time(record, late), late=late)

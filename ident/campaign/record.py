@@ -7,7 +7,7 @@ A record is one file: a trace (time, drive, response) or a sweep (frequency, lev
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -65,9 +65,8 @@ class Trace:
     - `noise`: the noise floor; `period`: samples per period if the drive is periodic over the record, else None.
     - `outliers`: samples of the file that left the curve; in `response` the curve takes their place.
     - `masked`: (n,) whether a sample says nothing, as where the response sticks to the limit of a range; none if None.
-    - `rescaled`: times what was measured the response is, where records differ in the sensitivity of the sensor;
-      `stiffer`: the share by which the device's own spring is so here, where they differ in that; `late`: samples by
-      which the response came later than that of the others, where they differ in that, which is taken out.
+    - `own`: None, or the kind of numbers by which it differs from the others, and these (see `apart`); `stiffer`: the
+      share by which the device's own spring is so here, where that is the kind.
     - `stuck`: share of the samples that stick to a limit; others that say nothing are missing.
     - `measures`: what the response is; m stands for m/s or m/s² where it is no displacement.
     - `between`: what the campaign says of the drive between its samples; `edge`: None if it is a smooth curve, else it
@@ -92,16 +91,15 @@ class Trace:
     measures: Measures = "displacement"
     masked: np.ndarray | None = None
     stuck: float = 0.0
-    rescaled: float = 1.0
+    own: tuple[Any, tuple[float, ...]] | None = None
     stiffer: float = 0.0
-    late: float = 0.0
     between: Between = "auto"
     edge: float | None = None
 
     @property
     def differs(self) -> bool:
         """Whether it is known to differ from the others."""
-        return self.rescaled != 1.0 or self.stiffer != 0.0 or self.late != 0.0
+        return self.own is not None
 
     @property
     def counted(self) -> np.ndarray:

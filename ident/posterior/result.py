@@ -209,7 +209,7 @@ def run_key(density: Density, seed: int) -> str:
             told.update(np.ascontiguousarray(array, float).tobytes())
         told.update(repr((record.name, record.noise, record.start, record.load, record.skip)).encode())
         if record.differs:  # else the key of a chain stays what it was
-            told.update(repr((record.stiffer, record.late)).encode())
+            told.update(repr(record.own).encode())
     model = density.fit.model
     settings = [(e.name, sorted(e.settings.items())) for e in model.effects]
     priors = [tuple(p) for p in density.priors]

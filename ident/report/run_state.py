@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..campaign import Campaign, NoiseFloor, read_campaign
-from ..campaign.late import told_apart
+from ..campaign.apart import read_apart
 from ..campaign.record import Trace
 from ..campaign.tables.opening import read_bytes
 from ..campaign.trust import checksum
@@ -74,7 +74,7 @@ def state(fit: Fit) -> dict[str, Any]:
         # An estimate, and with sigma = "fitted" a result: another version might find another.
         "noise": [asdict(record.noise) for record in fit.campaign.records],
         # What of a trace was estimated: how it differs from the others, and where a drive that is held changes.
-        "traces": [[trace.rescaled, trace.stiffer, trace.edge, trace.late] for trace in fit.campaign.traces],
+        "traces": [[trace.own, trace.edge] for trace in fit.campaign.traces],
     }
 
 
@@ -102,9 +102,9 @@ def restore_campaign(document: dict[str, Any], folder: Path) -> Campaign:
     estimates = iter(kept.get("traces", ()))
     for i, record in enumerate(records):
         if isinstance(record, Trace) and (told := next(estimates, None)) is not None:
-            times, stiffer, edge, late = (*told, 0.0)[:4]
-            own = replace(record, response=record.response * times, rescaled=times, stiffer=stiffer, edge=edge)
-            records[i] = told_apart(own, late)
+            own, edge = told
+            held = replace(record, edge=edge)
+            records[i] = held if own is None else read_apart(held, *own)
     return replace(campaign, records=tuple(records))
 
 

@@ -47,7 +47,7 @@ def test_the_numbers_of_the_records_are_found_with_their_errors(kind):
     found = differing(fitted)
     assert found is not None and found.kind == kind
     wanted = truth - np.mean(truth[:-1])
-    assert np.all(np.abs(found.sizes - wanted) < 4 * found.errors + 0.01 * np.ptp(truth))
+    assert np.all(np.abs(found.sizes[:, 0] - wanted) < 4 * found.errors[:, 0] + 0.01 * np.ptp(truth))
     assert found.fit.fitted.error_over_noise == pytest.approx(1.0, abs=0.05)
     assert found.fit.holdout is not None and found.fit.holdout.error_over_noise == pytest.approx(1.0, abs=0.1)
     assert found.fit.campaign.traces[1].name in found.words
@@ -64,5 +64,5 @@ def test_a_walk_goes_on_beside_what_differs():
     assert found.verdict == "ambiguous" and found.final.fitted.error_over_noise == pytest.approx(1.0, abs=0.05)
     assert any("a resonance of its own" in note for note in found.final.campaign.notes)
     kept = state(found.final)["traces"]
-    assert kept == [[1.0, trace.stiffer, None, 0.0] for trace in found.final.campaign.traces]
+    assert kept == [[("stiffness", (trace.stiffer,)), None] for trace in found.final.campaign.traces]
     assert all(trace.differs for trace in found.final.campaign.traces)

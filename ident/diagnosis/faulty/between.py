@@ -1,8 +1,9 @@
-"""A device that differs from one record to the next: warmer or charged, read with another sensitivity, or later.
+"""A device that differs from one record to the next: warmer or charged, read with another sensitivity, later, or by a
+sensor that drifts.
 
-Each record then has a number s of its own, found by Gauss-Newton steps beside everything that the model absorbs:
+Each record then has numbers s of its own, found by Gauss-Newton steps beside everything that the model absorbs:
 
-    m z̈ + c ż + k (1 + s) z = F    or    reading = (1 + s) z    or    reading(t) = z(t − s Δt).
+    m z̈ + c ż + k (1 + s) z = F,   reading = (1 + s) z  or  z(t − s Δt)  or  z(t − s t)  or  z + s₀ + s₁ t + s₂ t².
 
 To a sine every nonlinear device is a linear one of another resonance at each level
 (N. Minorsky, Nonlinear Oscillations, 1962, ch. 14): that records differ is an answer only where no law explains them.
@@ -12,12 +13,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from ...campaign.apart import TOLD, Kind, curves, read_apart, size_of
 from ...campaign.campaign import Campaign
-from ...campaign.late import told_apart
 from ...campaign.record import Trace
 from ...fit import Fit, fit
 from ...fit.reading import read
@@ -28,25 +29,18 @@ from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
 from ..unknown.subsets import regress
 
-Kind = Literal["stiffness", "sensitivity", "delay"]
-
 _ROUNDS = 6  # of the records' numbers and the device's in turn
 _SETTLED = 0.3  # of its error bar: a step that moves no number further ends them
 _SMALL = 1e-4  # change of a stiffness by which its derivative is taken
+# How many numbers a record has.
+_EACH: dict[Kind, int] = {"stiffness": 1, "sensitivity": 1, "delay": 1, "clock": 1, "baseline": 3}
+_SHARED: tuple[Kind, ...] = ("stiffness", "sensitivity")  # what all records have of these is the device's
 _FEWEST = 3  # records: of two that disagree nobody knows which one is the device's
 
 
-_WORDS: dict[Kind, tuple[str, float, str, str]] = {  # what, times its number in the unit, and why
-    # A resonance moves by half of what its spring does.
-    "stiffness": ("resonance", 50.0, "%", "was the device warmer or otherwise loaded in some?"),
-    "sensitivity": ("sensitivity", 100.0, "%", "was the sensor moved?"),
-    "delay": ("delay", 1.0, "samples", "did each have a trigger of its own?"),
-}
-
-
 class Differing(NamedTuple):
-    """Records that differ in one `kind` of number: `sizes` and `errors` (traces,), as shares or (delays) in samples,
-    their mean zero over the fitted ones where the device has such a number too; and the `fit` of the same model to the
+    """Records that differ in one `kind` of numbers: `sizes` and `errors` (traces, q), shares or (delays) samples, their
+    mean zero over the fitted ones where the device has such a number too; and the `fit` of the same model to the
     records as a device like the others would have given them."""
 
     kind: Kind
@@ -57,12 +51,12 @@ class Differing(NamedTuple):
     @property
     def words(self) -> str:
         """What differs, for people."""
-        names = [trace.name for trace in self.fit.campaign.traces]
-        what, times, unit, why = _WORDS[self.kind]
-        each = ", ".join(f"{times * s:+.2g} ± {times * e:.1g} {unit} in {name}"
-                         for name, s, e in zip(names, self.sizes, self.errors, strict=True))  # fmt: skip
-        told = f"The records agree only if each has a {what} of its own: {each}."
-        return f"{told} They are read so, held-out ones too: {why}"
+        told, traces = TOLD[self.kind], self.fit.campaign.traces
+        doubt = lambda error: f" ± {told.times * error[0]:.1g}" if len(error) == 1 else ""
+        each = ", ".join(f"{size_of(trace):+.2g}{doubt(error)} {told.unit} in {trace.name}"
+                         for trace, error in zip(traces, self.errors, strict=True))  # fmt: skip
+        alone = f"The records agree only if each has a {told.what} of its own: {each}."
+        return f"{alone} They are read so, held-out ones too: {told.why}"
 
     def moved(self, before: Differing) -> bool:
         """Whether a number has moved by more than is little beside its error."""
@@ -75,7 +69,7 @@ class Differing(NamedTuple):
         return fit(start.model, told, initial=start.values)
 
 
-KINDS = tuple(_WORDS)
+KINDS = tuple(TOLD)
 
 
 def comparable(fitted: Fit) -> bool:
@@ -85,12 +79,12 @@ def comparable(fitted: Fit) -> bool:
 
 
 def numbers_of(fitted: Fit, kind: Kind) -> int:
-    """How many numbers a fit has more where its records differ so: what all share is the device's, but for a delay."""
-    return len(fitted.campaign.fitted) - (kind != "delay")
+    """How many numbers a fit has more where its records differ so."""
+    return _EACH[kind] * len(fitted.campaign.fitted) - (kind in _SHARED)
 
 
 def rows_of(regression: Regression, kind: Kind) -> np.ndarray:
-    """What the number of each record does to it, along the measured motion: whitened, (traces, n)."""
+    """What the numbers of each record do to it, along the measured motion: whitened, (numbers, n)."""
     records, fit = regression.fit.campaign.fitted, regression.fit
     if kind == "stiffness":
         direction = np.zeros((1, len(fit.values)))
@@ -100,11 +94,9 @@ def rows_of(regression: Regression, kind: Kind) -> np.ndarray:
         for row, own in zip(rows, regression.places, strict=True):
             row[own] = whole[0, own]
         return rows
-    rows = np.zeros((len(records), regression.trajectories.tape.samples))
-    readings = read(fit.model, fit.values, records) if kind == "sensitivity" else [r.response for r in records]
-    for row, reading, own in zip(rows, readings, regression.trajectories.tape.slices, strict=True):
-        row[own] = reading if kind == "sensitivity" else -np.gradient(reading)
-    return by_record(regression, rows)
+    late = kind in ("delay", "clock")
+    along = lambda trace: _later(trace, trace.response, kind) if late else _slopes(fit, trace, kind)
+    return by_record(regression, _apart(regression, [along(trace) for trace in records]))
 
 
 def differing(fitted: Fit, kinds: Sequence[Kind] = KINDS) -> Differing | None:
@@ -124,19 +116,17 @@ def differing(fitted: Fit, kinds: Sequence[Kind] = KINDS) -> Differing | None:
 
 
 def _found(fitted: Fit, kind: Kind) -> Differing | None:
-    campaign, now = fitted.campaign, fitted
+    campaign, now, q = fitted.campaign, fitted, _EACH[kind]
     inside = [i for i, trace in enumerate(campaign.traces) if not trace.holdout]
-    sizes, errors = np.zeros((2, len(campaign.traces)))
+    sizes, errors = np.zeros((2, len(campaign.traces), q))
     for _ in range(_ROUNDS):
         regression = prepare(working(now))
-        rows = np.zeros((len(inside), regression.trajectories.tape.samples))
-        for row, trace, own in zip(rows, now.campaign.fitted, regression.trajectories.tape.slices, strict=True):
-            row[own] = _slope(now, trace, kind)
+        rows = _apart(regression, [_slopes(now, trace, kind) for trace in now.campaign.fitted])
         solved = regress(regression.project(by_record(regression, rows)), regression.residual)
-        step, spread = solved.coefficients, solved.spread
-        if kind != "delay":  # of which the device has none
-            step, spread = step - np.mean(step), spread - np.mean(spread, axis=0)  # what all share is the device's
-        errors[inside] = np.linalg.norm(spread, axis=1) * np.sqrt(max(regression.chi2 / regression.n, 1.0))
+        step, spread = solved.coefficients.reshape(-1, q), solved.spread.reshape(len(inside), q, -1)
+        if kind in _SHARED:
+            step, spread = step - np.mean(step, axis=0), spread - np.mean(spread, axis=0)
+        errors[inside] = np.linalg.norm(spread, axis=2) * np.sqrt(max(regression.chi2 / regression.n, 1.0))
         sizes[inside] += step
         now = fit(fitted.model, _with(campaign, kind, sizes), initial=now.values)
         if np.all(np.abs(step) < _SETTLED * errors[inside]):
@@ -148,42 +138,49 @@ def _found(fitted: Fit, kind: Kind) -> Differing | None:
     return Differing(kind, sizes, errors, now) if np.all(np.isfinite(sizes)) else None
 
 
-def _slope(now: Fit, trace: Trace, kind: Kind) -> np.ndarray:
-    """Change of the reading of a record with its number, (n,)."""
+def _apart(regression: Regression, slopes: Sequence[np.ndarray]) -> np.ndarray:
+    """Readings (numbers, samples) that are each record's own (q, n)."""
+    places, q = regression.trajectories.tape.slices, len(slopes[0])
+    rows = np.zeros((q * len(slopes), regression.trajectories.tape.samples))
+    for i, (own, place) in enumerate(zip(slopes, places, strict=True)):
+        rows[i * q : (i + 1) * q, place] = own
+    return rows
+
+
+def _slopes(now: Fit, trace: Trace, kind: Kind) -> np.ndarray:
+    """Change of the reading of a record with its numbers, (q, n)."""
+    if kind == "baseline":
+        return curves(trace)
     here = read(now.model, now.values, [trace])[0]
     if kind == "sensitivity":
-        return here
-    if kind == "delay":
-        return -np.gradient(here)
-    return (read(now.model, now.values, [_differing(trace, kind, _SMALL)])[0] - here) / _SMALL
+        return here[None]
+    if kind in ("delay", "clock"):
+        return _later(trace, here, kind)
+    stiffer = replace(trace, stiffer=trace.stiffer + _SMALL)
+    return (read(now.model, now.values, [stiffer])[0] - here)[None] / _SMALL
 
 
-def _by_itself(now: Fit, trace: Trace, kind: Kind) -> tuple[float, float]:
-    """The number of a held-out record and its error, from what the model misses of it."""
-    size, error = 0.0, np.inf
+def _later(trace: Trace, reading: np.ndarray, kind: Kind) -> np.ndarray:
+    """Change of a reading with its delay, in samples, or with the share by which its clock is fast, (1, n)."""
+    return -np.gradient(reading)[None] * (np.arange(len(trace.time)) if kind == "clock" else 1.0)
+
+
+def _by_itself(now: Fit, trace: Trace, kind: Kind) -> tuple[np.ndarray, np.ndarray]:
+    """The numbers of a held-out record and their errors, (q,), from what the model misses of it."""
+    sizes = np.zeros(_EACH[kind])
     for _ in range(_ROUNDS):
-        own = _differing(trace, kind, size)
+        own = read_apart(trace, kind, sizes)
         left = (own.response - read(now.model, now.values, [own])[0])[own.counted] / own.noise.sigma
-        slope = _slope(now, own, kind)[own.counted] / own.noise.sigma
-        weight = float(slope @ slope)
-        if not weight > 0:  # it does not move
-            return 0.0, np.inf
-        size, error = size + float(slope @ left) / weight, 1 / np.sqrt(weight)
-    return size, error
+        slopes = _slopes(now, own, kind)[:, own.counted] / own.noise.sigma
+        if not np.all(np.any(slopes, axis=1)):  # it does not move
+            return np.zeros(len(sizes)), np.full(len(sizes), np.inf)
+        back = np.linalg.pinv(slopes.T)
+        sizes, errors = sizes + back @ left, np.linalg.norm(back, axis=1)
+    return sizes, errors
 
 
 def _with(campaign: Campaign, kind: Kind, sizes: np.ndarray) -> Campaign:
     """The campaign with traces that differ."""
     own = iter(sizes)
-    told = (_differing(r, kind, float(next(own))) if isinstance(r, Trace) else r for r in campaign.records)
+    told = (read_apart(r, kind, next(own)) if isinstance(r, Trace) else r for r in campaign.records)
     return replace(campaign, records=tuple(told))
-
-
-def _differing(trace: Trace, kind: Kind, size: float) -> Trace:
-    if kind == "stiffness":
-        return replace(trace, stiffer=(1 + trace.stiffer) * (1 + size) - 1)
-    if kind == "delay":
-        return told_apart(trace, size)
-    times = 1 / (1 + size)
-    noise = replace(trace.noise, sigma=trace.noise.sigma * times)
-    return replace(trace, response=trace.response * times, noise=noise, rescaled=trace.rescaled * times)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...campaign.apart import TOLD, size_of
 from ...campaign.device import Platform
 from ...campaign.drive import drive_frequency
 from ...campaign.quality.suspect import suspects_by_data
@@ -85,17 +86,10 @@ def _differing(fit: Fit) -> str:
     traces = fit.campaign.traces
     if not any(trace.differs for trace in traces):
         return ""
-    # A resonance moves by half of what its spring does.
-    apart = {
-        "resonance": (50.0 * np.ptp([trace.stiffer for trace in traces]), "%"),
-        "sensitivity": (100.0 * np.ptp([1 / trace.rescaled for trace in traces]), "%"),
-        "delay": (np.ptp([trace.late for trace in traces]), "samples"),
-    }
-    what = max(apart, key=lambda one: apart[one][0])  # the others do not differ
-    size, unit = apart[what]
+    told, sizes = TOLD[next(trace.own[0] for trace in traces if trace.own)], [size_of(trace) for trace in traces]
     return (
-        f" Each record, held-out ones too, has a {what} of its own in this, up to {size:.2g} {unit} apart: one "
-        "device for all of them does not reach so far."
+        f" Each record, held-out ones too, has a {told.what} of its own in this, up to {np.ptp(sizes):.2g} {told.unit} "
+        "apart: one device for all of them does not reach so far."
     )
 
 

@@ -1,0 +1,74 @@
+"""A record that differs from the others in numbers of its own, read as if it did not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from .late import in_time
+from .record import Trace
+
+Kind = Literal["stiffness", "sensitivity", "delay", "clock", "baseline"]
+
+
+class Told(NamedTuple):
+    """How a kind of numbers is told to people: `what` each record has, numbers times `times` in `unit`, and `why`."""
+
+    what: str
+    times: float
+    unit: str
+    why: str
+
+
+TOLD: dict[Kind, Told] = {
+    # A resonance moves by half of what its spring does.
+    "stiffness": Told("resonance", 50.0, "%", "was the device warmer or otherwise loaded in some?"),
+    "sensitivity": Told("sensitivity", 100.0, "%", "was the sensor moved?"),
+    "delay": Told("delay", 1.0, "samples", "did each have a trigger of its own?"),
+    "clock": Told("clock", 1e6, "ppm", "do generator and recorder run by one clock?"),
+    "baseline": Told("baseline", 100.0, "% of its signal", "does the sensor drift?"),
+}
+
+
+def curves(trace: Trace) -> np.ndarray:
+    """The curves that the numbers of a baseline multiply, (3, n): a level, a line and a parabola, as large as the
+    signal."""
+    t = np.linspace(-1.0, 1.0, len(trace.time))
+    size = float(np.std(trace.response[trace.counted]))
+    return size * np.stack([np.ones_like(t), t, 1.5 * t**2 - 0.5])
+
+
+def read_apart(trace: Trace, kind: Kind, sizes: Iterable[float]) -> Trace:
+    """A trace that differs by numbers of its own, read as one of a device like the others, as far as it can be.
+
+    Of its own stiffness a simulation takes account; the response is taken back from its sensitivity, its delay in
+    samples or the curves of its baseline, time and drive from the share by which the recorder's clock is fast.
+    """
+    told = (kind, tuple(float(size) for size in sizes))
+    if kind == "stiffness":
+        return replace(trace, own=told, stiffer=told[1][0])
+    if kind == "delay":
+        return replace(in_time(trace, told[1][0]), own=told)
+    if kind == "clock":
+        index, ran = np.arange(len(trace.time)), 1 - told[1][0]
+        drive = CubicSpline(index, trace.drive)(np.clip(index * ran, 0, index[-1]))
+        return replace(trace, own=told, time=trace.time * ran, drive=drive)
+    if kind == "baseline":
+        return replace(trace, own=told, response=trace.response - np.asarray(told[1]) @ curves(trace))
+    times = 1 / (1 + told[1][0])
+    noise = replace(trace.noise, sigma=trace.noise.sigma * times)
+    return replace(trace, own=told, response=trace.response * times, noise=noise)
+
+
+def size_of(trace: Trace) -> float:
+    """How large the numbers of a trace that differs are, as they are told; of a baseline how far it moves."""
+    if trace.own is None:
+        return 0.0
+    kind, sizes = trace.own
+    t = np.linspace(-1.0, 1.0, 101)
+    moved = sizes[0] if len(sizes) == 1 else float(np.ptp(sizes[1] * t + sizes[2] * 1.5 * t**2))
+    return TOLD[kind].times * moved
