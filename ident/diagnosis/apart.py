@@ -14,13 +14,13 @@ import numpy as np
 from ..fit import Fit
 from ..pulse import Report
 from .evidence.criterion import VERY_STRONG, behind, criteria
-from .evidence.enough import adequate, not_worth_adding
+from .evidence.enough import adequate
 from .faulty.between import KINDS, Differing, Kind, comparable, differing, numbers_of, rows_of
 from .linearised.regression import prepare
 from .linearised.shorten import is_long, working
 from .ranking.look import Look
 from .ranking.pairs import best_pair
-from .ranking.score import score, significant
+from .ranking.score import score_beside, significant
 from .search.change import add
 from .search.written import AS_WELL
 
@@ -43,8 +43,6 @@ def apart_before(look: Look, report: Report) -> Differing | None:
     if min((found.chi2 for found in look.tried if found.possible), default=np.inf) < AS_WELL * regression.n:
         return None
     promise = _best(look, report)
-    if promise is None:
-        return None
     pair = best_pair(regression, look.candidates)
     if behind(promise, pair or regression) > -VERY_STRONG:
         return None
@@ -60,8 +58,7 @@ def apart_after(look: Look, final: Fit, report: Report) -> Differing | None:
     found = differing(final)
     if found is not None and adequate(prepare(working(found.fit))):
         return found
-    promise = _best(look, report)
-    return found if promise is None else _simulated(look, promise) or found
+    return _simulated(look, _best(look, report)) or found
 
 
 def _may_differ(fitted: Fit) -> bool:
@@ -69,21 +66,19 @@ def _may_differ(fitted: Fit) -> bool:
     return comparable(fitted) and not is_long(campaign) and not any(trace.differs for trace in campaign.traces)
 
 
-def _best(look: Look, report: Report) -> _Promise | None:
-    """The kind of number that leaves least with the effect that it goes with, of those that take some of the misfit."""
+def _best(look: Look, report: Report) -> _Promise:
+    """The kind of number that leaves least with the effect that it goes with."""
     report("does one effect explain more where records differ in a number each?")
     regression = look.regression
     promises = []
-    for kind in KINDS:
-        beside = regression.beside(rows_of(regression, kind))
-        if not_worth_adding(regression, regression.chi2 - beside.chi2, look.first):
-            continue
-        best = next(iter(significant(score(beside, look.library))), None)
+    besides = [regression.beside(rows_of(regression, kind)) for kind in KINDS]
+    for kind, beside, scored in zip(KINDS, besides, score_beside(besides, look.library), strict=True):
+        best = next(iter(significant(scored)), None)
         left, numbers = beside.residual, regression.numbers + numbers_of(regression.fit, kind)
         if best is not None:
             left, numbers = left - best.signature.T @ (best.signature @ left), numbers + best.dof
         promises.append(_Promise(kind, best and best.name, left, numbers))
-    return promises[int(np.argmin(criteria(promises)))] if promises else None
+    return promises[int(np.argmin(criteria(promises)))]
 
 
 def _simulated(look: Look, promise: _Promise) -> Differing | None:

@@ -94,11 +94,50 @@ def score(
     regression.scored.update(
         zip(new, at_once(lambda effect: _score_one(regression, effect), new, report, "scores"), strict=True)
     )
-    found = [c for effect in missing if (c := regression.scored[effect]) is not None]
-    return sorted(found, key=lambda c: -(c.drop - c.dof * np.log(regression.n)))
+    return _in_order([c for effect in missing if (c := regression.scored[effect]) is not None], regression.n)
+
+
+def score_beside(
+    regressions: Sequence[Regression], library: Mapping[str, type[AbstractEffect]]
+) -> list[list[Candidate]]:
+    """The same on several regressions of one fit that differ in what they absorb: the columns are the same."""
+    effects = [effect for effect in library.values() if effect.name not in regressions[0].fit.model.names]
+
+    def on_each(effect: type[AbstractEffect]) -> list[Candidate | None]:
+        asked = _asked(regressions[0], effect)
+        return [asked and _weighed(one, asked) for one in regressions]
+
+    by_effect = at_once(on_each, effects)
+    found = [[c for c in of_one if c is not None] for of_one in zip(*by_effect, strict=True)]
+    return [_in_order(own, one.n) for own, one in zip(found, regressions, strict=True)]
+
+
+def _in_order(found: Sequence[Candidate], n: int) -> list[Candidate]:
+    return sorted(found, key=lambda c: -(c.drop - c.dof * np.log(n)))
+
+
+class _Asked(NamedTuple):
+    """What an effect would add at the `points` of its grid, `sides` of which are that long.
+
+    `amplitudes`: their places; `raw` (points × amplitudes, n) columns; `changed` (h, …), the same with other histories,
+    if the records do not begin with the drive; `moves` of the sweeps.
+    """
+
+    effect: AbstractEffect
+    points: list[np.ndarray]
+    sides: list[int]
+    amplitudes: list[int]
+    raw: np.ndarray
+    changed: np.ndarray | None
+    moves: Moves | None
 
 
 def _score_one(regression: Regression, effect: type[AbstractEffect]) -> Candidate | None:
+    asked = _asked(regression, effect)
+    return None if asked is None else _weighed(regression, asked)
+
+
+def _asked(regression: Regression, effect: type[AbstractEffect]) -> _Asked | None:
     if effect.platform_only and not isinstance(regression.fit.model.device, Platform):
         return None
     fitted = regression.fit
@@ -120,12 +159,21 @@ def _score_one(regression: Regression, effect: type[AbstractEffect]) -> Candidat
     if regression.plane is not None:
         moves = curve_columns(regression.plane, Equation(model), values[::q], directions[:q])
     raw = stack(regression, model, values, directions, moves=moves)
-    apart, begun = begun_apart(regression, model, len(values)), None
+    apart, changed = begun_apart(regression, model, len(values)), None
     if apart is not None:
         again, along = (np.tile(x, (len(apart), 1)) for x in (values, directions))
         held = moves and moves.rows(np.tile(np.arange(len(values)), len(apart)))
         changed = stack(regression, model, again, along, begun=apart.reshape(-1, *apart.shape[2:]), moves=held)
-        begun = histories(regression, changed.reshape(len(apart), *raw.shape), raw)
+        changed = changed.reshape(len(apart), *raw.shape)
+    return _Asked(instance, points, [len(axis) for axis in axes], amplitudes, raw, changed, moves)
+
+
+def _weighed(regression: Regression, asked: _Asked) -> Candidate | None:
+    instance, points, sides, amplitudes, raw, changed, moves = asked
+    q, begun = len(amplitudes), None
+    if changed is not None:
+        raw = raw.copy()
+        begun = histories(regression, changed, raw)
     projected = regression.project(raw)
     names = [p.name for p in instance.declared()]
     one_sided = [p.name for p in instance.declared() if p.one_sided]
@@ -166,9 +214,9 @@ def _score_one(regression: Regression, effect: type[AbstractEffect]) -> Candidat
     dof = best.basis.shape[1] + sum(p.kind == "shape" and p.fitted for p in instance.declared())
     excess = max(regression.chi2 - regression.n, 1e-9)
     p = chance(regression, best.beyond, dof) if best.drop > 0 and best.beyond.shape[1] else 1.0
-    near = _apart(others, tried, [len(axis) for axis in axes], q)[: _NEAR_POINTS - 1]
+    near = _apart(others, tried, sides, q)[: _NEAR_POINTS - 1]
     return Candidate(
-        name=effect.name,
+        name=instance.name,
         drop=best.drop,
         predicted_gain=min(best.drop / excess, 1.0),
         dof=dof,
