@@ -31,6 +31,7 @@ _SCALES = (0.5, 2.0, 0.1, 10.0, 0.9, 1.1, 0.95, 1.05, 0.98, 1.02, 0.99, 1.01)
 _DELAYS = (-10, -6, -4, -2.5, -1.5, -0.7, 0, 0.7, 1.5, 2.5, 4, 6, 10)  # samples that all records may be late
 _TRIED = 3  # explanations of a record that are fitted together with the others, the best first
 _ROUNDS = 3  # of the fault's number and the device's in turn
+_ROUNDS_BESIDE = 20  # the same beside an effect: a gain that was a quarter off took twelve
 _BETTER = 0.99  # of the error: less is not worth another round
 _LITTLE = 2.0  # times the error that is left
 _STEPS = 40
@@ -128,7 +129,7 @@ def faults_of(fitted: Fit, i: int, rest: Rest, floor: float = np.inf) -> list[Fa
     tried = explanations(model, rest.values, campaign.traces, i, (*_SCALES, ratio))[:_TRIED]
     if floor < np.inf:  # its number is found anew beside the device, and may then say a little more
         tried = [told for told in tried if told.corrected and reach(fitted, told.corrected) <= _LITTLE * floor]
-    found = [fault for told in tried if (fault := _together(fitted, i, told, rest.values)) is not None]
+    found = [fault for told in tried if (fault := _together(model, campaign, i, told, rest.values)) is not None]
     if own is not None:
         apart, at_own = residual_of(own, _only(campaign, record))
         told = Nuisance("wrong-record", 100 * (ratio - 1), OF_FREQUENCY, at_own)
@@ -211,11 +212,21 @@ def residual_of(found: Minimum, campaign: Campaign) -> tuple[np.ndarray, float]:
     return np.concatenate([*parts, residuals[tape.samples :]]), worst
 
 
-def _together(fitted: Fit, i: int, told: Nuisance, values: np.ndarray) -> Fault | None:
+def beside(fault: Fault, model: Model, campaign: Campaign, values: np.ndarray) -> Fault:
+    """A fault of one record of a campaign, found again beside a model that says more of the device, from its values:
+    what the first lacked had bent the fault's number."""
+    if fault.record is None:
+        return fault
+    return _together(model, campaign, fault.record, fault.told, values, _ROUNDS_BESIDE) or fault
+
+
+def _together(
+    model: Model, campaign: Campaign, i: int, told: Nuisance, values: np.ndarray, rounds: int = _ROUNDS
+) -> Fault | None:
     """A fault and the device, each found anew as the other is known better."""
-    model, campaign, record = fitted.model, fitted.campaign, fitted.campaign.traces[i]
+    record = campaign.traces[i]
     best: Fault | None = None
-    for _ in range(_ROUNDS):
+    for _ in range(rounds):
         if told.corrected is None:
             break
         read_so = _instead(campaign, record, told.corrected)

@@ -28,6 +28,7 @@ from ..ranking.look import Look, first_look
 from .faults import (
     OF_FREQUENCY,
     Fault,
+    beside,
     common_delay,
     explanations,
     faults_of,
@@ -175,6 +176,10 @@ def _most_likely(fitted: Fit, inside: Sequence[int], look: Look) -> tuple[Suspec
         faulty = _with_physics(read_so, first_look(read_so, look.library, look.report))
     except Diverged:  # nor does it explain the motion
         return None
+    if faulty.model.names != fitted.model.names:
+        best = beside(best, faulty.model, fitted.campaign, faulty.values)
+        if np.mean(best.left**2) < np.mean(faulty.left**2):
+            faulty = faulty._replace(values=best.values, left=best.left, worst=best.worst)
     faulty = faulty._replace(left=np.concatenate([faulty.left, best.apart]), numbers=faulty.numbers + 1)
     if not _better(faulty, sound, shapes):
         return None
