@@ -205,7 +205,7 @@ def _apart(
     again after the walk that they make possible, for what was missing had bent them.
     """
     start = found.start
-    if is_long(start.campaign) or any(trace.differs for trace in start.campaign.traces):
+    if is_long(start.campaign) or any(record.differs for record in start.campaign.records):
         return None
     report("does the device differ from record to record?")
     one = differing(found.final)
@@ -213,9 +213,10 @@ def _apart(
         one = differing(start) or one
     if one is None:
         return None
-    law = find_unknown(regression)
-    if law.formula is not None and law.dimension < 2 and law.chi2_after < _AS_WELL:
-        return None
+    if start.campaign.fitted:
+        law = find_unknown(regression)
+        if law.formula is not None and law.dimension < 2 and law.chi2_after < _AS_WELL:
+            return None
     said = diagnose(one.begun(start), library, report, keep=keep)
     again = differing(fit(said.final.model, start.campaign, initial=said.final.values), (one.kind,))
     if again is None:

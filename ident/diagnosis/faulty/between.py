@@ -11,7 +11,6 @@ To a sine every nonlinear device is a linear one of another resonance at each le
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -24,8 +23,8 @@ from ..linearised.regression import by_record, prepare
 from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
 from ..unknown.subsets import regress
-
-Kind = Literal["stiffness", "sensitivity"]
+from .between_levels import differing_levels
+from .differing import Differing, Kind
 
 _ROUNDS = 4  # of the records' numbers and the device's in turn
 _SETTLED = 0.3  # of its error bar: a step that moves no number further ends them
@@ -33,49 +32,18 @@ _SMALL = 1e-4  # change of a stiffness by which its derivative is taken
 _FEWEST = 3  # records: of two that disagree nobody knows which one is the device's
 
 
-class Differing(NamedTuple):
-    """Records that differ in one `kind` of number: `sizes` and `errors` (traces,), as shares, the mean of the fitted
-    ones zero, and the `fit` of the same model to the records as a device like the others would have given them."""
-
-    kind: Kind
-    sizes: np.ndarray
-    errors: np.ndarray
-    fit: Fit
-
-    @property
-    def words(self) -> str:
-        """What differs, for people."""
-        names = [trace.name for trace in self.fit.campaign.traces]
-        share = 50.0 if self.kind == "stiffness" else 100.0  # a resonance moves by half of what its spring does
-        what = "resonance" if self.kind == "stiffness" else "sensitivity"
-        each = ", ".join(f"{share * s:+.2g} ± {share * e:.1g} % in {name}"
-                         for name, s, e in zip(names, self.sizes, self.errors, strict=True))  # fmt: skip
-        return (
-            f"The records agree only if each has a {what} of its own: {each}. They are read so, held-out ones too: was "
-            + ("the device warmer or otherwise loaded in some?" if self.kind == "stiffness" else "the sensor moved?")
-        )
-
-    def moved(self, before: Differing) -> bool:
-        """Whether a number has moved by more than is little beside its error."""
-        return bool(np.any(np.abs(self.sizes - before.sizes) > _SETTLED * self.errors))
-
-    def begun(self, start: Fit) -> Fit:
-        """The fit from which a walk had begun, with the records read so."""
-        campaign = self.fit.campaign
-        told = replace(campaign, notes=(*campaign.notes, self.words))
-        return fit(start.model, told, initial=start.values)
-
-
-def differing(fitted: Fit, kinds: tuple[Kind, ...] = ("stiffness", "sensitivity")) -> Differing | None:
-    """The kind of number by which the records of a fit differ, if that explains them clearly better than one device
-    does; None if it does not."""
-    if len(fitted.campaign.fitted) < _FEWEST or fitted.campaign.fitted_sweeps or fitted.model.form != "oscillator":
+def differing(fitted: Fit, kinds: tuple[Kind, ...] = ("stiffness", "sensitivity", "drive")) -> Differing | None:
+    """The kind of number by which the records of a fit differ, or the levels of its sweeps in their drives, if that
+    explains them clearly better than one device does; None if it does not, and where traces stand beside sweeps."""
+    traces, sweeps = fitted.campaign.traces, fitted.campaign.sweeps
+    if (traces and sweeps) or fitted.model.form != "oscillator":
         return None
-    more = len(fitted.campaign.fitted) - 1
     weigh = lambda fit, more: Left(prepare(working(fit)).left, fit.freedom + more)
     try:
         before = weigh(fitted, 0)
-        found = [(one, weigh(one.fit, more)) for kind in kinds if (one := _found(fitted, kind)) is not None]
+        tried = [differing_levels(fitted) if kind == "drive" else _found(fitted, kind)
+                 for kind in kinds if (kind == "drive") == bool(sweeps)]  # fmt: skip
+        found = [(one, weigh(one.fit, one.numbers)) for one in tried if one is not None]
     except (Diverged, np.linalg.LinAlgError):  # a motion without bound tells nothing
         return None
     better = [(one, left) for one, left in found if behind(left, before) < -VERY_STRONG]
@@ -85,6 +53,8 @@ def differing(fitted: Fit, kinds: tuple[Kind, ...] = ("stiffness", "sensitivity"
 def _found(fitted: Fit, kind: Kind) -> Differing | None:
     campaign, now = fitted.campaign, fitted
     inside = [i for i, trace in enumerate(campaign.traces) if not trace.holdout]
+    if len(inside) < _FEWEST:
+        return None
     sizes, errors = np.zeros((2, len(campaign.traces)))
     for _ in range(_ROUNDS):
         regression = prepare(working(now))
@@ -103,7 +73,8 @@ def _found(fitted: Fit, kind: Kind) -> Differing | None:
         if trace.holdout:
             sizes[i], errors[i] = _by_itself(now, trace, kind)
     now = fit(fitted.model, _with(campaign, kind, sizes), initial=now.values, most=1)
-    return Differing(kind, sizes, errors, now) if np.all(np.isfinite(sizes)) else None
+    names = tuple(trace.name for trace in campaign.traces)
+    return Differing(kind, names, sizes, errors, now) if np.all(np.isfinite(sizes)) else None
 
 
 def _slope(now: Fit, trace: Trace, kind: Kind) -> np.ndarray:
