@@ -61,7 +61,8 @@ class Curves:
                 json.loads((work / "runs" / "it" / name).read_text(encoding="utf-8"))
                 for name in ("diagnosis.json", "run.json")
             )
-        self.check([step["added"] for step in said["steps"]], passes_of(run), self.published())
+        drives = {one["drive"]: one for one in run["own_numbers"] if one["what"] == "drive"}
+        self.check([step["added"] for step in said["steps"]], passes_of(run), self.published(), drives)
 
     def published(self) -> list[Pass]:
         """The errors of the model that its authors fitted to the same level, from the table itself."""
@@ -78,8 +79,11 @@ class Curves:
                 found.append(_pass(level, up, f, a, b))
         return found
 
-    def check(self, names: list[str], found: list[Pass], published: list[Pass]) -> None:
-        """Print what was found beside what was published, and hold it to the limits."""
+    def check(
+        self, names: list[str], found: list[Pass], published: list[Pass], drives: dict[float, dict[str, Any]]
+    ) -> None:
+        """Print what was found beside what was published, and hold it to the limits: a level that asks for a drive of
+        its own (`drives`, of run.json) by its error with that."""
         print(f"{self.folder}: level {FITTED} fitted, named {' > '.join(names) or 'nothing'}")
         print("level  way    error, % of peak (points)      jump, Hz                       published: error, jump")
         for one in found:
@@ -88,8 +92,16 @@ class Curves:
             jumps = f"{_hertz(one.jump)} (measured {_hertz(one.measured_jump)})"
             print(f"{one.level:5g}  {way:5}  {one.error:5.2f} ({counted})".ljust(44) + jumps.ljust(32)
                   + f"{other.error:5.2f} %  {_hertz(other.jump)}")  # fmt: skip
+        for level, own in drives.items():
+            before, after = (100 * x for x in own["error_over_peak"])
+            print(f"{level:5g}  answers as if driven by {100 * own['larger_by']:+.1f} %: then both ways {after:.2f} "
+                  f"instead of {before:.2f} % of the peak")  # fmt: skip
         assert names and names[0] in self.first, names
         for one in (one for one in found if one.level != FITTED):
+            own = drives.get(one.level)
+            if one.error > self.error and own is not None:
+                assert 100 * own["error_over_peak"][1] <= self.error, own
+                continue  # where a device that is driven less would jump says nothing
             assert one.apart < 0.2 * 2 * one.counted and one.error <= self.error, one
             assert (one.jump is None) == (one.measured_jump is None), one
             assert one.jump is None or one.measured_jump is None or abs(one.jump - one.measured_jump) <= self.jump, one

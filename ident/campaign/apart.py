@@ -16,21 +16,24 @@ Kind = Literal["stiffness", "sensitivity", "delay", "clock", "baseline"]
 
 
 class Told(NamedTuple):
-    """How a kind of numbers is told to people: `what` each record has, numbers times `times` in `unit`, and `why`."""
+    """How a kind of numbers is told to people: `what` each record has, numbers times `times` in `unit`, and `why`; how
+    many `each` has, and whether what all have is the device's own."""
 
     what: str
     times: float
     unit: str
     why: str
+    each: int = 1
+    shared: bool = False
 
 
 TOLD: dict[Kind, Told] = {
     # A resonance moves by half of what its spring does.
-    "stiffness": Told("resonance", 50.0, "%", "was the device warmer or otherwise loaded in some?"),
-    "sensitivity": Told("sensitivity", 100.0, "%", "was the sensor moved?"),
+    "stiffness": Told("resonance", 50.0, "%", "was the device warmer or otherwise loaded in some?", shared=True),
+    "sensitivity": Told("sensitivity", 100.0, "%", "was the sensor moved?", shared=True),
     "delay": Told("delay", 1.0, "samples", "did each have a trigger of its own?"),
     "clock": Told("clock", 1e6, "ppm", "do generator and recorder run by one clock?"),
-    "baseline": Told("baseline", 100.0, "% of its signal", "does the sensor drift?"),
+    "baseline": Told("baseline", 100.0, "% of its signal", "does the sensor drift?", each=3),
 }
 
 

@@ -6,7 +6,7 @@ A record is one file: a trace (time, drive, response) or a sweep (frequency, lev
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -163,6 +163,8 @@ class Sweep:
     - `noise`: its `sigma` is the part of the amplitude noise that is the same at every point.
     - `relative_noise`: the part that grows with the amplitude, a fraction of it.
     - `phase_noise`: rad, what the phase scatters beyond sigma/amplitude.
+    - `stronger`: (n,) share by which the drive that acted is larger than the one that the table tells, where levels
+      differ in that; None: it is as told.
     """
 
     name: str
@@ -180,6 +182,17 @@ class Sweep:
     dwell: np.ndarray | None = None
     relative_noise: float = 0.0
     phase_noise: float = 0.0
+    stronger: np.ndarray | None = None
+
+    @property
+    def differs(self) -> bool:
+        """Whether its levels are known to differ in their drives."""
+        return self.stronger is not None
+
+    @property
+    def acting(self) -> np.ndarray:
+        """(n,) drive amplitude that acted, V."""
+        return self.level if self.stronger is None else self.level * (1 + self.stronger)
 
     @property
     def deviation(self) -> np.ndarray:
@@ -191,6 +204,11 @@ class Sweep:
         """(n,) standard deviation of the phases, rad: √((σ/a)² + σ_φ²), at most that of a phase nobody knows."""
         smallest = np.maximum(self.amplitude, 1e-300)
         return np.minimum(np.hypot(self.noise.sigma / smallest, self.phase_noise), np.pi / np.sqrt(3.0))
+
+    def only(self, rows: np.ndarray) -> Sweep:
+        """Some of the points, in the order given."""
+        names = ("frequency", "level", "amplitude", "up", "phase", "dwell", "stronger")
+        return replace(self, **{name: value[rows] for name in names if (value := getattr(self, name)) is not None})
 
     @property
     def runs(self) -> tuple[Run, ...]:

@@ -11,11 +11,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..campaign.apart import Kind
 from ..fit import Fit
 from ..pulse import Report
 from .evidence.criterion import VERY_STRONG, behind, criteria
 from .evidence.enough import adequate
-from .faulty.between import KINDS, Differing, Kind, comparable, differing, numbers_of, rows_of
+from .faulty.between import KINDS, comparable, differing, rows_of
+from .faulty.differing import Differing, numbers_of
 from .linearised.regression import prepare
 from .linearised.shorten import is_long, working
 from .ranking.look import Look
@@ -38,7 +40,10 @@ def apart_before(look: Look, report: Report) -> Differing | None:
     """Records that differ, and reach the noise floor beside at most one effect, where no two effects promise as much:
     the walk that would look for more of them is spared."""
     regression = look.regression
-    if not _may_differ(regression.fit) or not look.worth_it:
+    campaign = regression.fit.campaign
+    if is_long(campaign) or any(record.differs for record in campaign.records):
+        return None
+    if not comparable(regression.fit) or not look.worth_it:
         return None
     if min((found.chi2 for found in look.tried if found.possible), default=np.inf) < AS_WELL * regression.n:
         return None
@@ -52,18 +57,16 @@ def apart_before(look: Look, report: Report) -> Differing | None:
 
 def apart_after(look: Look, final: Fit, report: Report) -> Differing | None:
     """Records that differ beside what a walk has named; or beside what promises most, if that was wrong."""
-    if not _may_differ(final):
+    campaign = final.campaign
+    if is_long(campaign) or any(record.differs for record in campaign.records):
         return None
     report("does the device differ from record to record?")
     found = differing(final)
     if found is not None and adequate(prepare(working(found.fit))):
         return found
+    if not comparable(final):
+        return differing(look.regression.fit) or found
     return _simulated(look, _best(look, report)) or found
-
-
-def _may_differ(fitted: Fit) -> bool:
-    campaign = fitted.campaign
-    return comparable(fitted) and not is_long(campaign) and not any(trace.differs for trace in campaign.traces)
 
 
 def _best(look: Look, report: Report) -> _Promise:

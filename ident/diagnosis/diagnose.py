@@ -20,7 +20,8 @@ from ..pulse import Report
 from ..threads import one_thread
 from .apart import apart_after, apart_before
 from .evidence.enough import adequate
-from .faulty.between import Differing, differing
+from .faulty.between import differing
+from .faulty.differing import Differing
 from .faulty.suspects import BY_OTHERS, find_suspects, judged_again
 from .linearised.regression import Regression, prepare
 from .linearised.shorten import working
@@ -168,10 +169,11 @@ def _read_apart(
 
     The numbers are found again after the walk that they make possible, for what was missing had bent them.
     """
-    law = find_unknown(regression)
-    if law.formula is not None and law.dimension < 2 and law.chi2_after < AS_WELL:
-        return None
     start = regression.fit
+    if start.campaign.fitted:
+        law = find_unknown(regression)
+        if law.formula is not None and law.dimension < 2 and law.chi2_after < AS_WELL:
+            return None
     said = diagnose(one.begun(start), library, report, keep=keep)
     again = differing(fit(said.final.model, start.campaign, initial=said.final.values), (one.kind,))
     if again is None:

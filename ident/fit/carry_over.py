@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..response import Equation
+from .curves import lay_curves
 from .reading import read
 from .result import Fit
 
@@ -16,19 +18,29 @@ def expected_error(fit: Fit) -> float:
 
     Source: G. A. F. Seber, C. J. Wild, Nonlinear Regression, 1989, §5.1.
     """
-    records = fit.campaign.heldout
-    if not records or not np.all(np.isfinite(fit.covariance)):
+    records, sweeps = fit.campaign.heldout, fit.campaign.heldout_sweeps
+    if not (records or sweeps) or not np.all(np.isfinite(fit.covariance)):
         return float("inf")
-    sizes, axes = np.linalg.eigh(fit.covariance)
-    total = 0.0
-    for size, axis in zip(np.maximum(sizes, 0.0), axes.T, strict=True):
-        step = np.zeros_like(fit.values)
-        step[list(fit.free)] = np.sqrt(size) * axis
-        sides = [read(fit.model, fit.values + sign * step, records) for sign in (1.0, -1.0)]
+    total, n = 0.0, sum(np.count_nonzero(r.counted) for r in records)
+    for step in uncertain_steps(fit):
+        sides = [read(fit.model, fit.values + sign * step, records) for sign in (1.0, -1.0)] if records else [[], []]
         with np.errstate(over="ignore", invalid="ignore"):  # a motion without bound, which says nothing
             total += sum(
                 float(np.sum((0.5 * (up - down)[r.counted]) ** 2)) / r.noise.sigma**2
                 for up, down, r in zip(*sides, records, strict=True)
             )
-    expected = float(np.sqrt(1.0 + total / sum(np.count_nonzero(r.counted) for r in records)))
+    if sweeps:
+        equation = Equation(fit.model)
+        curves = lay_curves(sweeps, fit.model.steps_per_period).weighed(equation, fit.values)
+        moved = curves.slopes(curves.solve(equation, fit.values), uncertain_steps(fit))
+        total, n = total + float(np.sum(moved**2)), n + moved.shape[1]
+    expected = float(np.sqrt(1.0 + total / n))
     return expected if np.isfinite(expected) else float("inf")
+
+
+def uncertain_steps(fit: Fit) -> np.ndarray:
+    """(p, m) steps of the values along the axes of their covariance, one standard error each."""
+    sizes, axes = np.linalg.eigh(fit.covariance)
+    steps = np.zeros((len(sizes), len(fit.values)))
+    steps[:, list(fit.free)] = np.sqrt(np.maximum(sizes, 0.0))[:, None] * axes.T
+    return steps

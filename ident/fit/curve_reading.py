@@ -54,17 +54,18 @@ class Followed:
     @cached_property
     def branches(self) -> dict[tuple[str, float], Branch]:
         """By name of the sweep and level."""
-        asked, bands, sizes, loads = [], [], [], []
+        asked, levels, bands, sizes, loads = [], [], [], [], []
         for sweep in self.sweeps:
             low, high = float(np.min(sweep.frequency)), float(np.max(sweep.frequency))
             more = _AROUND * (high - low)
-            for level in sorted({run.level for run in sweep.runs}):
+            acting = {run.level: float(np.median(sweep.acting[run.rows])) for run in sweep.runs}
+            for level in sorted(acting):
                 asked.append((sweep.name, level))
+                levels.append(acting[level])
                 bands.append((max(low - more, 0.5 * low), high + more))
                 sizes.append(max(float(np.max(sweep.amplitude[r.rows])) for r in sweep.runs if r.level == level))
                 loads.append(sweep.load)
-        levels = np.array([level for _, level in asked])
-        found = follow(self.model, levels, np.array(loads), np.array(bands), np.array(sizes))
+        found = follow(self.model, np.array(levels), np.array(loads), np.array(bands), np.array(sizes))
         return dict(zip(asked, found, strict=True))
 
 

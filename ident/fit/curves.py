@@ -175,7 +175,7 @@ def lay_curves(sweeps: Sequence[Sweep], finest: int) -> Curves:
     measured, deviation = join([s.amplitude for s in sweeps]), join([s.deviation for s in sweeps])
     points = Points(
         join([s.frequency for s in sweeps]),
-        join([s.level for s in sweeps]),
+        join([s.acting for s in sweeps]),
         np.maximum(measured, deviation),  # below its noise an amplitude says no more than that it is small
         join([np.full(len(s.frequency), s.load) for s in sweeps]),
         join([np.full(len(s.frequency), s.quantity == "half-peak-to-peak") for s in sweeps]) > 0,

@@ -27,6 +27,8 @@ from .uncertainty import Covariance, Linearisation
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+    from .own_number import OwnNumber
+
 SigmaChoice = Literal["known", "scaled", "fitted"]
 _TRUSTED = 1.1  # error over noise floor above which error bars are said to be untrustworthy
 
@@ -111,6 +113,13 @@ class Fit:
         called = [(k, record) for k, record in enumerate(self.campaign.fitted) if record.start == "steady"]
         on = {one.record for one in self.solved.data.steady} if called else set()
         return [(record.name, no_orbit(record, self.solved.static.equation)) for k, record in called if k not in on]
+
+    @cached_property
+    def own_numbers(self) -> tuple[OwnNumber, ...]:
+        """Held-out levels of sweeps which ask for another drive, resonance or damping, as of `own_number`."""
+        from .own_number import own_numbers
+
+        return own_numbers(self)
 
     @cached_property
     def step_error(self) -> float:

@@ -61,8 +61,9 @@ def _verdict_words(found: Diagnosis) -> str:
         )
     if loop.verdict == "ambiguous" and not loop.lacking and not any(len(s.tie_set) > 1 for s in named):
         seen = "On the fitted records"
-        if any(trace.differs for trace in final.campaign.traces):
-            seen = "Beside a number of its own for each record"
+        if any(record.differs for record in final.campaign.records):
+            each = "level" if final.campaign.sweeps else "record"
+            seen = f"Beside a number of its own for each {each}"
         return f"{seen} {names}{refined} {'is' if one else 'are'} what was missing, {error}."
     if loop.verdict == "identified" and adequate(loop.regression):
         return f"Missing {was} {names}{refined}: with {them} the model is adequate, {error}."

@@ -12,6 +12,7 @@ from ..fit.curve_reading import CurveReading, Jump, RunReading
 from ..fit.judge import RecordScore, Score
 from ..fit.result import Estimate, Fit
 from .words.linear import linear_dict
+from .words.own_numbers import own_numbers_dict
 from .words.quantity import display_unit
 from .words.tables import combination_sentences, flag_words
 
@@ -37,6 +38,7 @@ def run_dict(fit: Fit) -> dict[str, Any]:
             _record(score, record) if isinstance(record, Trace) else _sweep(score, next(curves), fit)
             for score, record in zip(fit.scores, fit.campaign.records, strict=True)
         ],
+        **({"own_numbers": own_numbers_dict(fit)} if fit.campaign.heldout_sweeps else {}),
     }
 
 

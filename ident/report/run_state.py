@@ -14,7 +14,7 @@ import numpy as np
 
 from ..campaign import Campaign, NoiseFloor, read_campaign
 from ..campaign.apart import read_apart
-from ..campaign.record import Trace
+from ..campaign.record import Sweep, Trace
 from ..campaign.tables.opening import read_bytes
 from ..campaign.trust import checksum
 from ..effects.registry import find, registry
@@ -75,6 +75,7 @@ def state(fit: Fit) -> dict[str, Any]:
         "noise": [asdict(record.noise) for record in fit.campaign.records],
         # What of a trace was estimated: how it differs from the others, and where a drive that is held changes.
         "traces": [[trace.own, trace.edge] for trace in fit.campaign.traces],
+        "stronger": [None if s.stronger is None else s.stronger.tolist() for s in fit.campaign.sweeps],
     }
 
 
@@ -99,8 +100,10 @@ def restore_campaign(document: dict[str, Any], folder: Path) -> Campaign:
     campaign = replace(campaign, effect_files=(*campaign.effect_files, *added))
     floors = [NoiseFloor(**{**floor, "ar": tuple(floor["ar"])}) for floor in kept["noise"]]
     records = [replace(record, noise=noise) for record, noise in zip(campaign.records, floors, strict=True)]
-    estimates = iter(kept.get("traces", ()))
+    estimates, stronger = iter(kept.get("traces", ())), iter(kept.get("stronger", ()))
     for i, record in enumerate(records):
+        if isinstance(record, Sweep) and (drives := next(stronger, None)) is not None:
+            records[i] = replace(record, stronger=np.array(drives))
         if isinstance(record, Trace) and (told := next(estimates, None)) is not None:
             own, edge = told
             held = replace(record, edge=edge)

@@ -75,6 +75,20 @@ def test_an_even_spring_is_scored_by_what_its_mean_and_its_overtone_do(phase: bo
     assert abs(even.values["k2"]) == pytest.approx(equal, rel=0.03)
 
 
+@pytest.mark.parametrize("name", ["drive-lag", "sensor-lag"])
+def test_a_lag_is_scored_by_its_square_where_phases_were_not_measured(name: str) -> None:
+    """It turns the response by ωτ, which amplitudes do not show, and makes it smaller by √(1 + ω²τ²), which they do."""
+    device, late = Oscillator(output="m"), 0.4 / (2 * np.pi * FREQUENCY)
+    seen = [sweep(level, 0.0, False, 3, 3e-6) for level in (0.2, 0.5)]
+    slower = [1 / np.sqrt(1 + (2 * np.pi * one.frequency * late) ** 2) for one in seen]
+    told = [replace(one, amplitude=one.amplitude * by) for one, by in zip(seen, slower, strict=True)]
+    linear = fit(Model(device), Campaign("", tuple(told), device))
+    assert linear.fitted.error_over_noise > 2
+    (found,) = score(prepare(linear), {name: built_in()[name]})
+    assert found.predicted_gain > 0.8
+    assert abs(found.values["time"]) == pytest.approx(late, rel=0.25)
+
+
 class Bent(AbstractEffect):
     """A spring that hardens by a cubic part and softens by a quadratic one, more the larger it is."""
 

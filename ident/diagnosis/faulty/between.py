@@ -13,11 +13,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
-from ...campaign.apart import TOLD, Kind, curves, read_apart, size_of
+from ...campaign.apart import TOLD, Kind, curves, read_apart
 from ...campaign.campaign import Campaign
 from ...campaign.record import Trace
 from ...fit import Fit, fit
@@ -28,45 +27,13 @@ from ..linearised.regression import Regression, by_record, prepare, stack
 from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
 from ..unknown.subsets import regress
+from .between_levels import differing_levels
+from .differing import Differing
 
 _ROUNDS = 6  # of the records' numbers and the device's in turn
 _SETTLED = 0.3  # of its error bar: a step that moves no number further ends them
 _SMALL = 1e-4  # change of a stiffness by which its derivative is taken
-# How many numbers a record has.
-_EACH: dict[Kind, int] = {"stiffness": 1, "sensitivity": 1, "delay": 1, "clock": 1, "baseline": 3}
-_SHARED: tuple[Kind, ...] = ("stiffness", "sensitivity")  # what all records have of these is the device's
 _FEWEST = 3  # records: of two that disagree nobody knows which one is the device's
-
-
-class Differing(NamedTuple):
-    """Records that differ in one `kind` of numbers: `sizes` and `errors` (traces, q), shares or (delays) samples, their
-    mean zero over the fitted ones where the device has such a number too; and the `fit` of the same model to the
-    records as a device like the others would have given them."""
-
-    kind: Kind
-    sizes: np.ndarray
-    errors: np.ndarray
-    fit: Fit
-
-    @property
-    def words(self) -> str:
-        """What differs, for people."""
-        told, traces = TOLD[self.kind], self.fit.campaign.traces
-        doubt = lambda error: f" ± {told.times * error[0]:.1g}" if len(error) == 1 else ""
-        each = ", ".join(f"{size_of(trace):+.2g}{doubt(error)} {told.unit} in {trace.name}"
-                         for trace, error in zip(traces, self.errors, strict=True))  # fmt: skip
-        alone = f"The records agree only if each has a {told.what} of its own: {each}."
-        return f"{alone} They are read so, held-out ones too: {told.why}"
-
-    def moved(self, before: Differing) -> bool:
-        """Whether a number has moved by more than is little beside its error."""
-        return bool(np.any(np.abs(self.sizes - before.sizes) > _SETTLED * self.errors))
-
-    def begun(self, start: Fit) -> Fit:
-        """The fit from which a walk had begun, with the records read so."""
-        campaign = self.fit.campaign
-        told = replace(campaign, notes=(*campaign.notes, self.words))
-        return fit(start.model, told, initial=start.values)
 
 
 KINDS = tuple(TOLD)
@@ -76,11 +43,6 @@ def comparable(fitted: Fit) -> bool:
     """Whether the records of a fit can be told apart by a number each."""
     enough = len(fitted.campaign.fitted) >= _FEWEST and not fitted.campaign.fitted_sweeps
     return enough and fitted.model.form == "oscillator"
-
-
-def numbers_of(fitted: Fit, kind: Kind) -> int:
-    """How many numbers a fit has more where its records differ so."""
-    return _EACH[kind] * len(fitted.campaign.fitted) - (kind in _SHARED)
 
 
 def rows_of(regression: Regression, kind: Kind) -> np.ndarray:
@@ -100,15 +62,16 @@ def rows_of(regression: Regression, kind: Kind) -> np.ndarray:
 
 
 def differing(fitted: Fit, kinds: Sequence[Kind] = KINDS) -> Differing | None:
-    """The kind of number by which the records of a fit differ, if that explains them clearly better than one device
-    does; None if it does not."""
-    if not comparable(fitted):
+    """The kind of numbers by which the records of a fit differ, or the levels of its sweeps in their drives, if that
+    explains them clearly better than one device does; None if it does not, and where traces stand beside sweeps."""
+    traces, sweeps = fitted.campaign.traces, fitted.campaign.sweeps
+    if (traces and sweeps) or fitted.model.form != "oscillator":
         return None
     weigh = lambda fit, more: Left(prepare(working(fit)).left, fit.freedom + more)
     try:
         before = weigh(fitted, 0)
-        found = [(one, weigh(one.fit, numbers_of(fitted, kind)))
-                 for kind in kinds if (one := _found(fitted, kind)) is not None]  # fmt: skip
+        tried = [differing_levels(fitted)] if sweeps else [_found(fitted, kind) for kind in kinds]
+        found = [(one, weigh(one.fit, one.numbers)) for one in tried if one is not None]
     except (Diverged, np.linalg.LinAlgError):  # a motion without bound tells nothing
         return None
     better = [(one, left) for one, left in found if behind(left, before) < -VERY_STRONG]
@@ -116,15 +79,17 @@ def differing(fitted: Fit, kinds: Sequence[Kind] = KINDS) -> Differing | None:
 
 
 def _found(fitted: Fit, kind: Kind) -> Differing | None:
-    campaign, now, q = fitted.campaign, fitted, _EACH[kind]
+    campaign, now, q = fitted.campaign, fitted, TOLD[kind].each
     inside = [i for i, trace in enumerate(campaign.traces) if not trace.holdout]
+    if len(inside) < _FEWEST:
+        return None
     sizes, errors = np.zeros((2, len(campaign.traces), q))
     for _ in range(_ROUNDS):
         regression = prepare(working(now))
         rows = _apart(regression, [_slopes(now, trace, kind) for trace in now.campaign.fitted])
         solved = regress(regression.project(by_record(regression, rows)), regression.residual)
         step, spread = solved.coefficients.reshape(-1, q), solved.spread.reshape(len(inside), q, -1)
-        if kind in _SHARED:
+        if TOLD[kind].shared:
             step, spread = step - np.mean(step, axis=0), spread - np.mean(spread, axis=0)
         errors[inside] = np.linalg.norm(spread, axis=2) * np.sqrt(max(regression.chi2 / regression.n, 1.0))
         sizes[inside] += step
@@ -135,7 +100,8 @@ def _found(fitted: Fit, kind: Kind) -> Differing | None:
         if trace.holdout:
             sizes[i], errors[i] = _by_itself(now, trace, kind)
     now = fit(fitted.model, _with(campaign, kind, sizes), initial=now.values, most=1)
-    return Differing(kind, sizes, errors, now) if np.all(np.isfinite(sizes)) else None
+    names = tuple(trace.name for trace in campaign.traces)
+    return Differing(kind, names, sizes, errors, now) if np.all(np.isfinite(sizes)) else None
 
 
 def _apart(regression: Regression, slopes: Sequence[np.ndarray]) -> np.ndarray:
@@ -167,7 +133,7 @@ def _later(trace: Trace, reading: np.ndarray, kind: Kind) -> np.ndarray:
 
 def _by_itself(now: Fit, trace: Trace, kind: Kind) -> tuple[np.ndarray, np.ndarray]:
     """The numbers of a held-out record and their errors, (q,), from what the model misses of it."""
-    sizes = np.zeros(_EACH[kind])
+    sizes = np.zeros(TOLD[kind].each)
     for _ in range(_ROUNDS):
         own = read_apart(trace, kind, sizes)
         left = (own.response - read(now.model, now.values, [own])[0])[own.counted] / own.noise.sigma

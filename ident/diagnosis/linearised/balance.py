@@ -57,7 +57,8 @@ def balanced(
     rows = np.concatenate([regression.known[:, :first], samples])
     typical = np.median(plane.curves.points.level)
     largest = np.max(np.abs(both.drives), axis=1) / typical + np.max(np.abs(both.shares), axis=1)
-    largest[own:] += np.sqrt(np.max(np.abs(np.einsum("ddp->dp", moves.bends)), axis=1, initial=0.0) / typical)
+    for part, unit in ((moves.bends, typical), (moves.share_bends, 1.0)):
+        largest[own:] += np.sqrt(np.max(np.abs(np.einsum("ddp->dp", part)), axis=1, initial=0.0) / unit)
     usable = np.isfinite(largest) & ((largest > 0) | (np.abs(rows).max(axis=1, initial=0.0) > 0))
     scale = np.where(usable, 1.0 / np.where(largest > 0, largest, 1.0), 0.0)
     both = both.scaled(scale)
@@ -65,12 +66,16 @@ def balanced(
     needed = np.stack([one.needed for one in plane.steady])
 
     def at(x: np.ndarray, plane: Plane) -> tuple[np.ndarray, np.ndarray]:
-        bent = np.einsum("d,dqp->qp", x, both.bends)
-        drives, given = needed[0] + x @ both.drives + x[own:] @ bent, 1.0 + x @ both.shares
+        bent, turned = (np.einsum("d,dqp->qp", x, part) for part in (both.bends, both.share_bends))
+        drives, given = needed[0] + x @ both.drives + x[own:] @ bent, 1.0 + x @ both.shares + x[own:] @ turned
         left = np.concatenate([regression.left[:first] - x @ rows, plane.left(drives, given)])
-        steeper = both.drives + np.einsum("dqp,q->dp", both.bends, x[own:])
+        steeper, turning = (
+            straight + np.einsum("dqp,q->dp", square, x[own:])
+            for straight, square in ((both.drives, both.bends), (both.shares, both.share_bends))
+        )
         steeper[own:] += bent
-        along = both._replace(drives=steeper)
+        turning[own:] += turned
+        along = both._replace(drives=steeper, shares=turning)
         return left, np.concatenate([rows, -plane.slopes(drives, given, along)], axis=1)
 
     def weighed(x: np.ndarray) -> _End:

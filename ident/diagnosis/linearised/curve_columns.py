@@ -16,7 +16,8 @@ odd part it may be the greater (stressed beams that soften):
     δF₁ = ½ ∂²/∂x² [F(x, z + x δz)]₁,   δz = Σ_{k ≠ 1} Y(kω) [∂F/∂x]_k
 
 with the linear part's answer Y. Of an effect with several amplitudes each pair has such a term: the mean of one moves
-the stage to where another acts. That is the leading term; the refit knows the rest.
+the stage to where another acts. What acts on drive or reading has its square too: a lag τ turns them by −iωτ, which no
+amplitude shows, and makes them smaller by −ω²τ². These are the leading terms; the refit knows the rest.
 
 Source: as of `columns`; W. Krack, J. Gross, Harmonic Balance for Nonlinear Vibration Problems, 2019, §2.4; A. H.
 Nayfeh, D. T. Mook, Nonlinear Oscillations, 1979, §2.3.1 (the frequency that a quadratic spring shifts).
@@ -57,15 +58,19 @@ def curve_order(solved: Solved) -> np.ndarray:
     return np.concatenate([curves.places(own) for own in curves.slices])
 
 
+_BENT = ("bends", "share_bends", "beside_bends")
+
+
 class Moves(NamedTuple):
     """What units of some parameters do, complex: to the `drives` that are needed, (d, points) V, with `bends`, (d, q,
     points), what a product with each of the q amplitudes of the same effect does; to the `shares` of the drive that the
-    actuator gives; `beside`, (d, 2, points), and `beside_bends`, (d, q, 2, points): as `drives` and `bends`, at
-    amplitudes larger and smaller by the noise."""
+    actuator gives, with `share_bends`; `beside`, (d, 2, points), and `beside_bends`, (d, q, 2, points): as `drives` and
+    `bends`, at amplitudes larger and smaller by the noise."""
 
     drives: np.ndarray
     bends: np.ndarray
     shares: np.ndarray
+    share_bends: np.ndarray
     beside: np.ndarray
     beside_bends: np.ndarray
 
@@ -74,7 +79,7 @@ class Moves(NamedTuple):
         counts as nothing."""
         pairs = units[:, None] * units[len(units) - self.bends.shape[1] :]
         turned = lambda part, by: np.nan_to_num(part) * by.reshape(*by.shape, *[1] * (part.ndim - by.ndim))
-        powers = (units, pairs, units, units, pairs)
+        powers = (units, pairs, units, pairs, units, pairs)
         return Moves(*(turned(part, by) for part, by in zip(self, powers, strict=True)))
 
     def rows(self, which: slice | np.ndarray) -> Moves:
@@ -84,13 +89,13 @@ class Moves(NamedTuple):
     def among(self, some: np.ndarray) -> Moves:
         """Those of some of the amplitudes of one effect, the others at zero."""
         few = self.rows(some)
-        return few._replace(bends=few.bends[:, some], beside_bends=few.beside_bends[:, some])
+        return few._replace(**{name: getattr(few, name)[:, some] for name in _BENT})
 
     def beside_others(self, own: Moves) -> Moves:
         """These after those of other parameters, which move the drives along straight lines."""
         q = self.bends.shape[1]
         straight = lambda part: np.zeros((len(part), q, *part.shape[2:]), complex)
-        own = own._replace(bends=straight(own.bends), beside_bends=straight(own.beside_bends))
+        own = own._replace(**{name: straight(getattr(own, name)) for name in _BENT})
         return Moves(*(np.concatenate(pair) for pair in zip(own, self, strict=True)))
 
 
@@ -99,7 +104,7 @@ class Plane:
     """The numbers of the sweeps while parameters move: the drives that the model needs move along straight lines, with
     the amplitudes of an effect along parabolas.
 
-        numbers = rows(ln((Û + Σ x_j Û_j + Σ x_j x_k Û_jk)/(1 + Σ x_j κ_j)/U))
+        numbers = rows(ln((Û + Σ x_j Û_j + Σ x_j x_k Û_jk)/(1 + Σ x_j κ_j + Σ x_j x_k κ_jk)/U))
 
     What the noise does to them moves too: a drive that did not depend on the amplitude would say nothing of it, however
     well it agreed with the one that was measured.
@@ -143,7 +148,8 @@ def plane_of(solved: Solved, directions: np.ndarray) -> Plane:
     three = (steady, *curves.beside(steady))
     drives, *beside = (one.slopes(directions) for one in three)
     none, around = np.zeros_like(drives), np.stack(beside, axis=1)
-    own = Moves(drives, none[:, None][:, :0], none, around, around[:, None][:, :0])
+    straight, straight_around = none[:, None][:, :0], around[:, None][:, :0]
+    own = Moves(drives, straight, none, straight, around, straight_around)
     return Plane(curves, curve_order(solved), three, own)
 
 
@@ -155,36 +161,45 @@ def curve_columns(plane: Plane, equation: Equation, values: np.ndarray, directio
     At the smaller amplitudes they do what a straight line through the two others says, which the noise is small for.
     """
     here, above, below = plane.steady
-    drives, bends, shares = _columns(here, equation, values, directions)
-    more, more_bends, _ = _columns(above, equation, values, directions)
+    drives, bends, shares, share_bends = _columns(here, equation, values, directions)
+    more, more_bends, _, _ = _columns(above, equation, values, directions)
     size, up, down = (one.points.amplitude for one in plane.steady)
     ratio = (size - down) / (up - size)
     around, bent = (np.stack([b, a - ratio * (b - a)], axis=-2) for a, b in ((drives, more), (bends, more_bends)))
-    return Moves(drives, bends, shares, around, bent)
+    return Moves(drives, bends, shares, share_bends, around, bent)
 
 
 def _columns(
     steady: Controlled, equation: Equation, values: np.ndarray, directions: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Drives, bends and shares of `Moves` at one amplitude of each point."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Drives, shares and the bends of both of `Moves` at one amplitude of each point."""
     points = steady.points
     gain = float(steady.model.values[GAIN] * steady.model.equation.constants[1])
     stretch = steady.by_amplitude * points.amplitude / steady.needed
     around, q = circle(_STEPS), len(directions)
     at = (points.level, points.frequency, points.load, np.real(steady.tone), np.imag(steady.tone))
-    drives, bends, shares = [], [], []
+    parts: list[tuple[np.ndarray, ...]] = []
     for value in values:
         found = []
         for own in batches(len(points.level)):
             said = terms_along(equation, equation.constants, value, directions, *(x[own] for x in at), around)
             found.append((said,))
         (real,) = joined(found, len(points.level))
-        push, driven, shown, bent = np.split(real[::2] + 1j * real[1::2], [q, 2 * q, 3 * q])
+        push, driven, shown, *bent = np.split(
+            real[::2] + 1j * real[1::2], [q, 2 * q, 3 * q, (3 + q) * q, (3 + 2 * q) * q]
+        )
+        push_bent, driven_bent, shown_bent = (part.reshape(q, q, -1) for part in bent)
         past, by_force = shown / steady.tone, -steady.needed / (gain * steady.share * points.level)
-        drives.append(by_force * push - steady.needed * (stretch - 1.0) * past.real)
-        bends.append(by_force * bent.reshape(q, q, -1))
-        shares.append(driven / (gain * points.level) + steady.share * past)
-    return np.concatenate(drives), np.concatenate(bends), np.concatenate(shares)
+        past_bent = shown_bent / steady.tone
+        by_past = -steady.needed * (stretch - 1.0)
+        parts.append((
+            by_force * push + by_past * past.real,
+            by_force * push_bent + by_past * np.real(past_bent - 0.5 * past[:, None] * past),
+            driven / (gain * points.level) + steady.share * past,
+            driven_bent / (gain * points.level) + steady.share * past_bent,
+        ))  # fmt: skip
+    drives, bends, shares, share_bends = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return drives, bends, shares, share_bends
 
 
 @program
@@ -193,8 +208,8 @@ def terms_along(
     frequency: Numbers, load: Numbers, real: Numbers, imaginary: Numbers, circle: Numbers,
 ) -> Any:  # fmt: skip
     """Fundamentals of the forces on the stage and of those through the actuator, N, and of what the sensor adds, m, per
-    unit of each of q directions, and of the forces on the stage per product of each two: (2 (3 q + q²), points), real
-    and imaginary part of each, relative to cos ωt."""
+    unit of each of q directions, and of the three per product of each two: (2 (3 q + 3 q²), points), real and imaginary
+    part of each, relative to cos ωt."""
 
     def point(level: Any, frequency: Any, load: Any, real: Any, imaginary: Any) -> Any:
         cosine, sine = circle
@@ -226,8 +241,8 @@ def terms_along(
         changed, further = jax.linearize(along, 0.0 * axes[0], still, still)  # what remembers is followed once
         force = changed[0] + changed[1]
         answers = jax.vmap(lambda force: _overtones(force, system))(force)
-        bent = jax.vmap(lambda axis, z, v: further(0.5 * axis, z, v)[0])(axes, *answers)
-        told = jnp.concatenate([*changed, bent.reshape(-1, len(z))])
+        bent = jax.vmap(lambda axis, z, v: further(0.5 * axis, z, v))(axes, *answers)
+        told = jnp.concatenate([*changed, *(part.reshape(-1, len(z)) for part in bent)])
         return jax.vmap(lambda x: jnp.stack(_fundamental(x, circle)))(told).reshape(-1)
 
     return jax.vmap(point, out_axes=-1)(level, frequency, load, real, imaginary)

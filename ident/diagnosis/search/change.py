@@ -57,7 +57,7 @@ def try_without(parent: Fit, name: str, start: Fit) -> Fit:
     starts = [rest, np.concatenate([start.values[:linear], rest[linear:]])]
     race = minimise(model, parent.campaign, initial=starts, most=_FEW)
     found = minimise(model, parent.campaign, initial=race.values, most=ENOUGH, compared=True)
-    return fit_at(model, parent.campaign, found.values)
+    return fit_at(model, parent.campaign, found.values, converged=False)  # what is kept of it is fitted to its end
 
 
 def values_without(parent: Fit, name: str) -> np.ndarray:

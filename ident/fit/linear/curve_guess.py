@@ -35,7 +35,7 @@ def guess_curves(sweeps: Sequence[Sweep], held: float | None = None) -> LinearGu
 def _searched(sweeps: tuple[Sweep, ...], held: float | None) -> LinearGuess:
     frequency, quality = _peak(sweeps)
     join = lambda name: np.concatenate([np.asarray(getattr(sweep, name), float) for sweep in sweeps])
-    omega, level, amplitude = 2 * np.pi * join("frequency"), join("level"), join("amplitude")
+    omega, level, amplitude = 2 * np.pi * join("frequency"), join("acting"), join("amplitude")
     weight = np.minimum(amplitude / np.maximum(join("deviation"), 1e-300), 1e3)
     weight = weight / np.max(weight)
 
@@ -83,7 +83,7 @@ def _sign(sweeps: Sequence[Sweep], omega: float) -> float:
     for sweep in sweeps:
         if sweep.phase is not None:
             below = (2 * np.pi * sweep.frequency < omega) * 2.0 - 1.0
-            total += float(np.sum(below * sweep.amplitude / sweep.level * np.cos(sweep.phase)))
+            total += float(np.sum(below * sweep.amplitude / sweep.acting * np.cos(sweep.phase)))
     return -1.0 if total < 0 else 1.0
 
 
@@ -92,7 +92,7 @@ def curve_scales(sweeps: Sequence[Sweep], frequency: float) -> DataScales:
     largest = lambda values: max(float(np.max(v)) for v in values)
     displacement = largest(s.amplitude for s in sweeps)
     velocity = largest(2 * np.pi * s.frequency * s.amplitude for s in sweeps)
-    return DataScales(displacement, velocity, largest(s.level for s in sweeps), 1 / frequency, _RING_UPS / frequency)
+    return DataScales(displacement, velocity, largest(s.acting for s in sweeps), 1 / frequency, _RING_UPS / frequency)
 
 
 def joined_scales(one: DataScales, other: DataScales) -> DataScales:

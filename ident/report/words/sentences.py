@@ -19,6 +19,7 @@ from ...fit.result import Fit
 from ...model import QUALITY
 from ...units import format_quantity
 from .linear import worse_than_static
+from .own_numbers import own_number_words
 from .quantity import display_unit, reading_unit, show, significant
 from .tables import listed, ratio_text
 
@@ -84,6 +85,13 @@ def _held(fit: Fit) -> str:
 def _differing(fit: Fit) -> str:
     """What is another number in every record, if there is such a one."""
     traces = fit.campaign.traces
+    drives = [sweep.stronger for sweep in fit.campaign.sweeps if sweep.stronger is not None]
+    if drives:
+        apart = significant(100 * float(np.ptp(np.concatenate(drives))), 2)
+        return (
+            f" Each level, held-out ones too, has a drive of its own in this, up to {apart} % apart: one device driven "
+            "as the levels are called does not reach so far."
+        )
     if not any(trace.differs for trace in traces):
         return ""
     told, sizes = TOLD[next(trace.own[0] for trace in traces if trace.own)], [size_of(trace) for trace in traces]
@@ -100,7 +108,7 @@ def _heldout(fit: Fit) -> str:
     number = ratio_text(ratio)
     if ratio <= max(GOOD, 1.1 * fit.fitted.error_over_noise):
         as_well = "to the noise floor too" if ratio <= GOOD else "no worse"
-        seen = "but for that number it has" if any(t.differs for t in fit.campaign.traces) else "it has"
+        seen = "but for that number it has" if any(r.differs for r in fit.campaign.records) else "it has"
         return f" Held-out records, which {seen} never seen, are predicted {as_well} ({number})."
     worst = max((s for s in fit.scores if s.holdout), key=lambda s: s.error_over_noise)
     expected = expected_error(fit) if fit.fitted.error_over_noise <= GOOD else math.inf
@@ -119,7 +127,9 @@ def sentences(fit: Fit) -> tuple[Sentence, ...]:
     found = (*suspects_by_data(fit.campaign), *alone_off(fit))
     suspects = [Sentence(f"Suspect record {one.sentence}", True) for one in found]
     starts = [*_starts(fit), *_off_orbit(fit)]
-    told = [*suspects, *starts, *_error_bars(fit), *_noise(fit), *_numerics(fit), *_physics(fit)]
+    own = [Sentence(text, True) for text in own_number_words(fit)]
+    told = [*suspects, *starts, *own, *_error_bars(fit), *_noise(fit), *_numerics(fit)]
+    told += _physics(fit)
     return tuple(sorted(told, key=lambda s: not s.warning))
 
 

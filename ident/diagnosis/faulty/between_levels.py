@@ -1,0 +1,94 @@
+"""Levels of sweeps whose drives are not what they are called: a force that droops, a gain that was read wrongly.
+
+Each level then has a number s of its own, a drive of (1 + s) times what the table tells, found by Gauss-Newton steps
+beside everything that the model absorbs; what all levels share is the device's gain.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...campaign.campaign import Campaign
+from ...campaign.record import Sweep, same_level
+from ...fit import Fit, fit
+from ...fit.own_number import own_drive
+from ..linearised.regression import Regression, prepare
+from ..linearised.shorten import working
+from ..unknown.subsets import Solution, regress
+from .differing import Differing
+
+_FEWEST = 3  # levels: of two that disagree nobody knows which one is called what it is
+_ROUNDS = 6  # of the levels' numbers and the device's in turn
+_SETTLED = 0.3  # of its error bar: a step that moves no number further ends them
+
+
+def differing_levels(fitted: Fit) -> Differing | None:
+    """The drives of all levels, held-out ones too, of a fit to sweeps; None where too few of them were fitted."""
+    levels, now = _Levels(fitted.campaign), fitted
+    inside = levels.inside
+    if len(inside) < _FEWEST:
+        return None
+    logarithms, errors = np.zeros((2, levels.count))
+    for _ in range(_ROUNDS):
+        regression = prepare(working(now))
+        solved = _steps(regression, levels)
+        step, spread = solved.coefficients, solved.spread
+        step, spread = step - np.mean(step), spread - np.mean(spread, axis=0)  # what all share is the device's
+        errors[inside] = np.linalg.norm(spread, axis=1) * np.sqrt(max(regression.chi2 / regression.n, 1.0))
+        logarithms[inside] += step
+        now = fit(fitted.model, levels.driven(np.expm1(logarithms)), initial=now.values)
+        if np.all(np.abs(step) < _SETTLED * errors[inside]):
+            break
+    for k in np.setdiff1d(np.arange(levels.count), inside):
+        logarithms[k], errors[k] = own_drive(now.model, now.values, levels.of(k))
+    sizes = np.expm1(logarithms)
+    now = fit(fitted.model, levels.driven(sizes), initial=now.values, most=1)
+    return (
+        Differing("drive", levels.names, sizes[:, None], errors[:, None], now) if np.all(np.isfinite(sizes)) else None
+    )
+
+
+def _steps(regression: Regression, levels: _Levels) -> Solution:
+    """How the drives of the fitted levels should move, beside the parameters of the model."""
+    plane = regression.plane
+    assert plane is not None  # there are sweeps
+    curves = plane.curves
+    own = np.concatenate([levels.which[s.name][kept] for s, kept in zip(curves.sweeps, curves.settled, strict=True)])
+    rows = np.array([curves.rows((own == k).astype(complex)) for k in levels.inside])[:, plane.order]
+    return regress(regression.project(rows), regression.residual)
+
+
+class _Levels:
+    """The drive levels of a campaign's sweeps, weakest first.
+
+    `which`: of each sweep, by name, (n,) the level of every point; `inside`: the levels that were fitted.
+    """
+
+    def __init__(self, campaign: Campaign) -> None:
+        self.campaign = campaign
+        sweeps = campaign.sweeps
+        level = np.concatenate([sweep.level for sweep in sweeps])
+        groups = same_level(level)
+        self.count, volts = len(groups), sweeps[0].drive_channel
+        self.names = tuple(f"{float(np.median(level[rows])) / volts.factor:.4g} {volts.unit}" for rows in groups)
+        all_of = np.zeros(len(level), int)
+        for k, rows in enumerate(groups):
+            all_of[rows] = k
+        parts = np.split(all_of, np.cumsum([len(sweep.level) for sweep in sweeps])[:-1])
+        self.which = {sweep.name: part for sweep, part in zip(sweeps, parts, strict=True)}
+        self.inside = np.unique(np.concatenate([self.which[sweep.name] for sweep in campaign.fitted_sweeps]))
+
+    def driven(self, sizes: np.ndarray) -> Campaign:
+        """The campaign with drives that are larger by shares, (levels,)."""
+        told = (
+            replace(one, stronger=sizes[self.which[one.name]]) if isinstance(one, Sweep) else one
+            for one in self.campaign.records
+        )
+        return replace(self.campaign, records=tuple(told))
+
+    def of(self, k: int) -> list[Sweep]:
+        """The points of one level."""
+        parts = [sweep.only(np.flatnonzero(self.which[sweep.name] == k)) for sweep in self.campaign.sweeps]
+        return [part for part in parts if len(part.frequency)]

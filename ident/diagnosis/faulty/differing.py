@@ -1,0 +1,63 @@
+"""What differs from one record to the next, or from one level of sweeps to the next, in numbers of its own."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from ...campaign.apart import TOLD, Kind, Told, size_of
+from ...campaign.record import same_level
+from ...fit import Fit, fit
+
+_MOVED = 0.3  # of its error bar: by so much a number is another one
+_DRIVE = Told("drive", 100.0, "%", "does the force fall behind what it is called, or was a gain read wrongly?",
+              shared=True)  # fmt: skip
+
+
+class Differing(NamedTuple):
+    """Records or levels, by their `names`, that differ in one `kind` of numbers: `sizes` and `errors` (names, q),
+    shares or (delays) samples, their mean zero over the fitted ones where the device has such a number too; and the `fit` of
+    the same model to the records as a device like the others would have given them."""
+
+    kind: Kind | Literal["drive"]
+    names: tuple[str, ...]
+    sizes: np.ndarray
+    errors: np.ndarray
+    fit: Fit
+
+    @property
+    def numbers(self) -> int:
+        """How many numbers more than one device has."""
+        campaign = self.fit.campaign
+        if self.kind == "drive":
+            return len(same_level(np.concatenate([sweep.level for sweep in campaign.fitted_sweeps]))) - 1
+        return numbers_of(self.fit, self.kind)
+
+    @property
+    def words(self) -> str:
+        """What differs, for people."""
+        levels = self.kind == "drive"
+        told = _DRIVE if self.kind == "drive" else TOLD[self.kind]
+        shown = [told.times * s[0] for s in self.sizes] if levels else [size_of(t) for t in self.fit.campaign.traces]
+        doubt = lambda error: f" ± {told.times * error[0]:.1g}" if len(error) == 1 else ""
+        each = ", ".join(f"{size:+.2g}{doubt(error)} {told.unit} {'at' if levels else 'in'} {name}"
+                         for name, size, error in zip(self.names, shown, self.errors, strict=True))  # fmt: skip
+        said = f"The {'levels' if levels else 'records'} agree only if each has a {told.what} of its own: {each}."
+        return f"{said} They are read so, held-out ones too: {told.why}"
+
+    def moved(self, before: Differing) -> bool:
+        """Whether a number has moved by more than is little beside its error."""
+        return bool(np.any(np.abs(self.sizes - before.sizes) > _MOVED * self.errors))
+
+    def begun(self, start: Fit) -> Fit:
+        """The fit from which a walk had begun, with the records read so."""
+        campaign = self.fit.campaign
+        told = replace(campaign, notes=(*campaign.notes, self.words))
+        return fit(start.model, told, initial=start.values)
+
+
+def numbers_of(fitted: Fit, kind: Kind) -> int:
+    """How many numbers a fit has more where its records differ so."""
+    return TOLD[kind].each * len(fitted.campaign.fitted) - TOLD[kind].shared
