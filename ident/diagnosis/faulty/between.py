@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
@@ -61,7 +62,7 @@ def rows_of(regression: Regression, kind: Kind) -> np.ndarray:
     return by_record(regression, _apart(regression, [along(trace) for trace in records]))
 
 
-def differing(fitted: Fit, kinds: Sequence[Kind] = KINDS) -> Differing | None:
+def differing(fitted: Fit, kinds: Sequence[Kind | Literal["drive"]] = KINDS) -> Differing | None:
     """The kind of numbers by which the records of a fit differ, or the levels of its sweeps in their drives, if that
     explains them clearly better than one device does; None if it does not, and where traces stand beside sweeps."""
     traces, sweeps = fitted.campaign.traces, fitted.campaign.sweeps
@@ -70,7 +71,7 @@ def differing(fitted: Fit, kinds: Sequence[Kind] = KINDS) -> Differing | None:
     weigh = lambda fit, more: Left(prepare(working(fit)).left, fit.freedom + more)
     try:
         before = weigh(fitted, 0)
-        tried = [differing_levels(fitted)] if sweeps else [_found(fitted, kind) for kind in kinds]
+        tried = [differing_levels(fitted)] if sweeps else [_found(fitted, kind) for kind in kinds if kind != "drive"]
         found = [(one, weigh(one.fit, one.numbers)) for one in tried if one is not None]
     except (Diverged, np.linalg.LinAlgError):  # a motion without bound tells nothing
         return None

@@ -18,8 +18,8 @@ _DRIVE = Told("drive", 100.0, "%", "does the force fall behind what it is called
 
 class Differing(NamedTuple):
     """Records or levels, by their `names`, that differ in one `kind` of numbers: `sizes` and `errors` (names, q),
-    shares or (delays) samples, their mean zero over the fitted ones where the device has such a number too; and the `fit` of
-    the same model to the records as a device like the others would have given them."""
+    shares or (delays) samples, their mean zero over the fitted ones where the device has such a number too; and the
+    `fit` of the same model to the records as a device like the others would have given them."""
 
     kind: Kind | Literal["drive"]
     names: tuple[str, ...]
