@@ -9,6 +9,8 @@ from scipy.interpolate import CubicSpline
 
 from .record import Trace
 
+_FIRST = 0.364  # of an interval: the integral over the first one of a cubic spline that is one at the first sample only
+
 
 def in_time(record: Trace, late: float, begin: int = 0) -> Trace:
     """The record with its response from sample `begin` on moved to where it belongs, if it came so many samples late.
@@ -25,4 +27,8 @@ def in_time(record: Trace, late: float, begin: int = 0) -> Trace:
     own = replace(record, response=record.response[source], masked=lost)
     if record.edge is not None:
         return replace(own, edge=record.edge + late - whole)
-    return replace(own, drive=CubicSpline(index, record.drive)(np.clip(index - (late - whole), 0, n - 1)))
+    apart = late - whole
+    drive = CubicSpline(index, record.drive)(np.clip(index - apart, 0, n - 1))
+    if record.start == "rest":  # what is switched on acts for so much less of the first interval
+        drive[0] -= apart / _FIRST * record.drive[0]
+    return replace(own, drive=drive)
