@@ -35,6 +35,7 @@ from experiments.hidden_effects.tables import FAILS  # noqa: E402
 from ident.campaign import read_campaign  # noqa: E402  (JAX must be configured first)
 from ident.diagnosis.search.discover import discover  # noqa: E402
 from ident.effects.registry import built_in  # noqa: E402
+from ident.errors import UserError  # noqa: E402
 from ident.model import Model  # noqa: E402
 
 from .classes import ALIKE, SEEN  # noqa: E402
@@ -89,7 +90,10 @@ def run(task: Task) -> Row:
     phase = task.part != "amplitude" and not (task.part == "nulls" and task.seed % 3 == 0)
     with tempfile.TemporaryDirectory() as folder:
         write(case, Path(folder), style, phase)
-        campaign = read_campaign(folder)
+        try:
+            campaign = read_campaign(folder)
+        except UserError as error:  # a platform that moves by a millimetre is no device
+            return row | {"visible": False, "refused": str(error)}
     began = time.process_time()
     found = discover(Model(campaign.device), campaign, built_in())
     deviation = np.median(np.concatenate([sweep.deviation for sweep in campaign.sweeps]))

@@ -87,7 +87,7 @@ class Unknowns(NamedTuple):
     starts: np.ndarray
 
 
-_WORST = 1e8  # residual of a simulation that overflowed: finite, so that the step is rejected rather than the fit lost
+WORST = 1e8  # residual of a simulation that overflowed: finite, so that the step is rejected rather than the fit lost
 
 
 def physical(static: Static, data: Data, x: np.ndarray) -> np.ndarray:
@@ -151,7 +151,7 @@ def evaluate(static: Static, data: Data, unknowns: Unknowns) -> Evaluation:
         kicks[:p, one.record] = orbit.slopes
     found = respond(static.equation, tape, values, begin, directions, kicks)
     residuals = (found.readings - data.response) * data.weight
-    residuals = np.where(np.abs(residuals) < _WORST, residuals, _WORST)
+    residuals = np.where(np.abs(residuals) < WORST, residuals, WORST)
     change = found.slopes * data.weight
     change[~np.isfinite(change)] = 0.0
     by_start = change[p : p + starts]
@@ -159,7 +159,7 @@ def evaluate(static: Static, data: Data, unknowns: Unknowns) -> Evaluation:
         return Evaluation(values, found, residuals, change[:p], by_start, begin)
     steady = data.curves.solve(static.equation, values, directions[:p])
     own = data.curves.residuals(steady)
-    residuals = np.concatenate([residuals, np.where(np.abs(own) < _WORST, own, _WORST)])
+    residuals = np.concatenate([residuals, np.where(np.abs(own) < WORST, own, WORST)])
     bent = data.curves.slopes(steady, directions[:p])
     bent[~np.isfinite(bent)] = 0.0
     by_x = np.concatenate([change[:p], bent], axis=1)

@@ -81,6 +81,15 @@ def test_files_of_one_device_share_their_noise_however_many_they_are():
     assert alone == 0
 
 
+def test_a_flank_that_was_passed_once_has_the_noise_of_its_points_and_not_of_their_distances():
+    sweep, *_ = _sweep(0.0, True, (1e-6, 1e-4, 1e-4), 3)
+    rows = np.flatnonzero(sweep.up & (sweep.level == 1.0) & (sweep.frequency < RESONANCE))
+    found = sweep_noise(sweep.only(rows))
+    assert np.min(np.diff(np.sort(found.amplitude))) > 20 * found.noise.sigma
+    coarse = sweep_noise(replace(sweep, amplitude=np.round(sweep.amplitude, 3)))
+    assert coarse.noise.sigma > 0.9e-3 / np.sqrt(12.0)  # what was rounded is known no better
+
+
 def test_curves_without_noise_or_with_few_points():
     sweep, *_ = _sweep(0.0, True, (0.0, 0.0, 0.0), 0)
     assert 0 < sweep_noise(sweep).noise.sigma < 2e-3

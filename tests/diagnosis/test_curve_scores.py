@@ -12,6 +12,7 @@ from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.diagnosis.linearised.regression import prepare
 from ident.diagnosis.linearised.trajectory import Diverged
+from ident.diagnosis.ranking.confirm import confirm
 from ident.diagnosis.ranking.score import Candidate, kept_more_than_chance, score
 from ident.diagnosis.where.locate import locate
 from ident.effects.effect import AbstractEffect, Drive, Scalar, State, amplitude
@@ -87,6 +88,26 @@ def test_a_lag_is_scored_by_its_square_where_phases_were_not_measured(name: str)
     (found,) = score(prepare(linear), {name: built_in()[name]})
     assert found.predicted_gain > 0.8
     assert abs(found.values["time"]) == pytest.approx(late, rel=0.25)
+
+
+def test_an_amplitude_that_no_curve_shows_is_left_at_zero() -> None:
+    """Of a sensor that bends the even part adds a mean and an overtone; a search would take it as far as it likes. One
+    that saturates below what was read has no motion: there the refit begins with little of the effect."""
+    device = Oscillator(output="m")
+    seen = [sweep(level, 0.0, False, 3, 3e-6) for level in (0.1, 0.2, 0.3)]
+    largest = max(float(np.max(one.amplitude)) for one in seen)
+    bent = lambda a: a - 0.2 * a**3 / largest**2 / (1 + 0.3 * (a / largest) ** 2)
+    told = tuple(replace(one, amplitude=bent(one.amplitude)) for one in seen)
+    regression = prepare(fit(Model(device), Campaign("", told, device)))
+    effect = built_in()["sensor-nonlinearity"]
+    (found,) = score(regression, {effect.name: effect})
+    assert found.unseen == {"quadratic"}
+    far = confirm(
+        regression, effect, found._replace(values={**found.values, "cubic": 3 * found.values["cubic"]}, near=())
+    )
+    assert "sensor-nonlinearity.quadratic" in far.model.held
+    for one in (confirm(regression, effect, found), far):
+        assert one.chi2 < 1.5 * regression.n and one.values[-3] == 0.0
 
 
 class Bent(AbstractEffect):

@@ -25,7 +25,9 @@ def test_where_a_driving_film_fits_best_the_starts_that_brake_run_again(monkeypa
     model = Model(Oscillator()) + CubicDamping() + SqueezeFilmDamping()
     values = lambda damping, gap: np.array([*BESIDE, damping, gap])
     scored = [{"damping": -3e-3, "gap": -3.0}, {"damping": 2e-3, "gap": 3.0}, {"damping": -1e-3, "gap": -8.0}]
-    candidate: Any = SimpleNamespace(values=scored[0], near=tuple(scored[1:]), beside=None, errors={})
+    candidate: Any = SimpleNamespace(
+        values=scored[0], near=tuple(scored[1:]), beside=None, errors={}, unseen=frozenset()
+    )
     candidate._replace = lambda values: SimpleNamespace(values=values, errors={})
     races = []
 
@@ -33,7 +35,7 @@ def test_where_a_driving_film_fits_best_the_starts_that_brake_run_again(monkeypa
         races.append([tuple(start[-2:]) for start in starts])
         wrong = any(gap < 0 for _, gap in races[-1])
         found = values(-3e-3, -3.0) if wrong else values(2e-3, 2.6)
-        return SimpleNamespace(chi2=1.2 if wrong else 1.5, possible=not wrong, values=found)
+        return SimpleNamespace(chi2=1.2 if wrong else 1.5, possible=not wrong, values=found, left=np.zeros(1))
 
     monkeypatch.setattr(confirming, "weigh", weigh)
     monkeypatch.setattr(confirming, "with_effect", lambda *_: model)

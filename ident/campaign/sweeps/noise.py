@@ -23,6 +23,7 @@ _BENT = 2.0
 """Two cubics, through near and through wider neighbours, differ by 1.25 times the error of the nearer one, but by 0.3 σ
 only from noise. Where they differ by more than twice that, the points are too far apart to show their noise."""
 _FEWEST = 8
+_FINEST = 1e-9  # of the largest amplitude: finer steps are those of rounding
 
 
 @dataclass(frozen=True)
@@ -75,8 +76,7 @@ def _said(sweep: Sweep, variances: np.ndarray, errors: np.ndarray, count: int, s
         method = "assumed: 0.1 % of the rms amplitude (the points show no scatter)"
         floor = NoiseFloor(1e-3 * size, method=method, relative_error=1.0)
         return replace(sweep, noise=floor, relative_noise=0.0, phase_noise=max(sweep.phase_noise, 1e-4))
-    steps = np.diff(np.unique(sweep.amplitude))
-    least = max(float(np.min(steps)) / np.sqrt(12.0) if len(steps) else 0.0, 1e-3 * typical)
+    least = max(_resolution(sweep.amplitude) / np.sqrt(12.0), 1e-3 * typical)
     share = np.array([1.0, float(np.median(sweep.amplitude)) ** 2, 0.0])
     error = 0.5 * float(np.sqrt(share @ errors @ share)) / max(float(share @ variances), 1e-300)
     parts = [f"{100 * sweep.relative_noise:.2g} % of the amplitude"] if sweep.relative_noise > 1e-5 else []
@@ -87,6 +87,16 @@ def _said(sweep: Sweep, variances: np.ndarray, errors: np.ndarray, count: int, s
         method += "; an upper estimate, because the points are too far apart to show it"
     floor = NoiseFloor(max(sweep.noise.sigma, least), (), method, 1.0 if upper else max(error, 0.05))
     return replace(sweep, noise=floor)
+
+
+def _resolution(amplitude: np.ndarray) -> float:
+    """The step of which all differences of amplitudes are multiples (Euclid's algorithm): the smallest difference is
+    none, for on a flank that was passed once all points lie far apart."""
+    step, finest = 0.0, _FINEST * float(np.max(amplitude))
+    for rest in np.diff(np.unique(amplitude)).tolist():
+        while rest > finest:
+            step, rest = rest, abs(step - round(step / rest) * rest)
+    return step
 
 
 def _scatter(sweep: Sweep, variances: np.ndarray | None) -> _Scatter | None:

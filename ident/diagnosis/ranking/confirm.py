@@ -15,6 +15,7 @@ from ...fit import Fit, fit
 from ...fit.fit import minimise
 from ...fit.linear.guess import DataScales
 from ...fit.linear.one_tone import with_quality
+from ...fit.problem import WORST
 from ...fit.rebuild import fit_at
 from ...model import QUALITY, Model, make_effect
 from ..linearised.regression import Regression
@@ -81,7 +82,7 @@ def _refitted(
 ) -> Confirmed:
     """`confirm`, for the first time."""
     before = regression.fit
-    model = with_effect(before, effect)
+    model = without_unseen(with_effect(before, effect), candidate)
     scored = [candidate, *(candidate._replace(values=values) for values in candidate.near)]
     base = base_of(regression) if base is None else base
     starts = [np.concatenate([base, start_of(model, one, before.scales)]) for one in scored]
@@ -93,7 +94,7 @@ def _refitted(
         own = minimise(model, before.campaign, initial=starts, most=_RACE, compared=True).values
         starts = [own, *(_with(own, i, value) for i, value in freed)]
     found = weigh(regression, model, candidate, starts, most)
-    if np.isfinite(found.chi2):
+    if np.max(np.abs(found.left), initial=0.0) < WORST:
         allowed = [start for start in starts if _begins_as_it_may(model, start)]
         if not found.possible and 0 < len(allowed) < len(starts):
             found = weigh(regression, model, candidate, allowed, most)
@@ -103,7 +104,8 @@ def _refitted(
             other = weigh(regression, model, candidate, starts, most) if taken else found
             return min(found, other, key=lambda one: (not one.possible, one.chi2))
         return found
-    # Damping of the wrong sign, as scores may predict it where little is known, has no motion to start from.
+    # Damping of the wrong sign, as scores may predict it where little is known, has no motion to start from, nor has a
+    # sensor that saturates below what it read.
     amplitudes = {p.name for p in model.effects[-1].declared() if p.kind == "amplitude"}
     faint = {name: _FAINT * value for name, value in candidate.values.items() if name in amplitudes}
     start = start_of(model, candidate._replace(values={**candidate.values, **faint}), before.scales)
@@ -137,6 +139,15 @@ def with_effect(before: Fit, effect: type[AbstractEffect]) -> Model:
     """
     free = with_quality(before.model)
     return free + make_effect(before.campaign, effect.name, {effect.name: effect})
+
+
+def without_unseen(model: Model, candidate: Candidate | None) -> Model:
+    """The model with those amplitudes of its last effect held that no record shows: a search would take them wherever
+    the error of the solver leads."""
+    unseen = frozenset() if candidate is None else candidate.unseen
+    return (
+        replace(model, held=model.held | {f"{model.effects[-1].name}.{name}" for name in unseen}) if unseen else model
+    )
 
 
 def base_of(regression: Regression) -> np.ndarray:

@@ -43,7 +43,7 @@ class Candidate(NamedTuple):
       amplitudes.
     - `signature`: (dof, n) orthonormal projected columns, by which candidates are compared; `near`: `values` at the
       next best points of the grid, and `near_signatures` there; `beside`: the model's own parameters with the candidate
-      at `values`.
+      at `values`; `unseen`: amplitudes that the records do not show at all, as curves do not show an even sensor.
     """
 
     name: str
@@ -58,6 +58,7 @@ class Candidate(NamedTuple):
     near: tuple[Mapping[str, float], ...] = ()
     near_signatures: tuple[np.ndarray, ...] = ()
     beside: np.ndarray | None = None
+    unseen: frozenset[str] = frozenset()
 
 
 class _Point(NamedTuple):
@@ -201,6 +202,10 @@ def _weighed(regression: Regression, asked: _Asked) -> Candidate | None:
             tried.append(_Point(drop, found, basis, beyond, rows))
     if not tried:
         return None
+    shown = np.any(raw, axis=1)
+    if moves is not None:
+        shown |= np.any(moves.bends, axis=(1, 2)) | np.any(moves.share_bends, axis=(1, 2))
+    unseen = frozenset(names[a] for j, a in enumerate(amplitudes) if not np.any(shown[j::q]))
     best, *others = sorted(tried, key=lambda tried: -tried.drop)
     beside = best.beside
     if beside is None:
@@ -228,6 +233,7 @@ def _weighed(regression: Regression, asked: _Asked) -> Candidate | None:
         near=tuple(other.values for other in near),
         near_signatures=tuple(other.basis.T for other in near),
         beside=beside,
+        unseen=unseen,
     )
 
 

@@ -16,7 +16,7 @@ from ...fit.starts import starting_points
 from ...pulse import Report
 from ...threads import one_thread
 from ..linearised.regression import prepare
-from ..ranking.confirm import start_of, with_effect
+from ..ranking.confirm import start_of, with_effect, without_unseen
 from ..ranking.score import score
 
 _FEW = 4  # steps after which the better of two starts is known
@@ -31,9 +31,9 @@ def add(parent: Fit, effect: str | type[AbstractEffect], report: Report = lambda
     **Raises:** UserError if there is no such effect, the model has it, or it cannot act on this device.
     """
     effect = find(effect, registry(parent.campaign.effect_files)) if isinstance(effect, str) else effect
-    model = with_effect(parent, effect)
     report(f"estimating {effect.name} along the measured motion")
     found = score(prepare(parent), {effect.name: effect})
+    model = without_unseen(with_effect(parent, effect), found[0] if found else None)
     first = np.concatenate([parent.values, start_of(model, found[0] if found else None, parent.scales)])
     grid = starting_points(model, first, parent.scales, others)[1:]
     return fit(model, parent.campaign, initial=[first, *grid], report=report)
