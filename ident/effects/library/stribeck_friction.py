@@ -6,7 +6,7 @@ from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
 from ..memory import slip, within
 
 
-class StickSlip(AbstractEffect):
+class StribeckFriction(AbstractEffect):
     """Dry friction from sticking to sliding: F = −F_s h g(ż), h' = (ż/z_s)(1 − h sgn ż), g = s + (1 − s) e^(−(ż/v_s)²).
 
     Before it slides a contact is a spring F_s/z_s (presliding), so that it stops where a step in the velocity creeps;
@@ -17,7 +17,7 @@ class StickSlip(AbstractEffect):
     both are the same, and no step is too large.
     """
 
-    name = "stick-slip"
+    name = "stribeck-friction"
     equation = "F = −F_s h (s + (1 − s) e^(−(ż/v_s)²)), h' = (ż/z_s)(1 − h sgn ż)"
     source = (
         "Canudas de Wit, Olsson, Åström, Lischinsky, A new model for control of systems with friction, 1995, IEEE "
