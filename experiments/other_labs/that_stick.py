@@ -14,7 +14,7 @@ from .lab import Lab, Signal, device, multisine, sine
 def stuck_and_slid(
     t: np.ndarray, push: Callable[[float, float, float], float], hold: float, slide: Callable[[float], float]
 ) -> np.ndarray:
-    """(2, n) motion z̈ = push(t, z, ż) − slide(|ż|) sgn ż of a mass that stands until |push| exceeds `hold`, from rest."""
+    """(2, n) motion z̈ = push(t, z, ż) − slide(|ż|) sgn ż, from rest; it stands until |push| exceeds `hold`."""
     found = np.zeros((2, t.size))
     now, z, step, end = t[0], 0.0, t[1] - t[0], t[-1]
     while now < end:
@@ -29,7 +29,7 @@ def stuck_and_slid(
             now = until + 1e-9 * step
         way = np.sign(push(now, z, 0.0))
         rates = lambda at, y, way=way: [y[1], push(at, y[0], y[1]) - way * slide(abs(y[1]))]
-        turns = lambda at, y, way=way: way * y[1] + (1e-12 if at <= now else 0.0)
+        turns = lambda at, y, way=way: way * y[1]
         turns.terminal, turns.direction = True, -1
         speed = way * 1e-9 * max(abs(push(now, z, 0.0)), 1e-9) * step
         slid = solve_ivp(
