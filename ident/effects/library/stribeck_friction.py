@@ -8,10 +8,11 @@ from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
 class StribeckFriction(AbstractEffect):
     """Friction from sticking to sliding: F = −F_s (h + τ h') [s + (1 − s) e^(−(ż/v_s)²)].
 
-    h' = (ż − |ż| h)/(z_s + |ż| τ): before it slides a contact is a spring F_s/z_s (presliding), so that it stops where a step in the velocity creeps;
-    once it slides it resists with F_s while slow and with s F_s when faster than v_s (Stribeck). s = 1 is Dahl's
-    friction and, for small z_s, Coulomb's; s = 0 lets go altogether, as the edge of a liquid does that hangs on a wall
-    at small amplitudes only. Motors, guides, seals, gears: s = 0.4-0.9, v_s some hundredths of the largest velocity.
+    h' = (ż − |ż| h)/(z_s + |ż| τ): before it slides a contact is a spring F_s/z_s (presliding), so that it stops where
+    a step in the velocity creeps; once it slides it resists with F_s while slow and with s F_s when faster than v_s
+    (Stribeck). s = 1 is Dahl's friction and, for small z_s, Coulomb's; s = 0 lets go altogether, as the edge of a
+    liquid does that hangs on a wall at small amplitudes only.
+    Motors, guides, seals, gears: s = 0.4-0.9, v_s some hundredths of the largest velocity.
     The fall acts on the force and not on the yield, as it does in the model of Canudas de Wit et al.: while sliding
     both are the same. Their damping of the contact, τ, is held at a few thousandths of a period: no contact yields
     faster than the solver steps, and where it would, h + τ h' is the sign of the velocity.
