@@ -19,6 +19,7 @@ KNOWN = {
     "sensor-offset": ("sensor", ()),
     "creep": None,  # memories
     "bouc-wen": None,
+    "stribeck-friction": None,
     "arch-force": None,  # builds on residual stress
 }
 
