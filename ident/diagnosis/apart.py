@@ -85,5 +85,24 @@ def _best(look: Look, report: Report) -> _Promise:
 
 
 def _simulated(look: Look, promise: _Promise) -> Differing | None:
+    """The records read so beside the effect that goes with it; or beside the one that is seen from there without any,
+    if that leaves less: far from the device's own motion scores say little."""
+    found = _beside(look, promise, promise.effect)
+    if found is not None and adequate(prepare(working(found.fit))):
+        return found
+    alone = _beside(look, promise, None)
+    if alone is None:
+        return found
+    there = prepare(working(alone.fit))
+    (scored,) = score_beside([there.beside(rows_of(there, promise.kind))], look.library)
+    best = next(iter(significant(scored)), None)
+    if best is None or best.name == promise.effect:
+        return found
+    other = _beside(look, promise, best.name)
+    tried = [one for one in (found, other) if one is not None]
+    return min(tried, key=lambda one: one.fit.fitted.error_over_noise, default=None)
+
+
+def _beside(look: Look, promise: _Promise, effect: str | None) -> Differing | None:
     fitted = look.regression.fit
-    return differing(fitted if promise.effect is None else add(fitted, look.library[promise.effect]), (promise.kind,))
+    return differing(fitted if effect is None else add(fitted, look.library[effect]), (promise.kind,))
