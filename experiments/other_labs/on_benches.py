@@ -1,5 +1,6 @@
 """What lies in laboratories rather than in devices: mains, an input that passes no constant, a device that warms up or
-is read at another spot, an amplifier at its limit, a drive with a dead zone, a damper that works one way."""
+is read at another spot, late, by another clock or by a sensor that wanders, an amplifier at its limit, a drive with a
+dead zone, a damper that works one way."""
 
 from __future__ import annotations
 
@@ -7,6 +8,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.signal import butter, lfilter
 
 from .lab import Lab, Signal, device, multisine, oscillator, sine, solve
@@ -44,6 +46,15 @@ def _drag(w: float, z: float, v: float) -> float:
     return -0.0009 * v * abs(v)
 
 
+def _hardening(w: float, z: float, v: float) -> float:
+    return -1.5e-4 * w * w * z**3
+
+
+def _at(when: np.ndarray, t: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """The motion at other times; before the first sample there was none, after the last it goes on as a curve."""
+    return np.where(when < 0, 0.0, CubicSpline(t, z)(when))
+
+
 @device("quadratic-damping|power-law-damping")
 def mains(lab: Lab, rng: np.random.Generator) -> None:
     """Drag, under hum of 50 Hz in a phase of its own in every record."""
@@ -67,7 +78,29 @@ def warm(lab: Lab, rng: np.random.Generator) -> None:
 def spot(lab: Lab, rng: np.random.Generator) -> None:
     """A spring that hardens, read at another spot of the stage in every record."""
     times = 1 + 0.02 * rng.standard_normal(4)
-    _records(lab, rng, lambda w, z, v: -1.5e-4 * w * w * z**3, lambda i, t, z: times[i] * z)
+    _records(lab, rng, _hardening, lambda i, t, z: times[i] * z)
+
+
+@device("cubic-stiffness")
+def triggered(lab: Lab, rng: np.random.Generator) -> None:
+    """A spring that hardens; the recorder has a trigger of its own, up to 1.5 samples off in every record."""
+    late = rng.uniform(-1.5, 1.5, 4)
+    _records(lab, rng, _hardening, lambda i, t, z: _at(t - late[i] * t[1], t, z))
+
+
+@device("quadratic-damping|power-law-damping")
+def two_clocks(lab: Lab, rng: np.random.Generator) -> None:
+    """Drag; generator and recorder run by clocks of their own, which drift apart."""
+    fast = 3e-4 * rng.standard_normal(4)
+    _records(lab, rng, _drag, lambda i, t, z: _at(t * (1 - fast[i]), t, z))
+
+
+@device("cubic-stiffness")
+def unsettled(lab: Lab, rng: np.random.Generator) -> None:
+    """A spring that hardens, read by a sensor whose zero wanders otherwise in every record."""
+    drifts = rng.normal(0, [[1.0], [0.5]], (2, 4))
+    wander = lambda i, t: drifts[0, i] * t / t[-1] + drifts[1, i] * (t / t[-1]) ** 2
+    _records(lab, rng, _hardening, lambda i, t, z: z + wander(i, t))
 
 
 @device(beyond=True)
