@@ -8,13 +8,15 @@ the motion does not know of hum among these, which stands out of what a model le
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ..campaign.campaign import Campaign
 from ..campaign.noise.floor import noise_floor
-from ..campaign.noise.hum import HUM, HUMS, standing, told_apart, with_lines
+from ..campaign.noise.hum import HUM, HUMS, SURROUNDINGS, knows, standing, told_apart, with_lines
+from ..campaign.noise.surroundings import Heard, lines_of_surroundings
 from ..campaign.record import VAGUE, Trace
 from ..model import FREQUENCY, QUALITY
 from .result import Fit
@@ -33,11 +35,12 @@ def sharpened(found: Fit) -> Campaign | None:
     changed = [new for old, new in zip(found.campaign.records, records, strict=True) if new is not old]
     if not changed:
         return None
-    loud = [record.name for record in changed if HUMS in record.noise.method]
-    note = (
-        f"Mains hum counts as noise in {', '.join(loud)}: it stands out of what a model leaves, whatever drives them."
-    )
-    return replace(found.campaign, records=tuple(records), notes=(*found.campaign.notes, *([note] if loud else [])))
+    notes = [
+        f"{what} counts as noise in {', '.join(loud)}: it stands out of what a model leaves, whatever drives them."
+        for what, words in ((HUMS.capitalize(), HUMS), ("A line of the surroundings", SURROUNDINGS))
+        if (loud := [record.name for record in changed if words in record.noise.method])
+    ]
+    return replace(found.campaign, records=tuple(records), notes=(*found.campaign.notes, *notes))
 
 
 def _lowered(record: Trace, reading: np.ndarray) -> Trace:
@@ -54,31 +57,36 @@ def _lowered(record: Trace, reading: np.ndarray) -> Trace:
 
 
 def _with_hum(found: Fit, traces: list[Trace]) -> list[Trace]:
-    """The records with the mains frequencies in their noise floors that two of them show beside their drive, or the
-    only one.
+    """The records with the lines in their noise floors that are none of the device: the mains frequencies that two of
+    them show beside their drive, or the only one; and those of the surroundings, that all show.
 
     No device hums in one record as in another at the frequency of the mains, whatever drives it. Where two do, others
     that are driven at it too hum with them.
     """
     pairs = list(zip(traces, found.readings, strict=True))
-    shown = [set(_hum_of(record, reading, found, apart=True)) for record, reading in pairs]
+    shown = [set(_hum_of(record, reading, found, HUM, apart=True)) for record, reading in pairs]
     needed = min(2, len(traces))
-    common = [hz for hz in HUM if sum(hz in one for one in shown) >= needed]
-    humming = []
-    for record, reading in pairs:
-        own = _hum_of(record, reading, found, apart=False) if common else {}
-        lines = [hz for hz in common if hz in own]
-        known = record.noise.sigma**2 if HUMS in record.noise.method else 0.0
-        if lines and sum(own[hz] for hz in lines) > known:
-            rates = [2 * np.pi * hz * record.step for hz in lines]
-            record = replace(record, noise=with_lines(record.noise, [own[hz] for hz in lines], rates))
-        humming.append(record)
-    return humming
+    mains = [hz for hz in HUM if sum(hz in one for one in shown) >= needed]
+    heard = [Heard((r.response - told)[r.skip :], r.drive[r.skip :], r.step) for r, told in pairs if r.masked is None]
+    others = lines_of_surroundings(heard) if len(heard) == len(pairs) else []
+    for what, common in ((HUMS, mains), (SURROUNDINGS, others)):
+        humming = []
+        for record, reading in pairs:
+            own = _hum_of(record, reading, found, common, apart=False) if common else {}
+            rate_of = lambda hz, record=record: 2 * np.pi * hz * record.step
+            lines = [hz for hz in common if hz in own and not knows(record.noise, own[hz], rate_of(hz))]
+            known = record.noise.sigma**2 if what in record.noise.method else 0.0
+            if lines and sum(own[hz] for hz in lines) > known:
+                floor = with_lines(record.noise, [own[hz] for hz in lines], [rate_of(hz) for hz in lines], what)
+                record = replace(record, noise=floor)
+            humming.append((record, reading))
+        pairs = humming
+    return [record for record, _ in pairs]
 
 
-def _hum_of(record: Trace, reading: np.ndarray, found: Fit, apart: bool) -> dict[float, float]:
-    """Mean squares, m², of the lines of the mains that stand out of what a model leaves of a record, by their Hz; if
-    `apart`, without those of the drive and near the resonance, where transients ring."""
+def _hum_of(record: Trace, reading: np.ndarray, found: Fit, tried: Sequence[float], apart: bool) -> dict[float, float]:
+    """Mean squares, m², of the lines, of those that are `tried`, that stand out of what a model leaves of a record, by
+    their Hz; if `apart`, without those of the drive and near the resonance, where transients ring."""
     left = (record.response - reading)[record.skip :]
     n = len(left)
     if record.masked is not None or not np.all(np.isfinite(left)):
@@ -89,6 +97,6 @@ def _hum_of(record: Trace, reading: np.ndarray, found: Fit, apart: bool) -> dict
         width += resonance / float(found.values[QUALITY])
     far = 3 * width if apart else 0.0
     told = lambda hz: bool(told_apart([2 * np.pi * hz * record.step], rate, n)) and abs(hz - resonance) >= far
-    lines = [hz for hz in HUM if told(hz)]
+    lines = [hz for hz in tried if told(hz)]
     powers = standing(left, [2 * np.pi * hz * record.step for hz in lines]) if lines else []
     return {hz: power for hz, power in zip(lines, powers, strict=True) if power > 0}

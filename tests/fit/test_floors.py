@@ -43,18 +43,21 @@ def test_a_floor_that_was_given_stays():
     assert found.fitted.error_over_noise == pytest.approx(SIGMA / 0.2, rel=0.1)
 
 
-def _sines(hum: float, bend: float = 0.0) -> dict[str, object]:
-    """Sines below and at the resonance of 146 Hz, and a sum of sines, each with a line of 50 Hz in its own phase."""
+_TONES = ((90.0,), (144.0,), (61.0, 118.0, 131.0, 149.0, 171.0, 203.0))
+
+
+def _sines(hum: float, bend: float = 0.0, hertz: float = 50.0, drives: tuple = _TONES) -> dict[str, object]:
+    """Sines below and at the resonance of 146 Hz, and a sum of sines, each with a line in its own phase."""
     time, rng, records = np.arange(1800) / 4400, np.random.default_rng(4), []
     w = 2 * np.pi * 146.0
-    for tones in ((90.0,), (144.0,), (61.0, 118.0, 131.0, 149.0, 171.0, 203.0)):
+    for tones in drives:
         phases = rng.uniform(0, 2 * np.pi, len(tones))
         push = lambda t, tones=tones, p=phases: sum(
             np.sin(2 * np.pi * f * t + a) for f, a in zip(tones, p, strict=True)
         )
         law = lambda t, y, push=push: [y[1], w * w * (push(t) - y[0] - bend * y[0] ** 3) - w / 40 * y[1]]
         z, _ = solve_ivp(law, (0, time[-1]), [0, 0], t_eval=time, rtol=1e-8, atol=1e-10, max_step=5e-4).y
-        z = z + hum * np.sin(2 * np.pi * 50.0 * time + rng.uniform(0, 2 * np.pi)) + rng.normal(0, 0.01, len(time))
+        z = z + hum * np.sin(2 * np.pi * hertz * time + rng.uniform(0, 2 * np.pi)) + rng.normal(0, 0.01, len(time))
         records.append({"data": {"time": time, "drive": push(time), "response": z}, "start": "rest"})
     return {"device": {"kind": "oscillator"}, "record": records}
 
@@ -65,6 +68,20 @@ def test_hum_that_stands_out_of_what_the_model_leaves_is_noise(bend):
     assert [r.noise.sigma for r in found.campaign.traces] == pytest.approx([0.2 / np.sqrt(2)] * 3, rel=0.02)
     assert found.fitted.error_over_noise == pytest.approx(1.0, abs=0.02)
     assert any("Mains hum counts as noise" in note for note in found.campaign.notes)
+
+
+def test_a_line_that_all_records_show_whatever_drives_them_is_noise():
+    found = ident.fit(_sines(0.2, 2e-4, 1234.5), effects=("cubic-stiffness",))
+    assert [r.noise.sigma for r in found.campaign.traces] == pytest.approx([0.2 / np.sqrt(2)] * 3, rel=0.04)
+    assert found.fitted.error_over_noise == pytest.approx(1.0, abs=0.02)
+    assert any("A line of the surroundings counts as noise" in note for note in found.campaign.notes)
+
+
+@pytest.mark.parametrize("drives", [((90.0, 131.0),) * 3, ((144.0,),) * 3, _TONES])
+def test_what_a_drive_makes_in_a_bent_spring_is_no_line_of_the_surroundings(drives):
+    found = ident.fit(_sines(0.0, 2e-3, drives=drives), effects=())
+    assert found.fitted.error_over_noise > 3.0
+    assert not any("surroundings" in r.noise.method for r in found.campaign.traces)
 
 
 def test_without_hum_no_floor_rises():

@@ -26,7 +26,8 @@ HUM = tuple(hz * order for hz in MAINS for order in (1, 2, 3))
 """Hz, with its overtones."""
 
 _STANDS = 16.0  # times the noise beside it: a line of noise alone has as much power once in 3000 times
-HUMS = "mains hum"  # in the words of a floor
+HUMS, SURROUNDINGS = "mains hum", "a line of the surroundings"  # in the words of a floor
+_ABOUT = 0.02 * np.pi  # rad per sample on either side of a line: so narrow is its peak in an autoregression
 _FINE = 4096  # frequencies from which covariances are read
 
 
@@ -103,14 +104,23 @@ def standing(left: np.ndarray, lines: Sequence[float]) -> list[float]:
     return found
 
 
-def with_lines(noise: NoiseFloor, powers: Sequence[float], lines: Sequence[float]) -> NoiseFloor:
-    """A noise floor with the mean squares `powers` of lines (rad per sample) as a part of it."""
+def knows(noise: NoiseFloor, power: float, line: float) -> bool:
+    """Whether a noise floor already has most of the mean square `power` of a line (rad per sample) about it."""
+    ar = np.array(noise.ar, float)[:MAX_ORDER]
+    spectrum = ar_spectrum(ar, noise.sigma**2 / variance_of(ar, 1.0), _FINE)
+    rates = np.linspace(0, np.pi, len(spectrum))
+    return float(np.mean(spectrum * (np.abs(rates - line) < _ABOUT))) > 0.5 * power
+
+
+def with_lines(noise: NoiseFloor, powers: Sequence[float], lines: Sequence[float], what: str) -> NoiseFloor:
+    """A noise floor with the mean squares `powers` of lines (rad per sample) as a part of it, and the word for `what`
+    they are."""
     white = np.array(noise.ar, float)[:MAX_ORDER]
     below = ar_spectrum(white, noise.sigma**2 / variance_of(white, 1.0), _FINE)
     covariance = np.fft.irfft(below, _FINE)[: MAX_ORDER + 1]
     covariance = covariance + sum(_covariance(power, line) for power, line in zip(powers, lines, strict=True))
     total = float(noise.sigma**2 + sum(powers))
     share = sum(powers) / total
-    method = f"{noise.method}; {HUMS}, {share:.0%} of its power, is part of it".lstrip("; ")
+    method = f"{noise.method}; {what}, {share:.0%} of its power, is part of it".lstrip("; ")
     ar = tuple(float(a) for a in levinson(covariance, MAX_ORDER)[0])
     return NoiseFloor(float(np.sqrt(total)), ar, method, noise.relative_error * (1 - share))
