@@ -157,10 +157,16 @@ def spline_functions(stage: Stage, coordinates: tuple[str, ...], place: Places) 
 
 
 def smallest_sufficient(ranked: Sequence[Ranked]) -> list[Ranked]:
-    """Those that explain almost as much as the best one, the smallest set first."""
-    gain = lambda r: r.drop - r.dof
-    best = max(ranked, key=gain)
-    near = _NEAR if best.share < _NEARLY_ALL else _NEAR_ALL
+    """Those that explain almost as much as the best one, the smallest set first.
+
+    Functions of the measured motion move with its noise, memories most of all: what a set explains beyond the excess is
+    noise that it follows. It is no gain, and where it is there shares are not so fine.
+    """
+    best = max(ranked, key=lambda r: r.share)
+    beyond = best.share > 1.0 + _NEAR_ALL
+    most = (best.drop - best.dof) / (best.share if beyond else 1.0)
+    gain = lambda r: min(r.drop - r.dof, most)
+    near = _NEAR if beyond or best.share < _NEARLY_ALL else _NEAR_ALL
     chance = 3.0 * np.sqrt(2.0 * best.dof) * max(1.0, best.chi2_per_sample)
     enough = [r for r in ranked if gain(r) > gain(best) - max(near * gain(best), chance)]
     return sorted(enough, key=lambda r: (dimension(r.coordinates), r.criterion))
