@@ -13,6 +13,7 @@ import numpy as np
 
 from ..campaign.apart import Kind
 from ..fit import Fit
+from ..fit.linear.start_model import FURTHER
 from ..pulse import Report
 from .evidence.criterion import VERY_STRONG, behind, criteria
 from .evidence.enough import adequate
@@ -23,6 +24,7 @@ from .linearised.shorten import is_long, working
 from .ranking.look import Look
 from .ranking.pairs import best_pair
 from .ranking.score import score_beside, significant
+from .search.beyond import alone
 from .search.change import add
 from .search.written import AS_WELL
 
@@ -36,9 +38,16 @@ class _Promise(NamedTuple):
     numbers: float
 
 
-def apart_before(look: Look, report: Report) -> Differing | None:
-    """Records that differ, and reach the noise floor beside at most one effect, where no two effects promise as much:
-    the walk that would look for more of them is spared."""
+class Apart(NamedTuple):
+    """Records that differ, and the fit from which a walk begins once they are read so."""
+
+    start: Fit
+    found: Differing
+
+
+def apart_before(look: Look, report: Report) -> Apart | None:
+    """Records that differ, and reach the noise floor beside at most one effect, where no two effects promise that: the
+    walk that would look for more of them is spared."""
     regression = look.regression
     campaign = regression.fit.campaign
     if is_long(campaign) or any(record.differs for record in campaign.records):
@@ -47,26 +56,46 @@ def apart_before(look: Look, report: Report) -> Differing | None:
         return None
     if min((found.chi2 for found in look.tried if found.possible), default=np.inf) < AS_WELL * regression.n:
         return None
-    promise = _best(look, report)
+    plain = _of_one_mode(look)
+    promise = _best(plain, report)
     pair = best_pair(regression, look.candidates)
-    if behind(promise, pair or regression) > -VERY_STRONG:
+    says_all = pair is not None and float(pair.left @ pair.left) < AS_WELL * regression.n
+    if behind(promise, pair or regression) > (-VERY_STRONG if says_all or pair is None else VERY_STRONG):
         return None
-    found = _simulated(look, promise)
-    return found if found is not None and adequate(prepare(working(found.fit))) else None
+    found = _simulated(plain, promise)
+    if found is None or not adequate(prepare(working(found.fit))):
+        return None
+    return Apart(plain.regression.fit, found)
 
 
-def apart_after(look: Look, final: Fit, report: Report) -> Differing | None:
+def apart_after(look: Look, final: Fit, report: Report) -> Apart | None:
     """Records that differ beside what a walk has named; or beside what promises most, if that was wrong."""
     campaign = final.campaign
     if is_long(campaign) or any(record.differs for record in campaign.records):
         return None
     report("does the device differ from record to record?")
+    start = look.regression.fit
     found = differing(final)
-    if found is not None and adequate(prepare(working(found.fit))):
-        return found
-    if not comparable(final):
-        return differing(look.regression.fit) or found
-    return _simulated(look, _best(look, report)) or found
+    if found is None or not adequate(prepare(working(found.fit))):
+        if comparable(final):
+            look = _of_one_mode(look)
+            other = _simulated(look, _best(look, report))
+        else:
+            other = differing(start)
+        if other is not None:
+            return Apart(look.regression.fit, other)
+    return found and Apart(start, found)
+
+
+def _of_one_mode(look: Look) -> Look:
+    """The look at the model without the further modes that the records have asked for: where records differ, modes
+    follow one after the other."""
+    fitted = look.regression.fit
+    further = [name for name in fitted.model.names if name in FURTHER and name not in fitted.campaign.effects]
+    if not further or fitted.campaign.modes is not None:
+        return look
+    plain = alone(fitted, further)
+    return Look(prepare(working(plain)), look.first, look.library, look.report)
 
 
 def _best(look: Look, report: Report) -> _Promise:

@@ -18,10 +18,9 @@ from ..fit.floors import sharpened
 from ..fit.start_score import mostly_starts
 from ..pulse import Report
 from ..threads import one_thread
-from .apart import apart_after, apart_before
+from .apart import Apart, apart_after, apart_before
 from .evidence.enough import adequate
 from .faulty.between import differing
-from .faulty.differing import Differing
 from .faulty.suspects import BY_OTHERS, find_suspects, judged_again
 from .linearised.regression import Regression, prepare
 from .linearised.shorten import working
@@ -162,14 +161,14 @@ def diagnose(
 
 
 def _read_apart(
-    one: Differing, regression: Regression, library: Mapping[str, type[AbstractEffect]], report: Report, keep: Keep
+    apart: Apart, regression: Regression, library: Mapping[str, type[AbstractEffect]], report: Report, keep: Keep
 ) -> Diagnosis | None:
     """The answer where records that differ in a number each, and the library, explain them to the noise; None where
     they do not, or one law of a single coordinate does, which is the shorter answer.
 
     The numbers are found again after the walk that they make possible, for what was missing had bent them.
     """
-    start = regression.fit
+    start, one = apart
     if start.campaign.fitted:
         law = find_unknown(regression)
         if law.formula is not None and law.dimension < 2 and law.chi2_after < AS_WELL:
