@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+import ident
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
 from ident.diagnosis.linearised.regression import prepare
 from ident.diagnosis.search.steps import Discovery, Step
-from ident.diagnosis.search.written import _by_itself, _says_more
+from ident.diagnosis.search.written import _by_itself, _says_more, beyond_library
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.model import Model
@@ -41,3 +47,33 @@ def test_what_was_written_stands_alone_where_the_names_before_it_do_no_more() ->
         assert (alone is not None) is superfluous
         if alone is not None:
             assert alone.model.names == (last,)
+
+
+def _one_way() -> list[dict]:
+    """An oscillator of 150 Hz whose damper is stronger one way, F = −4 |v|; the last record is held out."""
+    w, time, rng, records = 2 * np.pi * 150.0, np.arange(1500) / 4500, np.random.default_rng(3), []
+    for k, tones in enumerate(((93.0,), (148.0,), (60.0, 113.0, 139.0, 151.0, 188.0), (75.0, 110.0, 146.0, 163.0))):
+        phases = rng.uniform(0, 2 * np.pi, len(tones))
+        push = lambda t, f=tones, p=phases: np.sum(np.sin(2 * np.pi * np.multiply.outer(t, f) + p), axis=-1)
+        law = lambda t, y, u=push: [y[1], w * w * (u(t) - y[0]) - w / 40 * y[1] - 4.0 * abs(y[1])]
+        z = solve_ivp(law, (0, time[-1]), [0, 0], t_eval=time, rtol=1e-8, atol=1e-9, max_step=3e-4).y[0]
+        z = z + 4e-3 * np.std(z) * rng.normal(size=len(time))
+        records.append({"data": {"time": time, "drive": push(time), "response": z}, "start": "rest", "holdout": k == 3})
+    return records
+
+
+def test_one_law_of_a_coordinate_takes_the_place_of_several_names_that_come_near(tmp_path: Path) -> None:
+    start = ident.fit({"device": {"kind": "oscillator"}, "record": _one_way()}, effects=())
+    library = built_in()
+    one = fit(start.model + library["quadratic-stiffness"](), start.campaign)
+    two = fit(one.model + library["electrostriction"](), start.campaign, initial=np.append(one.values, 0.0))
+    steps = tuple(Step(f.model.names[-1], 1.0, 1.0, (f.model.names[-1],), "effect", f) for f in (one, two))
+    regression = prepare(start)
+    named = Discovery("ambiguous", start, steps, (), {}, (), prepare(two), lacking=0.04)
+    said = beyond_library(named, regression, tmp_path / "law.py", keeps_walk=True)
+    assert said.discovery.verdict == "not-in-library" and said.path is not None and said.path.exists()
+    assert said.unknown is not None and said.unknown.coordinates == ("v",)
+    assert said.discovery.final.fitted.error_over_noise < 1.05 < two.fitted.error_over_noise
+    alone = Discovery("ambiguous", start, steps[:1], (), {}, (), prepare(one), lacking=0.04)
+    kept = beyond_library(alone, regression, tmp_path / "other.py", keeps_walk=True)
+    assert kept.discovery is alone and not (tmp_path / "other.py").exists()
