@@ -85,9 +85,9 @@ def test_a_walk_goes_on_beside_what_differs():
 
 def test_before_a_walk_the_effect_is_seen_beside_delays():
     fitted = ident.fit(_records("delay", drag=0.05), effects=())
-    found = apart_before(first_look(fitted, built_in(), lambda _: None), lambda _: None)
-    assert found is not None and found.kind == "delay"
-    assert found.fit.model.names == ("quadratic-damping",)
+    seen = apart_before(first_look(fitted, built_in(), lambda _: None), lambda _: None)
+    assert seen is not None and seen.found.kind == "delay"
+    assert seen.found.fit.model.names == ("quadratic-damping",)
 
 
 def test_one_effect_in_one_device_makes_no_records_differ():
