@@ -19,7 +19,6 @@ KNOWN = {
     "sensor-offset": ("sensor", ()),
     "creep": None,  # memories
     "bouc-wen": None,
-    "stribeck-friction": None,
     "arch-force": None,  # builds on residual stress
 }
 

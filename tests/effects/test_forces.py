@@ -183,25 +183,3 @@ def test_a_bouc_wen_loop_may_stiffen(beta):
     physics = Physics(lambda t, z, v, h: -h[0], rates, start=(0.0,))
     effect = make("bouc-wen", friction=start * travel, travel=-travel, sharpness=1.0, fullness=beta)
     assert_agrees(effect, physics, KINKED)
-
-
-@pytest.mark.parametrize("sliding", [0.1, 0.6])
-@pytest.mark.parametrize("travel", [4e-7, 2e-6])
-def test_stribeck_friction_in_its_textbook_form(sliding, travel):
-    force, fast, shortest = 0.3 * C * 2e-2, 4e-3, 7e-6
-    kept = lambda v: sliding + (1 - sliding) * np.exp(-((v / fast) ** 2))
-    yielding = lambda v, h: (v - abs(v) * h) / (travel + abs(v) * shortest)
-    pull = lambda t, z, v, h: -force * (h[0] + shortest * yielding(v, h[0])) * kept(v)
-    physics = Physics(pull, lambda t, z, v, h: (yielding(v, h[0]),), start=(0.0,))
-    shapes = dict(travel=travel, sliding=sliding, velocity=fast, shortest=shortest)
-    effect = make("stribeck-friction", friction=force, **shapes)
-    assert_agrees(effect, physics, KINKED)
-
-
-def test_friction_that_does_not_fall_and_hardly_yields_is_coulombs():
-    force = 0.2 * C * 2e-2
-    held = measured(
-        make("stribeck-friction", friction=force, travel=3e-8, sliding=1.0, velocity=1e-3, shortest=1e-7), substeps=32
-    )
-    dry = measured(make("coulomb-friction", friction=force, velocity=2e-5), substeps=8)
-    assert np.max(np.abs(held - dry)) < 0.2 * np.max(np.abs(dry - measured()))

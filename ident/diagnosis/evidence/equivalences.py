@@ -45,8 +45,6 @@ EQUIVALENCES: tuple[Equivalence, ...] = (
         "drive near or above the second mode, or in bursts"),
     _of("cubic-damping squeeze-film-damping", "at one frequency z²ż and ż³ slow the motion alike",
         "a sine with a dc bias, or a strong drive far from resonance"),
-    _of("coulomb-friction bouc-wen stribeck-friction", "once they slide, all three are a constant force",
-        "slow reversals, and motions smaller than the travel before sliding"),
     _of("quadratic-damping cubic-damping squeeze-film-damping coulomb-friction bouc-wen",
         "at one amplitude these are the same loss; only the law by which it grows differs",
         "the highest voltage at resonance beside the lowest, and free decay after a burst"),
