@@ -17,23 +17,25 @@ Kind = Literal["stiffness", "sensitivity", "delay", "clock", "baseline"]
 
 class Told(NamedTuple):
     """How a kind of numbers is told to people: `what` each record has, numbers times `times` in `unit`, and `why`; how
-    many `each` has, and whether what all have is the device's own."""
+    many `each` has, whether what all have is the device's own, and the `most` that a number can be: more says nothing
+    of this device."""
 
     what: str
     times: float
     unit: str
     why: str
+    most: float
     each: int = 1
     shared: bool = False
 
 
 TOLD: dict[Kind, Told] = {
     # A resonance moves by half of what its spring does.
-    "stiffness": Told("resonance", 50.0, "%", "was the device warmer or otherwise loaded in some?", shared=True),
-    "sensitivity": Told("sensitivity", 100.0, "%", "was the sensor moved?", shared=True),
-    "delay": Told("delay", 1.0, "samples", "did each have a trigger of its own?"),
-    "clock": Told("clock", 1e6, "ppm", "do generator and recorder run by one clock?"),
-    "baseline": Told("baseline", 100.0, "% of its signal", "does the sensor drift?", each=3),
+    "stiffness": Told("resonance", 50.0, "%", "was the device warmer or otherwise loaded in some?", 0.5, shared=True),
+    "sensitivity": Told("sensitivity", 100.0, "%", "was the sensor moved?", 0.9, shared=True),
+    "delay": Told("delay", 1.0, "samples", "did each have a trigger of its own?", 100.0),
+    "clock": Told("clock", 1e6, "ppm", "do generator and recorder run by one clock?", 0.1),
+    "baseline": Told("baseline", 100.0, "% of its signal", "does the sensor drift?", 100.0, each=3),
 }
 
 

@@ -21,6 +21,7 @@ from .faulty.between import KINDS, comparable, differing, rows_of
 from .faulty.differing import Differing, numbers_of
 from .linearised.regression import prepare
 from .linearised.shorten import is_long, working
+from .linearised.trajectory import Diverged
 from .ranking.look import Look
 from .ranking.pairs import best_pair
 from .ranking.score import score_beside, significant
@@ -94,8 +95,10 @@ def _of_one_mode(look: Look) -> Look:
     further = [name for name in fitted.model.names if name in FURTHER and name not in fitted.campaign.effects]
     if not further or fitted.campaign.modes is not None:
         return look
-    plain = alone(fitted, further)
-    return Look(prepare(working(plain)), look.first, look.library, look.report)
+    try:
+        return Look(prepare(working(alone(fitted, further))), look.first, look.library, look.report)
+    except Diverged:  # without them its motion has no bound
+        return look
 
 
 def _best(look: Look, report: Report) -> _Promise:
@@ -134,4 +137,7 @@ def _simulated(look: Look, promise: _Promise) -> Differing | None:
 
 def _beside(look: Look, promise: _Promise, effect: str | None) -> Differing | None:
     fitted = look.regression.fit
-    return differing(fitted if effect is None else add(fitted, look.library[effect]), (promise.kind,))
+    try:
+        return differing(fitted if effect is None else add(fitted, look.library[effect]), (promise.kind,))
+    except (Diverged, np.linalg.LinAlgError):  # a motion without bound tells nothing
+        return None

@@ -82,8 +82,11 @@ def differing(fitted: Fit, kinds: Sequence[Kind | Literal["drive"]] = KINDS) -> 
 def _found(fitted: Fit, kind: Kind) -> Differing | None:
     campaign, now, q = fitted.campaign, fitted, TOLD[kind].each
     inside = [i for i, trace in enumerate(campaign.traces) if not trace.holdout]
-    if len(inside) < _FEWEST:
+    late = kind in ("delay", "clock")  # a decay has nothing to be late to
+    if len(inside) < _FEWEST or (late and not all(trace.driven for trace in campaign.traces)):
         return None
+    shortest = min(len(trace.time) for trace in campaign.traces)
+    most = min(TOLD[kind].most, shortest / 10) if kind == "delay" else TOLD[kind].most
     sizes, errors = np.zeros((2, len(campaign.traces), q))
     for _ in range(_ROUNDS):
         regression = prepare(working(now))
@@ -94,12 +97,14 @@ def _found(fitted: Fit, kind: Kind) -> Differing | None:
             step, spread = step - np.mean(step, axis=0), spread - np.mean(spread, axis=0)
         errors[inside] = np.linalg.norm(spread, axis=2) * np.sqrt(max(regression.chi2 / regression.n, 1.0))
         sizes[inside] += step
+        if not np.all(np.abs(sizes) <= most):
+            return None
         now = fit(fitted.model, _with(campaign, kind, sizes), initial=now.values)
         if np.all(np.abs(step) < _SETTLED * errors[inside]):
             break
     for i, trace in enumerate(campaign.traces):
         if trace.holdout:
-            sizes[i], errors[i] = _by_itself(now, trace, kind)
+            sizes[i], errors[i] = _by_itself(now, trace, kind, most)
     now = fit(fitted.model, _with(campaign, kind, sizes), initial=now.values, most=1)
     names = tuple(trace.name for trace in campaign.traces)
     return Differing(kind, names, sizes, errors, now) if np.all(np.isfinite(sizes)) else None
@@ -132,7 +137,7 @@ def _later(trace: Trace, reading: np.ndarray, kind: Kind) -> np.ndarray:
     return -np.gradient(reading)[None] * (np.arange(len(trace.time)) if kind == "clock" else 1.0)
 
 
-def _by_itself(now: Fit, trace: Trace, kind: Kind) -> tuple[np.ndarray, np.ndarray]:
+def _by_itself(now: Fit, trace: Trace, kind: Kind, most: float) -> tuple[np.ndarray, np.ndarray]:
     """The numbers of a held-out record and their errors, (q,), from what the model misses of it."""
     sizes = np.zeros(TOLD[kind].each)
     for _ in range(_ROUNDS):
@@ -142,7 +147,7 @@ def _by_itself(now: Fit, trace: Trace, kind: Kind) -> tuple[np.ndarray, np.ndarr
         if not np.all(np.any(slopes, axis=1)):  # it does not move
             return np.zeros(len(sizes)), np.full(len(sizes), np.inf)
         back = np.linalg.pinv(slopes.T)
-        sizes, errors = sizes + back @ left, np.linalg.norm(back, axis=1)
+        sizes, errors = np.clip(sizes + back @ left, -most, most), np.linalg.norm(back, axis=1)
     return sizes, errors
 
 

@@ -12,7 +12,7 @@ from ...campaign.record import same_level
 from ...fit import Fit, fit
 
 _MOVED = 0.3  # of its error bar: by so much a number is another one
-_DRIVE = Told("drive", 100.0, "%", "does the force fall behind what it is called, or was a gain read wrongly?",
+_DRIVE = Told("drive", 100.0, "%", "does the force fall behind what it is called, or was a gain read wrongly?", 0.9,
               shared=True)  # fmt: skip
 
 
