@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -96,6 +98,12 @@ def test_no_record_is_proposed_for_what_none_can_separate(rivals: dict[str, Fit]
     lags = dict(zip(("drive-lag", "sensor-lag"), rivals.values(), strict=True))
     assert rank_experiments(lags) == []
     assert rank_experiments({"drive-lag": lags["drive-lag"]}) == []
+
+
+def test_where_no_record_can_be_taken_none_is_proposed(rivals: dict[str, Fit]) -> None:
+    """Records of 0.15 s hold three periods of 20 Hz, and a device that is driven up to 5 Hz none of those."""
+    slow = lambda found: replace(found.campaign, device=Oscillator(max_voltage=3.0, max_frequency=5.0))
+    assert rank_experiments({name: replace(found, campaign=slow(found)) for name, found in rivals.items()}) == []
 
 
 def test_what_a_record_leaves_tied_is_named_together() -> None:

@@ -95,6 +95,8 @@ def rank_experiments(rivals: Mapping[str, Fit], count: int = 3) -> list[NextExpe
     resonance = 1.0 / first.scales.period
     limits = limits_of(first.campaign.device, first.campaign.fitted, resonance)
     waves = proposals(limits, resonance)
+    if not waves:  # such records are too short, or too coarse, for a sine anywhere near the resonance
+        return []
     laid_out = _lay_out(list(rivals.values()), waves, limits.time)
     predictions = {name: _predict(fitted, *laid_out) for name, fitted in rivals.items()}
     noise = _noise(first, [p.readings for p in predictions.values()])
