@@ -24,7 +24,7 @@ def in_time(record: Trace, late: float, begin: int = 0) -> Trace:
     known = (index < begin) | ((source >= begin) & (source < n))
     source = np.clip(source, 0, n - 1)
     lost = ~known if record.masked is None else ~known | record.masked[source]
-    own = replace(record, response=record.response[source], masked=lost)
+    own = replace(record, response=record.response[source], masked=lost if np.any(lost) else None)
     if record.edge is not None:
         return replace(own, edge=record.edge + late - whole)
     apart = late - whole

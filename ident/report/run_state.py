@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import platform
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -105,10 +106,15 @@ def restore_campaign(document: dict[str, Any], folder: Path) -> Campaign:
         if isinstance(record, Sweep) and (drives := next(stronger, None)) is not None:
             records[i] = replace(record, stronger=np.array(drives))
         if isinstance(record, Trace) and (told := next(estimates, None)) is not None:
-            own, edge = told
-            held = replace(record, edge=edge)
-            records[i] = held if own is None else read_apart(held, *own)
+            records[i] = as_it_was(record, told)
     return replace(campaign, records=tuple(records))
+
+
+def as_it_was(record: Trace, told: Sequence[Any]) -> Trace:
+    """A trace with the noise floor of a run, read as the run had read it: `told` of it in its state."""
+    own, edge = told
+    read_so = record if own is None else read_apart(record, *own)
+    return replace(read_so, noise=record.noise, edge=edge)  # both are kept as they were after that
 
 
 def _model(document: dict[str, Any], campaign: Campaign, folder: Path) -> tuple[Model, np.ndarray]:

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 import ident
-from ident.campaign.apart import Kind, read_apart
+from ident.campaign.apart import Kind
 from ident.campaign.campaign import Campaign
 from ident.diagnosis.apart import apart_before
 from ident.diagnosis.faulty.between import KINDS, differing
 from ident.diagnosis.ranking.look import first_look
 from ident.diagnosis.search.change import add
 from ident.effects.registry import built_in
-from ident.report.run_state import state
+from ident.report.run_state import as_it_was, state
 
 STEP, RESONANCE, QUALITY, NOISE = 1 / 4400, 146.0, 40.0, 4e-3
 TONES = ((90.0,), (143.0,), (147.5,), (61.0, 118.0, 131.0, 149.0, 171.0, 203.0), (75.0, 110.0, 139.0, 152.0))
@@ -95,12 +96,13 @@ def test_one_effect_in_one_device_makes_no_records_differ():
     assert apart_before(first_look(fitted, built_in(), lambda _: None), lambda _: None) is None
 
 
-@pytest.mark.parametrize("kind", ["delay", "clock", "baseline"])
+@pytest.mark.parametrize("kind", ["sensitivity", "delay", "clock", "baseline"])
 def test_a_run_that_is_read_again_reads_its_records_so(kind: Kind):
     found = differing(add(ident.fit(_records(kind, drag=0.05), effects=()), built_in()["quadratic-damping"]), (kind,))
     assert found is not None
     kept = json.loads(json.dumps(state(found.fit)["traces"]))
-    for record, (own, _), there in zip(_records(kind, drag=0.05).traces, kept, found.fit.campaign.traces, strict=True):
-        again = read_apart(record, *own)
+    for record, told, there in zip(_records(kind, drag=0.05).traces, kept, found.fit.campaign.traces, strict=True):
+        again = as_it_was(replace(record, noise=there.noise), told)
+        assert again.noise == there.noise and again.edge == there.edge and again.own == (kind, tuple(told[0][1]))
         assert np.array_equal(again.response, there.response) and np.array_equal(again.drive, there.drive)
         assert np.array_equal(again.time, there.time)

@@ -71,10 +71,15 @@ def differing(fitted: Fit, kinds: Sequence[Kind | Literal["drive"]] = KINDS) -> 
     weigh = lambda fit, more: Left(prepare(working(fit)).left, fit.freedom + more)
     try:
         before = weigh(fitted, 0)
-        tried = [differing_levels(fitted)] if sweeps else [_found(fitted, kind) for kind in kinds if kind != "drive"]
-        found = [(one, weigh(one.fit, one.numbers)) for one in tried if one is not None]
     except (Diverged, np.linalg.LinAlgError):  # a motion without bound tells nothing
         return None
+    found: list[tuple[Differing, Left]] = []
+    for kind in ("drive",) if sweeps else kinds:
+        try:
+            one = differing_levels(fitted) if kind == "drive" else _found(fitted, kind)
+            found += [] if one is None else [(one, weigh(one.fit, one.numbers))]
+        except (Diverged, np.linalg.LinAlgError):  # nor if its records are read so
+            continue
     better = [(one, left) for one, left in found if behind(left, before) < -VERY_STRONG]
     return better[int(np.argmin(criteria([left for _, left in better])))][0] if better else None
 
