@@ -17,7 +17,7 @@ from ..fit.linear.start_model import FURTHER
 from ..pulse import Report
 from .evidence.criterion import VERY_STRONG, behind, criteria
 from .evidence.enough import adequate
-from .faulty.between import KINDS, comparable, differing, rows_of
+from .faulty.between import comparable, differing, kinds_of, rows_of
 from .faulty.differing import Differing, numbers_of
 from .linearised.regression import prepare
 from .linearised.shorten import is_long, working
@@ -105,9 +105,9 @@ def _best(look: Look, report: Report) -> _Promise:
     """The kind of number that leaves least with the effect that it goes with."""
     report("does one effect explain more where records differ in a number each?")
     regression = look.regression
-    promises = []
-    besides = [regression.beside(rows_of(regression, kind)) for kind in KINDS]
-    for kind, beside, scored in zip(KINDS, besides, score_beside(besides, look.library), strict=True):
+    promises, kinds = [], kinds_of(regression.fit.campaign)
+    besides = [regression.beside(rows_of(regression, kind)) for kind in kinds]
+    for kind, beside, scored in zip(kinds, besides, score_beside(besides, look.library), strict=True):
         best = next(iter(significant(scored)), None)
         left, numbers = beside.residual, regression.numbers + numbers_of(regression.fit, kind)
         if best is not None:
