@@ -12,10 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..campaign.apart import Kind
-from ..fit import Fit
+from ..fit import Fit, fit
 from ..fit.linear.start_model import FURTHER
 from ..pulse import Report
-from .evidence.criterion import VERY_STRONG, behind, criteria
+from .evidence.criterion import VERY_STRONG, Left, behind, criteria
 from .evidence.enough import adequate
 from .faulty.between import comparable, differing, kinds_of, rows_of
 from .faulty.differing import Differing, numbers_of
@@ -64,7 +64,7 @@ def apart_before(look: Look, report: Report) -> Apart | None:
     if behind(promise, pair or regression) > (-VERY_STRONG if says_all or pair is None else VERY_STRONG):
         return None
     found = _simulated(plain, promise)
-    if found is None or not adequate(prepare(working(found.fit))):
+    if found is None or not adequate(prepare(working(found.fit))) or _told_by_another(found, plain):
         return None
     return Apart(plain.regression.fit, found)
 
@@ -86,6 +86,18 @@ def apart_after(look: Look, final: Fit, report: Report) -> Apart | None:
         if other is not None:
             return Apart(look.regression.fit, other)
     return found and Apart(start, found)
+
+
+def _told_by_another(found: Differing, look: Look) -> bool:
+    """Whether one effect more, the same in all records, says about as much as the numbers of their own: far from the
+    device's motion the scores of two did not see it, and the numbers may have mimicked the second."""
+    numbers = Left(prepare(working(found.fit)).left, found.fit.freedom + found.numbers)
+    try:
+        one = fit(found.fit.model, look.regression.fit.campaign, initial=found.fit.values)
+        tried = Look(prepare(working(one)), look.first, look.library, look.report).tried
+    except Diverged:
+        return False
+    return any(other.possible and behind(numbers, other) > -VERY_STRONG for other in tried)
 
 
 def _of_one_mode(look: Look) -> Look:
