@@ -25,7 +25,6 @@ from ...fit.reading import read
 from ...model import FREQUENCY
 from ..evidence.criterion import VERY_STRONG, Left, behind, criteria
 from ..linearised.regression import Regression, by_record, prepare, stack
-from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
 from ..unknown.subsets import regress
 from .between_levels import differing_levels
@@ -73,7 +72,7 @@ def differing(fitted: Fit, kinds: Sequence[Kind | Literal["drive"]] | None = Non
     traces, sweeps = fitted.campaign.traces, fitted.campaign.sweeps
     if (traces and sweeps) or fitted.model.form != "oscillator":
         return None
-    weigh = lambda fit, more: Left(prepare(working(fit)).left, fit.freedom + more)
+    weigh = lambda fit, more: Left(prepare(fit).left, fit.freedom + more)
     try:
         before = weigh(fitted, 0)
     except (Diverged, np.linalg.LinAlgError):  # a motion without bound tells nothing
@@ -98,7 +97,7 @@ def _found(fitted: Fit, kind: Kind) -> Differing | None:
     most = min(TOLD[kind].most, shortest / 10) if kind == "delay" else TOLD[kind].most
     sizes, errors = np.zeros((2, len(campaign.traces), q))
     for _ in range(_ROUNDS):
-        regression = prepare(working(now))
+        regression = prepare(now)
         pairs = zip(campaign.fitted, now.campaign.fitted, strict=True)
         rows = _apart(regression, [_slopes(now, as_read, own, kind) for as_read, own in pairs])
         solved = regress(regression.project(by_record(regression, rows)), regression.residual)
