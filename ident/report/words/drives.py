@@ -35,7 +35,7 @@ def only_frequency(record: Trace) -> float | None:
 
 
 def _fade(n: int) -> np.ndarray:
-    """One but at the ends of n samples, where it falls like a cosine to zero (J. W. Tukey's window; `scipy.signal` takes
+    """One but at the ends of n samples, where it falls like a cosine to zero (Tukey's window; `scipy.signal` takes
     as long to import as a page to draw)."""
     to_end = np.minimum(np.arange(n), np.arange(n)[::-1])
     return 0.5 - 0.5 * np.cos(np.pi * np.minimum(to_end / max(_FADED * (n - 1), 1.0), 1.0))
