@@ -56,7 +56,8 @@ def find_slips(displacement: np.ndarray, drive: np.ndarray) -> np.ndarray | None
         while j < len(starts) and stops[j] - starts[i] <= _LONGEST / rate:
             tails = ((int(starts[i]) - tail, int(stops[j]) + tail) for tail in range(_TAIL + 1))
             own = not np.any(sudden[starts[i] : stops[j]])
-            slip = next((slice(*ends) for ends in tails if own and _slips(x, rough | found, *ends, side)), None)
+            slips = (_slip(x, rough | found, *ends, side) for ends in tails if own)
+            slip = next((one for one in slips if one is not None), None)
             if slip is not None:
                 found[slip] = True
                 i = j
@@ -80,21 +81,21 @@ def _deviation(x: np.ndarray) -> np.ndarray:
     return size
 
 
-def _slips(x: np.ndarray, rough: np.ndarray, start: int, stop: int, side: int) -> bool:
+def _slip(x: np.ndarray, rough: np.ndarray, start: int, stop: int, side: int) -> np.ndarray | None:
+    """Which samples belong to a slip, if there is one: those of the stretch, and rough ones beside it off its curve."""
     here = _missed(x, rough, start, stop, side)
     if here is None:
-        return False
+        return None
     around = np.max(np.abs(np.diff(here.curve)))
-    off = np.pad(x[start:stop] - here.curve[side:-side], 1)
-    if not np.max(np.abs(np.diff(off))) > around:
-        return False
+    off = x[start - side : stop + side] - here.curve
+    if not np.max(np.abs(np.diff(np.pad(off[side:-side], 1)))) > around:
+        return None
     there = list(_elsewhere(x, rough, start, stop, side))
-    typical = lambda values: float(np.median(values))
-    return bool(
-        there
-        and here.beside < _ALIKE * typical([one.beside for one in there])
-        and here.within > _ALIKE * typical([one.within for one in there])
-    )
+    usual = lambda sizes: _ALIKE * float(np.median(list(sizes)))
+    if not there or here.beside >= usual(o.beside for o in there) or here.within <= usual(o.within for o in there):
+        return None
+    ends = rough[start - side : stop + side] & (np.abs(off) > _ALIKE * here.beside)
+    return np.r_[np.arange(start, stop), start - side + np.flatnonzero(ends)]
 
 
 def _elsewhere(x: np.ndarray, rough: np.ndarray, start: int, stop: int, side: int) -> Iterator[_Missed]:
