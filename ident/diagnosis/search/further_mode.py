@@ -64,10 +64,12 @@ def with_its_mode(fitted: Fit, regression: Regression, report: Report) -> tuple[
 
 
 def _same_line(fitted: Fit, frequency: float, quality: float, moves: Sequence[float]) -> bool:
-    """Whether a mode lies within the bandwidths of the strongest, wherever that `moves`: it is that one. A search may
-    take a line there that began beside it, where another effect is missing."""
+    """Whether a mode lies within the bandwidths of the strongest, wherever that `moves`, or so near to it that the
+    longest record does not tell two lines: it is that one. A search may take a line there that began beside it, where
+    another effect is missing."""
     own, sharp = (float(fitted.values[i]) for i in (FREQUENCY, QUALITY))
-    near = (frequency / quality + own / sharp) / 2
+    longest = max(record.time[-1] - record.time[0] for record in fitted.campaign.traces)
+    near = max((frequency / quality + own / sharp) / 2, 1 / float(longest))
     return min(own, *moves) - near < frequency < max(own, *moves) + near if moves else abs(frequency - own) < near
 
 
