@@ -160,7 +160,8 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         notes.append(f"{spec.file}: {what}; filtered against aliases, and every {every}th of them kept.")
     start = spec.start or "unknown"
     check_drive(spec.file, drive, response, start, notes, undriven)
-    if np.ptp(drive) == 0 and (level := rest_level(response)) is not None:
+    known = response if masked is None else across_gaps(response, masked)
+    if np.ptp(drive) == 0 and (level := rest_level(known)) is not None:
         shown = f"{level / response_channel.factor:.6g} {response_channel.unit}"
         notes.append(
             f"{spec.file}: displacements are counted from {shown}, the level on which the decay comes to rest."
