@@ -23,8 +23,8 @@ holdout = true
 skip = "20 s"
 """,
     baseline=7.8,
-    start=10.0,
-    final=3.2,
+    start=9.0,
+    final=2.6,
 )
 EQUAL = replace(
     DEVICE,
