@@ -91,9 +91,10 @@ def key_of(seed: int, fault: str, hidden: int, walk: bool) -> str:
 
 
 def _as_read(campaign: Campaign) -> Campaign:
-    """With outliers taken out and clipped samples masked, as reading the files would."""
+    """With outliers taken out, clipped samples and slips of the sensor masked, as reading the files would."""
     from ident.campaign.noise.floor import noise_floor
     from ident.campaign.quality.clipping import clipped_mask
+    from ident.campaign.quality.slips import find_slips
 
     records = []
     for trace in campaign.traces:
@@ -106,6 +107,11 @@ def _as_read(campaign: Campaign) -> Campaign:
             response = without_outliers(trace.response, outliers)
             noise = noise_floor(trace.time, trace.drive, response, trace.period)
             trace = replace(trace, response=response, noise=noise, outliers=tuple(int(k) for k in outliers))
+        slips = find_slips(trace.response, trace.drive)
+        if slips is not None:
+            masked = slips if trace.masked is None else trace.masked | slips
+            noise = noise_floor(trace.time, trace.drive, trace.response, trace.period, masked, trace.stuck == 0)
+            trace = replace(trace, masked=masked, noise=noise)
         records.append(trace)
     return replace(campaign, records=tuple(records))
 

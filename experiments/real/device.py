@@ -26,6 +26,7 @@ class Device:
     - `values`: parameters of the last model that others have measured, SI, and how far off they may be, as a share.
     - `form`: the linear model that must be chosen; `first`: the effect that must be named first; `never`: those that
       must not be named; `verdicts`: those that may be given.
+    - `rows`: for some files the rows of the table that are kept, first and last, where others judged no more of it.
     """
 
     folder: str
@@ -40,6 +41,7 @@ class Device:
     first: str = ""
     never: frozenset[str] = field(default_factory=frozenset)
     verdicts: frozenset[str] = frozenset({"ambiguous", "not-in-library"})
+    rows: Mapping[str, tuple[int, int]] = field(default_factory=dict)
 
     def main(self) -> None:
         """Run, print and assert; without the files it says so and ends."""
@@ -52,6 +54,11 @@ class Device:
     def run(self, work: Path) -> tuple[dict[str, Any], str, list[tuple[str, float]]]:
         """`run.json`, the verdict, and the held-out error in percent of the start and after every step."""
         public_data.prepare(work / "it", self.campaign, self.folder, self.files)
+        for name, (first, last) in self.rows.items():
+            path = work / "it" / name
+            head, *lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+            path.unlink()  # a link to the table as it is
+            path.write_text("".join([head, *lines[first : last + 1]]), encoding="utf-8")
         ident(("discover", "it", "-o", "runs/it"), work)
         folder = work / "runs" / "it"
         run = json.loads((folder / "run.json").read_text(encoding="utf-8"))

@@ -23,6 +23,7 @@ from .quality.clipping import across_gaps, clipped_mask
 from .quality.gaps import without_gaps
 from .quality.outliers import find_outliers, without_outliers
 from .quality.rest_level import rest_level
+from .quality.slips import find_slips
 from .quality.thinning import thinned, thinned_mask, thinning
 from .record import MEASURES, Channel, NoiseFloor, Record, Trace
 from .scale import Scale
@@ -141,6 +142,14 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         what = f"{many} the curve of the response (at {shown})"
         notes.append(f"{spec.file}: {what}; what the neighbours say takes their place.")
         response = without_outliers(response, outliers)
+    slipped = find_slips(response, drive) if spec.measures == "displacement" else None
+    if slipped is not None:
+        count, first = np.count_nonzero(slipped), time[np.argmax(slipped)]
+        what = (
+            f"the sensor slips: {count} samples (first at {first:.6g} s) lie off the curve, on which it is soon again"
+        )
+        notes.append(f"{spec.file}: {what}; they are left out of every fit.")
+        masked = slipped if masked is None else masked | slipped
     every = thinning(drive, response)
     whole = time, drive, response, masked
     if every > 1:
@@ -151,7 +160,8 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         notes.append(f"{spec.file}: {what}; filtered against aliases, and every {every}th of them kept.")
     start = spec.start or "unknown"
     check_drive(spec.file, drive, response, start, notes, undriven)
-    if np.ptp(drive) == 0 and (level := rest_level(response)) is not None:
+    known = response if masked is None else across_gaps(response, masked)
+    if np.ptp(drive) == 0 and (level := rest_level(known)) is not None:
         shown = f"{level / response_channel.factor:.6g} {response_channel.unit}"
         notes.append(
             f"{spec.file}: displacements are counted from {shown}, the level on which the decay comes to rest."

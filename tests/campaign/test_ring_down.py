@@ -73,6 +73,20 @@ def test_angles_strains_and_the_one_column_that_is_left_are_responses(tmp_path, 
     np.testing.assert_allclose(campaign.fitted[0].response, DECAY, atol=1e-8)
 
 
+def test_a_clock_that_waits_has_no_grid_and_is_read_where_samples_are_dense(tmp_path):
+    waits = STEP * (1 + 0.12 * np.random.default_rng(8).uniform(-1, 1, len(T)))
+    wandering = np.cumsum(waits) - waits[0]
+    assert np.max(np.abs(wandering - T * wandering[-1] / T[-1])) > STEP
+    wave = lambda t: np.sin(2 * np.pi * 1.3 * t)
+    campaign = written(tmp_path, "t_s,u_V,y_V", wandering, wave(0.7 * wandering), wave(wandering))
+    record = campaign.fitted[0]
+    assert np.ptp(np.diff(record.time)) < 1e-9 and any("apart" in note for note in campaign.notes)
+    assert np.max(np.abs(record.response - wave(record.time))) < 1e-3
+    fast = lambda t: np.sin(2 * np.pi * 12 * t)  # 4 samples a period
+    with pytest.raises(UserError, match="too few to say what is between"):
+        written(tmp_path, "t_s,u_V,y_V", wandering, fast(0.7 * wandering), fast(wandering))
+
+
 def test_times_that_jitter_are_used_as_they_are(tmp_path):
     jittered = T + 0.1 * STEP * np.random.default_rng(6).uniform(-1, 1, len(T))
     wave = lambda t: np.sin(2 * np.pi * 1.3 * t)

@@ -10,10 +10,12 @@ import pytest
 from ident.campaign import Oscillator, Platform, read_campaign
 from ident.campaign.load import read_table
 from ident.campaign.propose import propose
+from ident.campaign.quality.gaps import crossed_by_drive
 from ident.campaign.quality.suspect import suspects_by_data
 from ident.campaign.tables.clock import clock_seconds
 from ident.campaign.tables.header import header_of
 from ident.campaign.tables.preamble import preamble_words, step_of
+from ident.campaign.tables.table import Column
 from tests.campaign.strangers import (
     COUNT,
     DRIVE,
@@ -244,6 +246,16 @@ def _without(text, lost):
     """A table without some of its rows, counted from the first below the header."""
     lines = text.splitlines()
     return "\n".join(line for k, line in enumerate(lines) if k - 1 not in lost) + "\n"
+
+
+def test_gaps_in_a_drive_are_crossed_wherever_they_lie():
+    time = np.arange(1200) / 500.0
+    drive = np.sin(2 * np.pi * 20 * time)
+    for lost in ([100, 130, 1070], [137, 500, 900], [300, 400, 1066]):  # moved, some of them come to lie at an end
+        gone = np.isin(np.arange(1200), lost)
+        assert crossed_by_drive(Column("a.csv", "drive_V", "drive", "V", 2, drive[~gone]), ~gone)
+    gone = np.isin(np.arange(1200), [1, 2, 3, 4, 5, 6])
+    assert not crossed_by_drive(Column("a.csv", "drive_V", "drive", "V", 2, drive[~gone]), ~gone)
 
 
 def test_frames_that_a_camera_lost_are_not_counted(tmp_path):

@@ -10,6 +10,7 @@ from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.diagnosis.linearised.regression import prepare
 from ident.diagnosis.search.further_mode import with_its_mode
+from ident.effects.library.power_law_stiffness import PowerLawStiffness
 from ident.effects.library.quadratic_damping import QuadraticDamping
 from ident.fit import fit
 from ident.model import Model
@@ -41,4 +42,18 @@ def test_it_is_found_beside_the_effect_that_hid_it():
 def test_noise_is_no_mode():
     campaign = decays(0.0)
     found = fit(Model(campaign.device) + QuadraticDamping(), campaign)
+    assert with_its_mode(found, prepare(found), lambda _: None)[0] is found
+
+
+def test_a_line_that_moves_is_no_mode_wherever_a_search_for_one_begins():
+    """A pendulum in air, whose softening is in the model and whose drag is not."""
+    w, t, rng, records = 2 * np.pi * 0.9, np.arange(2400) / 60.0, np.random.default_rng(9), []
+    for size in (50.0, 25.0):
+        rates = lambda _, y: (y[1], -w * w * np.sin(y[0]) - 0.02 * y[1] - 0.03 * abs(y[1]) * y[1])
+        z = solve_ivp(rates, (0, t[-1]), (np.radians(size), 0.0), "DOP853", t, rtol=1e-9, atol=1e-12).y[0]
+        noisy = z + 1.4e-3 * rng.standard_normal(len(t))
+        records.append(Trace(f"{size}", t, 0 * t, noisy, ONE, ONE, NoiseFloor(1.4e-3), "unknown"))
+    campaign = Campaign("pendulum", tuple(records), Oscillator("rad", "V"))
+    found = fit(Model(campaign.device) + PowerLawStiffness(), campaign)
+    assert found.fitted.error_over_noise > 3
     assert with_its_mode(found, prepare(found), lambda _: None)[0] is found

@@ -16,6 +16,8 @@ from .clipping import CLIPPED, clipped_fraction
 
 _LASTS = 0.97  # of a free motion's first quarter in its last: its quality would be 77 times its periods
 MOST_JITTER = 0.2  # of an interval: what is sampled less evenly has no grid
+_LONGEST_STEP = 1.6  # of the usual interval: what is longer is a gap
+_BETWEEN = 0.01  # of a signal's rms, missed between uneven samples
 _STILL_UNIFORM = 0.01  # of an interval: a sine of 20 samples a period is then read 0.3 % wrong at most
 
 
@@ -56,7 +58,7 @@ def uniform_time(column: Column, factor: float, notes: list[str]) -> np.ndarray:
             else "sort the rows, or split the file where it starts again"
         )
         raise UserError(f"time {word}{more}", where=column.place(row), do=do)
-    gaps = np.flatnonzero(steps > 1.6 * step)
+    gaps = np.flatnonzero(steps > _LONGEST_STEP * step)
     others = np.delete(steps, gaps)
     if 0 < len(gaps) < 0.05 * n + 2 and np.max(np.abs(others - step)) < 0.3 * step + 2 * resolution:
         row = int(gaps[0]) + 1
@@ -67,23 +69,31 @@ def uniform_time(column: Column, factor: float, notes: list[str]) -> np.ndarray:
             f"a gap of {size} in a record sampled every {step * factor:.6g} s{more}", where=column.place(row), do=do
         )
     jitter = worst / slope if slope > 0 else math.inf
-    if jitter > MOST_JITTER:
+    even = slope > 0 and float(np.max(steps)) < _LONGEST_STEP * step  # a clock that waits: off any grid, and no gap
+    if jitter > MOST_JITTER and not even:
         row = int(np.argmax(np.abs(printed - (origin + slope * index))))
         do = "resample the record on uniform times (for example with scipy.interpolate.CubicSpline)"
         what = f"sampling is not uniform: a sample is {jitter:.0%} of an interval off the uniform grid"
         raise UserError(what, where=column.place(row), do=do)
     if jitter > _STILL_UNIFORM:
+        told = f"jitter by up to {jitter:.1%} of an interval"
+        if jitter > MOST_JITTER:
+            told = f"are {np.min(steps) / step:.0%} to {np.max(steps) / step:.0%} of the usual interval apart"
         notes.append(
-            f"{column.file}: the sampling times jitter by up to {jitter:.1%} of an interval; the signals are "
+            f"{column.file}: the sampling times {told}; the signals are "
             "interpolated on a uniform grid by a cubic spline through the samples."
         )
+    if jitter > MOST_JITTER:  # the line through times that wander does not begin and end where they do
+        return factor * np.linspace(printed[0], printed[-1], n)
     return factor * (origin + slope * index)
 
 
 def on_grid(column: Column, factor: float, time: np.ndarray, *signals: np.ndarray) -> tuple[np.ndarray, ...]:
     """Signals (n,) that were sampled at the printed times, on the uniform grid `time` (n,) s that they mean.
 
-    Where print rounds the times more than the clock jitters, the samples are on the grid already.
+    Where print rounds the times more than the clock jitters, the samples are on the grid already. Times off any grid
+    are read if a spline says what is between them: one through every other sample, whose intervals are twice as long,
+    misses 16 times as much of the others. **Raises:** UserError where it does not.
     """
     printed = factor * column.numbers()
     worst, still = float(np.max(np.abs(printed - time))), _STILL_UNIFORM * (time[1] - time[0])
@@ -92,6 +102,13 @@ def on_grid(column: Column, factor: float, time: np.ndarray, *signals: np.ndarra
     from scipy.interpolate import CubicSpline  # here, because its import costs more than reading a campaign
 
     inside = np.clip(time, printed[0], printed[-1])
+    if worst > MOST_JITTER * (time[1] - time[0]):
+        for signal in signals:
+            missed = (CubicSpline(printed[::2], signal[::2])(printed) - signal)[1:-1:2]
+            if float(np.std(missed)) / 16 > _BETWEEN * float(np.std(signal)):
+                do = "sample faster, or with a clock that keeps its interval"
+                what = "the samples are uneven, and too few to say what is between them"
+                raise UserError(what, where=column.file, do=do)
     return tuple(CubicSpline(printed, signal)(inside) for signal in signals)
 
 

@@ -7,6 +7,7 @@ take the greater part of what is left, for harmonics are lines, too.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -24,6 +25,7 @@ from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
 
 _GREATER_PART = 0.5  # of χ² beyond noise
+_HALVES = 8  # of a period, over which a frequency is taken
 
 
 def with_its_mode(fitted: Fit, regression: Regression, report: Report) -> tuple[Fit, Regression]:
@@ -40,8 +42,8 @@ def with_its_mode(fitted: Fit, regression: Regression, report: Report) -> tuple[
     if line is None:
         return fitted, regression
     frequency, quality = map(float, np.exp(line))
-    own, sharp = (float(fitted.values[i]) for i in (FREQUENCY, QUALITY))
-    if abs(frequency - own) < (frequency / quality + own / sharp) / 2:  # the same line, which moves
+    moves = _moves_through(fitted) if name == FURTHER[0] else []  # with two in what is read, zeros tell of neither
+    if _same_line(fitted, frequency, quality, moves):
         return fitted, regression
     travel = float(amplitudes(stretches, line[None])[0]) / (2 * np.pi * frequency) ** left[0].order
     more = model + make_effect(campaign, name)
@@ -52,8 +54,33 @@ def with_its_mode(fitted: Fit, regression: Regression, report: Report) -> tuple[
         after = prepare(working(found))
     except Diverged:
         return fitted, regression
+    if _same_line(found, 1 / found.value(f"{name}.period"), found.value(f"{name}.quality"), moves):
+        return fitted, regression
     clear = behind(Left(after.residual, after.numbers), Left(regression.residual, regression.numbers)) < -VERY_STRONG
     if not clear or after.chi2 - after.n > _GREATER_PART * (regression.chi2 - regression.n):
         return fitted, regression
     report(f"beside it another mode rings, {name}: error over noise {found.fitted.error_over_noise:.3g}")
     return found, after
+
+
+def _same_line(fitted: Fit, frequency: float, quality: float, moves: Sequence[float]) -> bool:
+    """Whether a mode lies within the bandwidths of the strongest, wherever that `moves`, or so near to it that the
+    longest record does not tell two lines: it is that one. A search may take a line there that began beside it, where
+    another effect is missing."""
+    own, sharp = (float(fitted.values[i]) for i in (FREQUENCY, QUALITY))
+    longest = max(record.time[-1] - record.time[0] for record in fitted.campaign.traces)
+    near = max((frequency / quality + own / sharp) / 2, 1 / float(longest))
+    return min(own, *moves) - near < frequency < max(own, *moves) + near if moves else abs(frequency - own) < near
+
+
+def _moves_through(fitted: Fit) -> list[float]:
+    """Least and largest frequency (Hz) of the decays of a model with one mode, each over some periods between zeros: a
+    spring that bends moves it away from that of the linear part."""
+    found = []
+    for record, told in zip(fitted.campaign.traces, fitted.readings, strict=True):
+        z = told - np.median(told)
+        before = np.flatnonzero((z[:-1] > 0) != (z[1:] > 0))
+        at = record.time[before] + record.step * z[before] / (z[before] - z[before + 1])
+        if len(at) > 2 * _HALVES:
+            found.append(0.5 * _HALVES / (at[_HALVES:] - at[:-_HALVES]))
+    return [float(edge(one)) for one in found for edge in (np.min, np.max)]
