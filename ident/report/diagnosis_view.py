@@ -93,8 +93,8 @@ def _pushed(loop: Discovery) -> str:
     noise = noise_of_force(loop.regression)
     if noise is None:
         return ""
-    size = f"of {percent_text(noise.share)} of the drive " if noise.share > 0 else ""
-    return f" (above one as a noise of the force {size}leaves it, of its measurement, amplifier or surroundings)"
+    size = f", {percent_text(noise.share)} of the drive," if noise.share > 0 else ""
+    return f" (what is above one noise of the force{size} leaves: of its measurement, an amplifier, the surroundings)"
 
 
 def _not_in_library(loop: Discovery, known: list[Step], named: list[Step]) -> str:
