@@ -1,6 +1,6 @@
 """What lies in laboratories rather than in devices: mains, an input that passes no constant, a device that warms up or
 is read at another spot, late, by another clock or by a sensor that wanders, an amplifier at its limit, a drive with a
-dead zone, a damper that works one way."""
+dead zone, a damper that works one way, noise of the force."""
 
 from __future__ import annotations
 
@@ -30,13 +30,17 @@ def _drives(rng: np.random.Generator, f: float, size: float) -> list[Signal]:
 def _records(
     lab: Lab, rng: np.random.Generator, force: Callable[..., float], read: Callable[..., np.ndarray] | None = None,
     push: Callable[[np.ndarray], np.ndarray] = lambda u: u, warmer: Sequence[float] = (0.0,) * 4,
+    rumble: float = 0.0,
 ) -> None:  # fmt: skip
-    """Records of an oscillator of 120 to 180 Hz, 8 μm at 1 V and resonance; the last is held out."""
+    """Records of an oscillator of 120 to 180 Hz, 8 μm at 1 V and resonance, under noise of `rumble` times the drive;
+    the last is held out."""
     f, quality = rng.uniform(120, 180), 40.0
     w, t = 2 * np.pi * f, np.arange(1800) / (_RATE * f)
     for i, (u, own) in enumerate(zip(_drives(rng, f, 2.0), warmer, strict=True)):
         sprung: Any = lambda z, v, u, t, own=own: -own * w * w * z + force(w, z, v)
-        drive: Signal = lambda t, u=u: push(np.asarray(u(t)))
+        noise = rumble * np.std(u(t)) * rng.standard_normal(t.size) if rumble else np.zeros(t.size)
+        beside = CubicSpline(t, noise)
+        drive: Signal = lambda at, u=u, beside=beside: push(np.asarray(u(at))) + beside(at)
         z = solve(oscillator(f, quality, 0.2 * w * w, drive, sprung), t, [0, 0])[0]
         reading = z if read is None else read(i, t, z)
         lab.write(f"run{i}", _HEAD, t, np.asarray(u(t)), reading, noise=0.004, digits=8, held=i == 3)
@@ -53,6 +57,18 @@ def _hardening(w: float, z: float, v: float) -> float:
 def _at(when: np.ndarray, t: np.ndarray, z: np.ndarray) -> np.ndarray:
     """The motion at other times; before the first sample there was none, after the last it goes on as a curve."""
     return np.where(when < 0, 0.0, CubicSpline(t, z)(when))
+
+
+@device(floor=False)
+def rumbling(lab: Lab, rng: np.random.Generator) -> None:
+    """Nothing but noise of the force, 1 % of the drive."""
+    _records(lab, rng, lambda w, z, v: 0.0, rumble=0.01)
+
+
+@device("cubic-stiffness|residual-stress", floor=False)
+def rumbling_spring(lab: Lab, rng: np.random.Generator) -> None:
+    """A hardening spring under noise of the force, 1 % of the drive."""
+    _records(lab, rng, _hardening, rumble=0.01)
 
 
 @device("quadratic-damping|power-law-damping")

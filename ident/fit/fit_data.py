@@ -57,7 +57,7 @@ def fit_data(
         fit, model, sigma=sigma, robust=robust, starts=starts, seed=seed, initial=initial, report=report, until=until
     )
     found = fitted(campaign)
-    sharper = None if sigma == "fitted" or time.monotonic() >= until else sharpened(found)
+    sharper = None if sigma == "fitted" or time.monotonic() >= until else sharpened(found, complete=False)
     return found if sharper is None else fitted(sharper)
 
 

@@ -15,22 +15,24 @@ import numpy as np
 
 from ..campaign.campaign import Campaign
 from ..campaign.noise.floor import noise_floor
-from ..campaign.noise.hum import HUM, HUMS, SURROUNDINGS, knows, standing, told_apart, with_lines
-from ..campaign.noise.surroundings import Heard, lines_of_surroundings
+from ..campaign.noise.hum import HUM, HUMS, PERIODS, SURROUNDINGS, knows, standing, told_apart, with_lines
+from ..campaign.noise.surroundings import Heard, lines_of_surroundings, may_make, tones_of
 from ..campaign.record import VAGUE, Trace
 from ..model import FREQUENCY, QUALITY
 from .result import Fit
 
+_MANY = 8.0  # periods of hum that no level follows as it bends from one end to the other
 _LOWER = 0.8  # of the floor so far: up to a fifth above a floor in doubt a model is adequate (`diagnosis.enough`)
 
 
-def sharpened(found: Fit) -> Campaign | None:
+def sharpened(found: Fit, complete: bool = True) -> Campaign | None:
     """The campaign of a fit with lower noise floors where its own are in doubt, and higher ones where the records hum;
-    None if no floor changes."""
+    None if no floor changes. `complete`: whether the model has all that was found; one that lacks an effect may miss a
+    level that bends as a few periods of hum do, and is asked for longer ones only."""
     readings = iter(found.readings)
     records = [_lowered(r, next(readings)) if isinstance(r, Trace) else r for r in found.campaign.records]
     traces = [record for record in records if isinstance(record, Trace)]
-    hum = iter(_with_hum(found, traces))
+    hum = iter(_with_hum(found, traces, PERIODS if complete else _MANY))
     records = [next(hum) if isinstance(record, Trace) else record for record in records]
     changed = [new for old, new in zip(found.campaign.records, records, strict=True) if new is not old]
     if not changed:
@@ -58,19 +60,26 @@ def _lowered(record: Trace, reading: np.ndarray) -> Trace:
     return replace(record, noise=replace(floor, method=f"{floor.method}, in what the model leaves"))
 
 
-def _with_hum(found: Fit, traces: list[Trace]) -> list[Trace]:
+def _with_hum(found: Fit, traces: list[Trace], periods: float) -> list[Trace]:
     """The records with the lines in their noise floors that are none of the device: the mains frequencies that two of
-    them show beside their drive, or the only one; and those of the surroundings, that all show.
+    them show beside their drive, or the only one, in so many `periods` or more; and those of the surroundings, that all
+    show.
 
     No device hums in one record as in another at the frequency of the mains, whatever drives it. Where two do, others
-    that are driven at it too hum with them.
+    that are driven at it too hum with them. Under many tones a device that lacks a law answers at any frequency: where
+    some records have one or two tones, which cannot have made the line, only these bear witness.
     """
     pairs = list(zip(traces, found.readings, strict=True))
-    shown = [set(_hum_of(record, reading, found, HUM, apart=True)) for record, reading in pairs]
-    needed = min(2, len(traces))
+    heard = [Heard((r.response - told)[r.skip :], r.drive[r.skip :], r.step) for r, told in pairs]
+    few = [tones_of(one) is not None for one in heard]
+    shown = [
+        {hz for hz in _hum_of(record, reading, found, long, apart=True) if not (any(few) and may_make(one, hz))}
+        for (record, reading), one in zip(pairs, heard, strict=True)
+        for long in [[hz for hz in HUM if hz >= periods * one.width]]
+    ]
+    needed = min(2, sum(few) or len(traces))
     mains = [hz for hz in HUM if sum(hz in one for one in shown) >= needed]
-    heard = [Heard((r.response - told)[r.skip :], r.drive[r.skip :], r.step) for r, told in pairs if r.masked is None]
-    others = lines_of_surroundings(heard) if len(heard) == len(pairs) else []
+    others = lines_of_surroundings(heard) if all(r.masked is None for r in traces) else []
     for what, common in ((HUMS, mains), (SURROUNDINGS, others)):
         humming = []
         for record, reading in pairs:

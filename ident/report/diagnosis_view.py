@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..campaign.device import Device
 from ..campaign.quality.suspect import ALL
 from ..diagnosis.diagnose import Diagnosis
-from ..diagnosis.evidence.enough import ANOTHER_LAW, adequate, contradicted
+from ..diagnosis.evidence.enough import ANOTHER_LAW, adequate, contradicted, noise_of_force
 from ..diagnosis.faulty.suspects import BY_OTHERS
 from ..diagnosis.ranking.score import Candidate
 from ..diagnosis.search.beyond import NAME
@@ -45,7 +45,7 @@ def _verdict_words(found: Diagnosis) -> str:
     if first:
         what = "that explains more of the misfit than any effect does"
         return f"No physics is named before {listed(first)} is corrected or left out: {what}."
-    error = f"error over noise {ratio_text(final.fitted.error_over_noise)}"
+    error = f"error over noise {ratio_text(final.fitted.error_over_noise)}{_pushed(loop)}"
     if loop.verdict == "adequate":
         return f"The model is adequate: {error}, and no effect of the library would lower it beyond chance."
     named = [s for s in loop.steps if s.role == "effect"]
@@ -86,6 +86,15 @@ def _verdict_words(found: Diagnosis) -> str:
         doubt = [f"{s.file} is suspect" for s in found.suspects if s.kind in BY_OTHERS]
         return f"Missing {was} {names}{refined}, {error}; but in these records {'; '.join(ties + doubt)}."
     return _not_in_library(loop, [s for s in named if not s.added.startswith(NAME)], named)
+
+
+def _pushed(loop: Discovery) -> str:
+    """What of an error above the noise floors is noise of the force."""
+    noise = noise_of_force(loop.regression)
+    if noise is None:
+        return ""
+    size = f", {percent_text(noise.share)} of the drive," if noise.share > 0 else ""
+    return f" (what is above one noise of the force{size} leaves: of its measurement, an amplifier, the surroundings)"
 
 
 def _not_in_library(loop: Discovery, known: list[Step], named: list[Step]) -> str:

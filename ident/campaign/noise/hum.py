@@ -28,12 +28,12 @@ HUM = tuple(hz * order for hz in MAINS for order in (1, 2, 3))
 
 _STANDS = 16.0  # times the noise beside it: a line of noise alone has as much power once in 3000 times
 HUMS, SURROUNDINGS = "mains hum", "a line of the surroundings"  # in the words of a floor
-_PERIODS = 2.5  # that a record holds of a line, at least: of fewer it is a level that bends
+PERIODS = 2.5  # that a record holds of a line, at least: of fewer it is a level that bends
 _ABOUT = 0.02 * np.pi  # rad per sample on either side of a line: so narrow is its peak in an autoregression
 _FINE = 4096  # frequencies from which covariances are read
 
 
-def told_apart(lines: Sequence[float], rate: float | None, n: int, periods: float = _PERIODS) -> list[float]:
+def told_apart(lines: Sequence[float], rate: float | None, n: int, periods: float = PERIODS) -> list[float]:
     """Those of some lines that n samples tell from a level and from the drive, whose harmonics lie `rate` apart (rad
     per sample, as the lines); of each there are more than so many `periods`."""
     width = 2 * np.pi / n
@@ -94,7 +94,7 @@ def standing(left: np.ndarray, lines: Sequence[float]) -> list[float]:
     """The mean square of each line (rad per sample) that stands out of what a model leaves, (n,), and does not die;
     zero of the others. It leaves a level too, that bends: a sensor that drifts does not hum."""
     n, found = len(left), []
-    waves, level = _waves(lines, n), legvander(np.linspace(-1, 1, n), round(2 * _PERIODS))
+    waves, level = _waves(lines, n), legvander(np.linspace(-1, 1, n), round(2 * PERIODS))
     weights = np.linalg.lstsq(np.column_stack([waves, level]), left, rcond=None)[0]
     rest = left - np.column_stack([waves, level]) @ weights
     spectrum = fit_autoregression(rest, np.full(n // 2 + 1, len(weights) / n)).spectrum

@@ -51,7 +51,7 @@ def lines_of_surroundings(records: Sequence[Heard]) -> list[float]:
         if not all(own):
             continue
         sizes = [lines[0][1] for lines in own]
-        clean = sum(not _may_make(record, hz) for record in records)
+        clean = sum(not may_make(record, hz) for record in records)
         if max(sizes) < _ALIKE * min(sizes) and clean >= 2:
             found.append(hz)
     return found
@@ -72,15 +72,21 @@ def _lines(signal: np.ndarray, step: float, stands: float) -> list[tuple[float, 
     return found
 
 
-def _may_make(record: Heard, hz: float) -> bool:
+def may_make(record: Heard, hz: float) -> bool:
     """Whether a record's own drive may have made a line: its tones are too many, or a sum of few of them is there."""
-    if not np.ptp(record.drive):
-        return True  # of a decay nobody knows
-    lines = _lines(record.drive, record.step, _STANDS)
-    tones = [line for line, size in lines if size > _DRIVES * lines[0][1]]
-    if not 0 < len(tones) <= _TONES:
+    tones = tones_of(record)
+    if tones is None:
         return True
     orders = product(range(-_ORDER, _ORDER + 1), repeat=len(tones))
     sums = [(sum(m * f for m, f in zip(order, tones, strict=True)), sum(map(abs, order))) for order in orders]
     folded = lambda f: abs(f - round(f * record.step) / record.step)  # above half the rate of samples
     return any(0 < n <= _ORDER and abs(folded(f) - hz) < _NEAR * (1 + n) * record.width for f, n in sums)
+
+
+def tones_of(record: Heard) -> list[float] | None:
+    """The frequencies of a drive of one or two tones, Hz; None of any other, and of a decay, of which nobody knows."""
+    if not np.ptp(record.drive):
+        return None
+    lines = _lines(record.drive, record.step, _STANDS)
+    tones = [line for line, size in lines if size > _DRIVES * lines[0][1]]
+    return tones if 0 < len(tones) <= _TONES else None

@@ -6,7 +6,7 @@ Source: P. J. Brockwell, R. A. Davis, Time Series: Theory and Methods, 1991, §8
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from scipy.special import fdtrc
@@ -14,6 +14,7 @@ from scipy.special import fdtrc
 from ...campaign.noise.recursive import convolved
 from ..linearised.whiten import prediction_filter
 from .criterion import Left, Weighed, behind
+from .force_noise import ForceNoise, force_noise
 
 if TYPE_CHECKING:
     from ..linearised.regression import Regression
@@ -21,47 +22,35 @@ if TYPE_CHECKING:
 _SMALL = 1.5  # χ² per sample up to which the residual may be noise of a colour that the noise floor does not have
 
 
+class _Past(NamedTuple):
+    """Noise as an autoregression; `taps` of the filter that whitens it, after so many samples."""
+
+    taps: np.ndarray
+
+    @property
+    def begins(self) -> int:
+        return len(self.taps)
+
+    def whiten(self, values: np.ndarray) -> np.ndarray:
+        return convolved(self.taps, values)
+
+
+def _colour(regression: Regression, k: int, left: np.ndarray) -> _Past | ForceNoise:
+    """The noise that is left of the k-th record: an autoregression of order 12, or noise of the force, which has fewer
+    numbers, if that describes it better."""
+    past, force = _Past(prediction_filter(left[None])), force_noise(regression, k, left)
+    price = np.log(max(len(left), 2)) / max(len(left), 1)
+    worth = lambda way, numbers: np.log(max(float(np.var(way.whiten(left))), 1e-300)) + numbers * price
+    return past if force is None or worth(force, 1) > worth(past, past.begins) else force
+
+
 def chance(regression: Regression, basis: np.ndarray, tried: int) -> float:
     """Probability of such a fall of χ² by chance, the colour of what is left taken into account.
 
-    What remains after the candidate is modelled as autoregressive noise of order 12, record by record; candidate and
-    residual are whitened with it and the F test is made there.
+    What remains after the candidate is modelled as coloured noise, record by record; candidate and residual are
+    whitened with it and the F test is made there.
     """
-    left = regression.residual - basis @ (basis.T @ regression.residual)
-    y, x = [], []
-    for own in regression.places:
-        part = left[own]
-        taps = prediction_filter(part[None])
-        size = float(np.std(convolved(taps, part))) or 1.0
-        y.append(convolved(taps, regression.residual[own]) / size)
-        x.append(convolved(taps, basis[own]) / size)
-    target, regressors = np.concatenate(y), np.concatenate(x)
-    q, _ = np.linalg.qr(regressors)
-    drop = float(np.sum((q.T @ target) ** 2))
-    freedom = regression.n - tried - regression.absorbed.shape[1]
-    rest = (float(target @ target) - drop) / freedom
-    return float(fdtrc(tried, freedom, drop / tried / max(rest, 1e-300)))
-
-
-def behind_in_colour(after: Weighed, before: Regression) -> float:
-    """By how much the criterion of a refit is worse than that of the fit before, in the colour of what it leaves.
-
-    A force that no law describes may be small, but a mass without a spring adds it up twice: what is left then lies far
-    above the sensor's noise, as smooth as the motion, and a law that bends takes its slowest part, which weighs most
-    where all frequencies count alike, and adds to the rest. What a refit leaves is therefore taken as autoregressive
-    noise of order 12, record by record: by the same, what was left before must be more. At the noise floor it is white,
-    and nothing changes. Points of sweeps have no colour.
-    """
-    if before.plane is not None:
-        return behind(after, before)
-    white = []
-    for own in before.places:
-        taps = prediction_filter(after.left[own][None])
-        both = convolved(taps, np.column_stack([after.left[own], before.left[own]]))
-        both = both[min(len(taps), len(both) // 2) :]  # before them the filter has not all that it predicts from
-        white.append(both / (float(np.std(both[:, 0])) or 1.0))
-    now, was = np.concatenate(white).T
-    return behind(Left(now, after.numbers), Left(was, before.numbers))
+    return _by_chance(regression, regression.residual - basis @ (basis.T @ regression.residual), basis, tried)
 
 
 def chance_of(regression: Regression, basis: np.ndarray) -> float:
@@ -74,19 +63,45 @@ def chance_of(regression: Regression, basis: np.ndarray) -> float:
     """
     if regression.chi2 > _SMALL * regression.n:
         return chance(regression, basis, basis.shape[1])
-    y: list[np.ndarray] = []
-    x: list[np.ndarray] = []
-    for own in regression.places:
-        part = regression.residual[own]
-        taps = prediction_filter(part[None])
-        both = np.column_stack([part, basis[own]])
-        white = convolved(taps, both)
-        white = white / (float(np.std(white[:, 0])) or 1.0)
-        y.append(white[:, 0])
-        x.append(white[:, 1:])
-    target = np.concatenate(y)
-    q, _ = np.linalg.qr(np.concatenate(x))
+    return _by_chance(regression, regression.residual, basis, basis.shape[1])
+
+
+def _by_chance(regression: Regression, left: np.ndarray, basis: np.ndarray, tried: int) -> float:
+    """The F test of so many functions, `basis`, where noise of the colour of what is `left`, (n,), is white."""
+    colours = [_colour(regression, k, left[own]) for k, own in enumerate(regression.places)]
+    # Where noise of the force rules some frequencies the others tell the parameters otherwise than all did alike.
+    absorbed = regression.absorbed[:, : regression.absorbed.shape[1] * any(isinstance(c, ForceNoise) for c in colours)]
+    white = []
+    for colour, own in zip(colours, regression.places, strict=True):
+        columns = [left[own], regression.residual[own], basis[own], absorbed[own]]
+        found = colour.whiten(np.column_stack(columns))
+        white.append(found[:, 1:] / (float(np.std(found[:, 0])) or 1.0))
+    target, regressors, beside = np.split(np.concatenate(white), [1, 1 + basis.shape[1]], axis=1)
+    own, _ = np.linalg.qr(beside)
+    target, regressors = target - own @ (own.T @ target), regressors - own @ (own.T @ regressors)
+    q, _ = np.linalg.qr(regressors)
     drop = float(np.sum((q.T @ target) ** 2))
-    freedom = regression.n - basis.shape[1] - regression.absorbed.shape[1]
-    rest = max((float(target @ target) - drop) / freedom, 1e-300)
-    return float(fdtrc(basis.shape[1], freedom, drop / basis.shape[1] / rest))
+    freedom = regression.n - tried - regression.absorbed.shape[1]
+    rest = max((float(np.sum(target**2)) - drop) / freedom, 1e-300)
+    return float(fdtrc(tried, freedom, drop / tried / rest))
+
+
+def behind_in_colour(after: Weighed, before: Regression) -> float:
+    """By how much the criterion of a refit is worse than that of the fit before, in the colour of what it leaves.
+
+    A force that no law describes may be small, but a mass without a spring adds it up twice: what is left then lies far
+    above the sensor's noise, as smooth as the motion, and a law that bends takes its slowest part, which weighs most
+    where all frequencies count alike, and adds to the rest. What a refit leaves is therefore taken as coloured noise,
+    record by record: by the same, what was left before must be more. At the noise floor it is white,
+    and nothing changes. Points of sweeps have no colour.
+    """
+    if before.plane is not None:
+        return behind(after, before)
+    white = []
+    for k, own in enumerate(before.places):
+        colour = _colour(before, k, after.left[own])
+        both = colour.whiten(np.column_stack([after.left[own], before.left[own]]))
+        both = both[min(colour.begins, len(both) // 2) :]  # before them the filter has not all that it predicts from
+        white.append(both / (float(np.std(both[:, 0])) or 1.0))
+    now, was = np.concatenate(white).T
+    return behind(Left(now, after.numbers), Left(was, before.numbers))

@@ -8,6 +8,7 @@ from ...fit import Fit
 from ...fit.carry_over import expected_error
 from ..linearised.regression import Regression
 from .criterion import Left, behind
+from .force_noise import Pushed, pushed_by_noise
 
 ANOTHER_LAW = 0.001  # of the first excess: structured misfit beyond which a name is in doubt; see `lacking`
 _AT_FLOOR = 1.05  # error over noise, and twice the doubt of the floor more, up to a doubt of
@@ -25,10 +26,18 @@ _FAR = 4.0  # χ² per sample, more than a wrong noise floor would make
 def adequate(regression: Regression, explained: float = 0.0) -> bool:
     """Whether the error stands at the noise floor, within what is known of that floor.
 
-    What counts is the whitened error without mains hum and initial states: hum is no shortcoming of a model.
-    `explained`: share of what is left that one effect explains; a wrong floor would leave what none does.
+    What counts is the whitened error without mains hum and initial states, and without noise of the force: they are no
+    shortcoming of a model. `explained`: share of what is left that one effect explains; a wrong floor, or noise, would
+    leave what none does.
     """
-    return _at_floor(regression.chi2, regression, explained)
+    at_floor = _at_floor(regression.chi2, regression, explained)
+    return at_floor or (explained < MOST_OF_IT and noise_of_force(regression) is not None)
+
+
+def noise_of_force(regression: Regression) -> Pushed | None:
+    """The noise of the force, where it is all that stands above the noise floors."""
+    pushed = None if _at_floor(regression.chi2, regression) else pushed_by_noise(regression)
+    return pushed if pushed is not None and _at_floor(pushed.level**2 * regression.n, regression) else None
 
 
 def foretold(fit: Fit) -> bool:

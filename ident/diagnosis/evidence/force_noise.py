@@ -1,0 +1,126 @@
+"""Noise of the force beside that of the sensor: what the column of the drive does not show, or the surroundings push.
+
+White noise w of the force comes through the device. Near a sharp resonance it stands far above the noise s of the
+sensor, and no autoregression of few numbers has that colour; it takes one number ρ more than white noise:
+
+    A e = B w + A s = C ε,    S(ω) = σ² (1 + ρ |B/A|²),
+
+A and B of the oscillator at the frequency and quality of the fit, C the factor of A A* + ρ B B* that has its zeros
+inside the unit circle.
+
+Source: P. Whittle, "Estimation and information in stationary time series", Ark. Mat. 2 (1953) 423 (the likelihood);
+P. J. Brockwell, R. A. Davis, Time Series: Theory and Methods, 1991, §4.4 (spectral densities of ARMA processes).
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ...campaign.noise.recursive import recursive_filter
+from ...fit.linear.stretches import oscillator_filter
+from ...model import FREQUENCY, GAIN, QUALITY
+
+if TYPE_CHECKING:
+    from ..linearised.regression import Regression
+
+_SHARES = np.concatenate([[0.0], np.geomspace(1e-3, 1e5, 17)])  # ρ, with |B/A|² one in the mean
+_SEEN = 2.0  # standard deviations: where less of it is seen, the search for its size is spared
+_NO_LINE = 7.0  # above ln n: noise has a line as loud once in a thousand records
+_NEARER = np.geomspace(0.4, 2.5, 9)  # times the best of them
+
+
+class ForceNoise(NamedTuple):
+    """A filter that whitens what noise of force and sensor leave, A/C; `ratio`: of the power that the force has to that
+    of the sensor, ρ with |B/A|² one in the mean."""
+
+    numerator: np.ndarray
+    denominator: np.ndarray
+    ratio: float
+    begins: int = 2  # samples: a whole one of the filter's memory
+
+    def whiten(self, values: np.ndarray) -> np.ndarray:
+        """Values (n,) or (n, columns), whitened along the first axis."""
+        return recursive_filter(self.numerator, self.denominator, values)
+
+
+class Pushed(NamedTuple):
+    """What a model leaves, taken as noise of sensor and force: its `level`, in noise floors, and the `share` that the
+    force's is of the drive's rms in the record that shows it most; zero where nothing drives."""
+
+    level: float
+    share: float
+
+
+@lru_cache(maxsize=16)  # a verdict and its words ask
+def pushed_by_noise(regression: Regression) -> Pushed | None:
+    """What is left of all records as noise of sensor and force, the sensor's as the floors say; None where a line
+    stands out of that in one of them, or the model is no oscillator."""
+    fit, square, most = regression.fit, 0.0, (-1.0, 0.0)
+    records, linear = fit.campaign.fitted, fit.model.linear
+    per_volt = abs(float(fit.values[GAIN])) * linear.force_per_gain / linear.mass  # m/s² for a volt
+    for k, own in enumerate(regression.places):
+        left = regression.residual[own]
+        noise = force_noise(regression, k, left, level=1.0)
+        if noise is None:
+            return None
+        white = noise.whiten(left)
+        if np.max(np.abs(np.fft.rfft(white)) ** 2) / len(white) > np.log(len(white)) + _NO_LINE:
+            return None
+        square += float(white @ white)
+        *_, size = _through_the_device(regression, k, len(left))
+        pushed = regression.whitenings[k].scale * np.sqrt(noise.ratio / size)  # m/s²
+        most = max(most, (noise.ratio, pushed / (per_volt * float(np.std(records[k].drive)) or np.inf)))
+    return Pushed(float(np.sqrt(square / regression.n)), float(most[1]))
+
+
+def force_noise(regression: Regression, k: int, left: np.ndarray, level: float | None = None) -> ForceNoise | None:
+    """The noise that describes best what is left (n,) of the k-th record, whitened by its floor; `level`: of the white
+    part, if that is known. None if the model is no oscillator, k counts beyond the traces, or none is seen."""
+    if k >= len(regression.whitenings) or regression.fit.model.form != "oscillator":
+        return None
+    a, b, gain, _ = _through_the_device(regression, k, len(left))
+    power = np.abs(np.fft.rfft(left))[1:] ** 2 / len(left)
+    if level is None and _score(power, gain) < _SEEN:
+        return None
+    shares = _SHARES
+    for _ in range(2):
+        spectra = 1 + shares[:, None] * gain
+        sizes = np.mean(power / spectra, axis=1, keepdims=True) if level is None else level**2
+        costs = np.mean(np.log(sizes * spectra) + power / (sizes * spectra), axis=1)
+        best = float(shares[np.argmin(costs)])
+        shares = best * _NEARER
+    return ForceNoise(a, _factor(a, b, best), best)
+
+
+def _score(power: np.ndarray, gain: np.ndarray) -> float:
+    """How many standard deviations the slope of the likelihood lies above zero where the force has no noise."""
+    return float(gain @ (power / np.mean(power) - 1)) / float(np.linalg.norm(gain))
+
+
+@lru_cache(maxsize=64)  # every candidate asks for it
+def _through_the_device(regression: Regression, k: int, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """A; B as the k-th record's floor whitens it; |B/A|² at the frequencies of n samples, (n//2,), divided by its mean
+    as B is by the root of that; and the mean, (m s²/m)²."""
+    fit = regression.fit
+    record, taps = fit.campaign.fitted[k], regression.whitenings[k].filter
+    b, a = oscillator_filter(float(fit.values[FREQUENCY]), float(fit.values[QUALITY]), record.step, record.order)
+    b = np.convolve(b, taps)
+    turning = np.exp(-2j * np.pi / n * np.arange(1, n // 2 + 1))
+    gain = np.abs(np.polyval(b[::-1], turning) / np.polyval(a[::-1], turning)) ** 2
+    size = float(np.mean(gain))
+    return a, b / np.sqrt(size), gain / size, size
+
+
+def _factor(a: np.ndarray, b: np.ndarray, rho: float) -> np.ndarray:
+    """The polynomial C, C_0 = 1, of which C C* is A A* + ρ B B* but for a factor, its zeros inside the unit circle."""
+    if rho == 0.0:
+        return a
+    long = max(len(a), len(b))
+    both = [np.pad(x, (0, long - len(x))) for x in (a, b)]
+    product = np.convolve(both[0], both[0][::-1]) + rho * np.convolve(both[1], both[1][::-1])
+    zeros = np.roots(np.trim_zeros(product))
+    inside = zeros[np.argsort(np.abs(zeros))][: len(zeros) // 2]
+    return np.real(np.poly(inside))
