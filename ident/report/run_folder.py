@@ -12,7 +12,7 @@ import json
 import math
 import os
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,7 @@ from ..campaign.tables.opening import MOST_DATA, exists, read_bytes
 from ..errors import UserError
 from ..fit import Fit
 from ..model import Model
+from ..pulse import Report
 from ..threads import one_thread
 from .figures.picture import drawn_as_before
 from .html import Section, write_report
@@ -48,7 +49,7 @@ def write_run(
     options: Mapping[str, Any] | None = None,
     lineage: Sequence[Mapping[str, Any]] = (),
     documents: Mapping[str, Mapping[str, Any]] | None = None,
-    report: Callable[[str], None] = lambda _: None,
+    report: Report = lambda _: None,
     page: bool = True,
 ) -> Path:
     """Write the run folder of a fit; it appears complete or not at all.

@@ -23,7 +23,7 @@ import numpy as np
 
 from ...campaign.campaign import Campaign
 from ...campaign.record import Channel, NoiseFloor, Trace
-from ...effects.effect import AbstractEffect
+from ...effects.registry import Registry
 from ...fit import Fit
 from ...fit.assemble import assemble, begin
 from ...fit.problem import evaluate
@@ -76,7 +76,7 @@ class _Prediction(NamedTuple):
 
 
 def next_experiments(
-    regression: Regression, tied: Sequence[Candidate], library: Mapping[str, type[AbstractEffect]], count: int = 3
+    regression: Regression, tied: Sequence[Candidate], library: Registry, count: int = 3
 ) -> list[NextExperiment]:
     """Refit the model with each of the tied effects (at most four) and rank what would tell them apart."""
     rivals = {c.name: accept(confirm(regression, library[c.name], c), regression.fit) for c in tied[:_MOST_RIVALS]}

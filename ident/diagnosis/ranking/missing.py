@@ -11,13 +11,12 @@ Source: as in `score`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from ...campaign.record import Trace
-from ...effects.effect import AbstractEffect
+from ...effects.registry import Registry
 from ...fit import Fit, fit
 from ...pulse import Report
 from ..linearised.regression import prepare
@@ -25,9 +24,7 @@ from ..linearised.shorten import shortened, working
 from .score import score, significant
 
 
-def missing(
-    fitted: Fit, library: Mapping[str, type[AbstractEffect]], report: Report = lambda _: None
-) -> tuple[str, ...]:
+def missing(fitted: Fit, library: Registry, report: Report = lambda _: None) -> tuple[str, ...]:
     """Why the model is not the whole device, in words; none if the records see no effect of the library in what it
     leaves of all of them."""
     unbounded = [s.name for s in fitted.trace_scores if not np.isfinite(s.rmse)]

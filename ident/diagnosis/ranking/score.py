@@ -19,6 +19,7 @@ from scipy.special import fdtrc
 
 from ...campaign.device import Platform
 from ...effects.effect import AbstractEffect
+from ...effects.registry import Registry
 from ...model import Model, make_effect
 from ...pulse import Report
 from ...response import Equation
@@ -78,9 +79,7 @@ ALARMS = 0.002  # probability of a name by chance
 _NEAR_POINTS = 5  # of a grid, kept as starts: the best of them may lead into a local minimum
 
 
-def score(
-    regression: Regression, library: Mapping[str, type[AbstractEffect]], report: Report = lambda _: None
-) -> list[Candidate]:
+def score(regression: Regression, library: Registry, report: Report = lambda _: None) -> list[Candidate]:
     """Every candidate of the library that the model does not have, best first; each is scored once on a regression.
 
     A family of which the model has a member is none: that one with other numbers would stand in its place, not beside.
@@ -98,9 +97,7 @@ def score(
     return _in_order([c for effect in missing if (c := regression.scored[effect]) is not None], regression.n)
 
 
-def score_beside(
-    regressions: Sequence[Regression], library: Mapping[str, type[AbstractEffect]]
-) -> list[list[Candidate]]:
+def score_beside(regressions: Sequence[Regression], library: Registry) -> list[list[Candidate]]:
     """The same on several regressions of one fit that differ in what they absorb: the columns are the same."""
     effects = [effect for effect in library.values() if effect.name not in regressions[0].fit.model.names]
 

@@ -15,9 +15,11 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ...campaign.campaign import Campaign
+from ...effects.registry import Registry
 from ...fit import Fit, fit
 from ...fit.start_score import taken_by_starts
 from ...model import Model
+from ...pulse import Report
 from ..evidence.coloured_noise import behind_in_colour
 from ..evidence.criterion import VERY_STRONG, behind, criteria
 from ..evidence.enough import (
@@ -34,7 +36,7 @@ from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, working
 from ..linearised.trajectory import Diverged
 from ..ranking.confirm import Confirmed, accept, confirm
-from ..ranking.look import Library, Look, best_drop, first_look, possible, promised
+from ..ranking.look import Look, best_drop, first_look, possible, promised
 from ..ranking.score import Candidate, kept_more_than_chance, score, significant
 from ..side_by_side import at_once
 from .change import try_without
@@ -49,7 +51,6 @@ from .steps import Discovery, Step, Verdict, Walked
 from .ties import TieSet, tie_set
 from .together import both, hidden_by_each_other
 
-Report = Callable[[str], None]
 Keep = Callable[[Walked], None]
 """Called with the walk so far after each of its steps, so that one that is stopped has left them."""
 
@@ -60,7 +61,7 @@ _REFITTED_TIES = 12  # of the names that tie by their scores; a record that says
 
 
 def discover(
-    model: Model, campaign: Campaign, library: Library, report: Report = lambda _: None, most: int = MOST_TERMS
+    model: Model, campaign: Campaign, library: Registry, report: Report = lambda _: None, most: int = MOST_TERMS
 ) -> Discovery:
     """Walk from a model to one that the records do not contradict, as far as the library reaches."""
     report(f"fitting {', '.join(model.names) or 'the linear model'}")
@@ -70,7 +71,7 @@ def discover(
 
 def continue_from(
     walked: Walked,
-    library: Library,
+    library: Registry,
     report: Report = lambda _: None,
     most: int = MOST_TERMS,
     keep: Keep = lambda _: None,
@@ -194,7 +195,7 @@ def _after_effects(steps: list[Step], regression: Regression) -> Regression:
     return regression if last == len(steps) - 1 else prepare(working(steps[last].fit))
 
 
-def _replayed(start: Fit, needed: Pruned, library: Library, at_best: Regression) -> list[Step]:
+def _replayed(start: Fit, needed: Pruned, library: Registry, at_best: Regression) -> list[Step]:
     """The steps as they would have been without the terms that proved superfluous; `at_best`: where the walk began."""
     steps: list[Step] = []
     current = start
@@ -214,7 +215,7 @@ def _replayed(start: Fit, needed: Pruned, library: Library, at_best: Regression)
     return steps
 
 
-def _tied_at_the_end(step: Step, last: Fit, start: Fit, library: Library, report: Report) -> Step:
+def _tied_at_the_end(step: Step, last: Fit, start: Fit, library: Registry, report: Report) -> Step:
     """A step with the ties that are left once the later terms are in: what they explain had blurred the comparison."""
     if len(step.tie_set) < 2 or step.role != "effect" or last.model.carries(step.added):
         return step
@@ -332,7 +333,7 @@ def _accepted(tried: list[Confirmed], regression: Regression, current: Fit) -> I
 
 
 def _weighed_ties(
-    regression: Regression, found: Confirmed, real: list[Candidate], library: Library, tried: list[Confirmed]
+    regression: Regression, found: Confirmed, real: list[Candidate], library: Registry, tried: list[Confirmed]
 ) -> tuple[TieSet, tuple[Candidate, ...]]:
     """What an effect ties with, the nearest of those that had only been scored refitted; and the candidates that do."""
     rivals = possible(real, tried)

@@ -10,9 +10,8 @@ coordinates, which is one question and not as many as there are sets of coordina
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from ...effects.dependence import Side, depends_on
+from ...pulse import Report
 from ..evidence.coloured_noise import chance_of
 from ..linearised.regression import Regression
 from ..unknown.coordinates import Stage, set_stage
@@ -23,7 +22,7 @@ _ANOTHER_CURVE = 0.00002  # the same for a curve over the law's own coordinates,
 _CHANCE = 1e-3
 
 
-def lacking(regression: Regression, first: Regression, report: Callable[[str], None] = lambda _: None) -> float:
+def lacking(regression: Regression, first: Regression, report: Report = lambda _: None) -> float:
     """Share of the first excess that functions of the device's coordinates still find in what the effects leave.
 
     0 if it is little, or likely by chance (coloured noise allowed for); and of sweeps, whose points are no motion.

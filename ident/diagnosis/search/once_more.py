@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -10,14 +9,13 @@ import numpy as np
 from ...campaign.campaign import Campaign
 from ...fit import Fit, fit
 from ...model import QUALITY
+from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG, behind
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, working
 from ..linearised.trajectory import Diverged
 from .drive import other_drive
 from .steps import Step
-
-Report = Callable[[str], None]
 
 
 def begun_with(start: Fit, campaign: Campaign) -> Fit:

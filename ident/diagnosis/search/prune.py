@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
 
-from ...effects.effect import AbstractEffect
+from ...effects.registry import Registry
 from ...fit import Fit
 from ...fit.rebuild import fit_at
+from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG, behind, criteria, predicts_worse
 from ..evidence.enough import ANOTHER_LAW, SAME_SHAPE, laws_differ_by, superfluous
 from ..evidence.family import is_that_member
@@ -21,7 +21,6 @@ from ..ranking.score import Candidate, score, significant
 from .change import ENOUGH, try_without, values_without
 from .parts import Parts, take_apart
 
-Library = Mapping[str, type[AbstractEffect]]
 _MOST_CHANGES = 10  # each has to be for the better, but by two measures: criterion and held-out error
 _PROMISING = 0.5  # of what the score of the one in place promises: a rival that promises less is not tried
 _HURT = 1.02  # held-out error may grow by this factor before a term is refused
@@ -78,7 +77,7 @@ def _still_possible(after: Fit, before: Fit) -> bool:
     return all(possible(after, e) for e in after.model.effects if e.name in able)
 
 
-def _rivals(name: str, regression: Regression, library: Library) -> list[Candidate]:
+def _rivals(name: str, regression: Regression, library: Registry) -> list[Candidate]:
     """Who may stand in an effect's place: whoever scores better, and the best of those that it is mistaken for."""
     scored = significant(score(regression, library))
     enough = _PROMISING * next((c.drop for c in scored if c.name == name), 0.0)
@@ -89,7 +88,7 @@ def _rivals(name: str, regression: Regression, library: Library) -> list[Candida
 
 
 def _replaced(
-    name: str, last: Fit, full: Regression, regression: Regression, library: Library
+    name: str, last: Fit, full: Regression, regression: Regression, library: Registry
 ) -> tuple[str, Fit] | None:
     """A rival in an effect's place, with the fit, if the criterion clearly prefers it; between laws that the fitted
     records do not tell apart, or by no more than a simpler one may lack in shape, the held-out ones decide.
@@ -122,7 +121,7 @@ def _replaced(
     return (best.candidate.name, after) if wins else None
 
 
-def prune(last: Fit, added: list[str], library: Library, first: Regression, report: Callable[[str], None]) -> Pruned:
+def prune(last: Fit, added: list[str], library: Registry, first: Regression, report: Report) -> Pruned:
     """What is left of the added effects once each has been questioned.
 
     `first`: the regression before any was added.
@@ -148,7 +147,7 @@ def prune(last: Fit, added: list[str], library: Library, first: Regression, repo
 
 
 def _questioned(
-    names: list[str], last: Fit, library: Library, first: Regression, report: Callable[[str], None]
+    names: list[str], last: Fit, library: Registry, first: Regression, report: Report
 ) -> tuple[list[str], Fit]:
     """The effects and the fit after every change that is for the better."""
     for _ in range(_MOST_CHANGES):
@@ -161,7 +160,7 @@ def _questioned(
 
 
 def _changed(
-    names: list[str], last: Fit, library: Library, first: Regression, report: Callable[[str], None]
+    names: list[str], last: Fit, library: Registry, first: Regression, report: Report
 ) -> tuple[list[str], Fit] | None:
     """The effects and the fit after the first change that is for the better; None if there is none."""
     full = prepare(last)

@@ -10,6 +10,7 @@ from scipy.special import chdtrc  # not `scipy.stats`, whose import takes half a
 
 from ...campaign.device import Platform
 from ...effects.effect import AbstractEffect
+from ...effects.registry import Registry
 from ...fit.linear.independent import independent_samples
 from ..evidence.criterion import VERY_STRONG
 from ..evidence.enough import ANOTHER_LAW
@@ -24,8 +25,6 @@ KNOWN_SIGNATURE = 0.95  # the same for effects that are known to pass for one an
 AS_MUCH = 0.9  # of what the best one explains: an effect that explains less is no rival, however few samples there are
 EXACT_SIGNATURE = 0.9  # the same for effects that no record of a linear device tells apart
 _CHANCE = 0.05  # probability, below which the further numbers of a law that contains another say something
-
-Library = Mapping[str, type[AbstractEffect]]
 
 
 class Tie(NamedTuple):
@@ -62,7 +61,7 @@ def tie_set(
     regression: Regression,
     best: Candidate,
     candidates: Iterable[Candidate],
-    library: Library,
+    library: Registry,
     confirmed: Iterable[Confirmed] = (),
 ) -> TieSet:
     """The effects between which the records do not choose.
@@ -159,7 +158,7 @@ def _is_linear(regression: Regression) -> bool:
     return not regression.fit.model.effects
 
 
-def _tie(best: Candidate, other: Candidate, behind: float, alike: float, library: Library) -> Tie:
+def _tie(best: Candidate, other: Candidate, behind: float, alike: float, library: Registry) -> Tie:
     known = equivalence(best.name, other.name)
     if known is not None:
         why = known.why
@@ -179,7 +178,7 @@ class Unseen(NamedTuple):
     why: str
 
 
-def unseen(regression: Regression, candidates: Sequence[Candidate], library: Library) -> tuple[Unseen, ...]:
+def unseen(regression: Regression, candidates: Sequence[Candidate], library: Registry) -> tuple[Unseen, ...]:
     """Effects that cannot be seen in these records: whatever they do, the model's own parameters absorb it."""
     model = regression.fit.model
     scored = {c.name for c in candidates} | set(model.names)

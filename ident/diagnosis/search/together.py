@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from ...effects.effect import AbstractEffect
+from ...effects.registry import Registry
 from ...fit import Fit
 from ..evidence.coloured_noise import behind_in_colour
 from ..evidence.criterion import VERY_STRONG, Left, behind
@@ -26,7 +26,7 @@ def hidden_by_each_other(
     candidates: Sequence[Candidate],
     single: tuple[str, Regression] | None,
     first: Regression,
-    library: Mapping[str, type[AbstractEffect]],
+    library: Registry,
 ) -> tuple[str, str] | None:
     """Names of two effects that by their scores explain clearly more than the best single one, and than any two of
     which that is one: those the next step finds.
@@ -64,7 +64,7 @@ def both(
     current: Fit,
     regression: Regression,
     names: Sequence[str],
-    library: Mapping[str, type[AbstractEffect]],
+    library: Registry,
     single: Regression | None,
     first: Regression,
 ) -> tuple[list[Step], Regression] | None:
