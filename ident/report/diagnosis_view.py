@@ -5,7 +5,8 @@ from __future__ import annotations
 from ..campaign.device import Device
 from ..campaign.quality.suspect import ALL
 from ..diagnosis.diagnose import Diagnosis
-from ..diagnosis.evidence.enough import ANOTHER_LAW, adequate, contradicted
+from ..diagnosis.evidence.enough import ANOTHER_LAW, adequate
+from ..diagnosis.evidence.held_out import contradicted
 from ..diagnosis.faulty.suspects import BY_OTHERS
 from ..diagnosis.ranking.score import Candidate
 from ..diagnosis.search.beyond import NAME

@@ -25,13 +25,12 @@ from ..evidence.criterion import VERY_STRONG, behind, criteria
 from ..evidence.enough import (
     ANOTHER_LAW,
     adequate,
-    contradicted,
-    foretold,
     laws_differ_by,
     not_worth_adding,
     worth_a_name,
 )
 from ..evidence.family import is_that_member
+from ..evidence.held_out import contradicted, foretold, hurts, predicts_better
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, working
 from ..linearised.trajectory import Diverged
@@ -46,7 +45,7 @@ from .further_mode import with_its_mode
 from .lacking import lacking
 from .once_more import begun_with, drive_beside, lower_start
 from .parts import Parts
-from .prune import Pruned, confirmed, hurts, prune
+from .prune import Pruned, prune
 from .steps import Discovery, Step, Verdict, Walked
 from .ties import TieSet, tie_set
 from .together import both, hidden_by_each_other
@@ -166,7 +165,8 @@ def _without_refuted(start: Fit, steps: list[Step], regression: Regression) -> l
     kept, left = list(steps), regression
     while kept:
         before, after = kept[-2].fit if len(kept) > 1 else start, kept[-1].fit
-        mimics = not (adequate(left) and foretold(after)) and not all(confirmed(step.fit, after) for step in kept[:-1])
+        unsure = not (adequate(left) and foretold(after))
+        mimics = unsure and not all(predicts_better(step.fit, after) for step in kept[:-1])
         if not (mimics or hurts(before, after)):
             break
         left = kept.pop().regression or left

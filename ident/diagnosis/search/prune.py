@@ -10,9 +10,10 @@ from ...effects.registry import Registry
 from ...fit import Fit
 from ...fit.rebuild import fit_at
 from ...pulse import Report
-from ..evidence.criterion import VERY_STRONG, behind, criteria, predicts_worse
+from ..evidence.criterion import VERY_STRONG, behind, criteria
 from ..evidence.enough import ANOTHER_LAW, SAME_SHAPE, laws_differ_by, superfluous
 from ..evidence.family import is_that_member
+from ..evidence.held_out import hurts, hurts_more
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
@@ -23,7 +24,6 @@ from .parts import Parts, take_apart
 
 _MOST_CHANGES = 10  # each has to be for the better, but by two measures: criterion and held-out error
 _PROMISING = 0.5  # of what the score of the one in place promises: a rival that promises less is not tried
-_HURT = 1.02  # held-out error may grow by this factor before a term is refused
 
 
 class Pruned(NamedTuple):
@@ -33,41 +33,6 @@ class Pruned(NamedTuple):
     names: tuple[str, ...]
     fit: Fit
     alike: tuple[Parts, ...]
-
-
-def hurts(before: Fit, after: Fit) -> bool:
-    """Whether held-out records are predicted worse, by more than laws of one kind and chance make of them."""
-    if before.holdout is None or after.holdout is None:
-        return False
-    if after.holdout.error_over_noise <= _HURT * before.holdout.error_over_noise:
-        return False
-    return _worse_in_each(before, after) and predicts_worse(before, after)
-
-
-def _worse_in_each(before: Fit, after: Fit) -> bool:
-    """Whether held-out records are predicted worse where each counts by its own error, whatever its noise floor: far
-    above the floors the record with the lowest would else decide alone, and outvote another that became ten times
-    better."""
-    pairs = [(a, b) for a, b in zip(before.scores, after.scores, strict=True) if a.holdout]
-    growth = [np.log(max(b.error_over_noise, 1.0) / max(a.error_over_noise, 1.0)) for a, b in pairs]
-    return bool(np.average(growth, weights=[a.n for a, _ in pairs]) > np.log(_HURT))
-
-
-def confirmed(before: Fit, after: Fit) -> bool:
-    """Whether held-out records are predicted better, or there are none."""
-    if before.holdout is None or after.holdout is None:
-        return True
-    return after.holdout.error_over_noise < before.holdout.error_over_noise
-
-
-def _hurts_more(before: Fit, after: Fit) -> bool:
-    """Whether held-out records lose more by another law than the fitted ones gain.
-
-    Beside an effect that is not sure yet, held-out error tells about that one's parameters rather than about the law.
-    """
-    if before.holdout is None or after.holdout is None or not hurts(before, after):
-        return False
-    return after.holdout.chi2 - before.holdout.chi2 > before.fitted.chi2 - after.fitted.chi2
 
 
 def _still_possible(after: Fit, before: Fit) -> bool:
@@ -117,7 +82,7 @@ def _replaced(
     there = prepare(after)
     lead = full.fit_chi2 - there.fit_chi2
     clearly = perhaps and behind(full, there) > margin and not (wider and lead < laws_differ_by(regression, best.chi2))
-    wins = (not _hurts_more(last, after) if clearly else alike and hurts(after, last)) and _still_possible(after, last)
+    wins = (not hurts_more(last, after) if clearly else alike and hurts(after, last)) and _still_possible(after, last)
     return (best.candidate.name, after) if wins else None
 
 
