@@ -162,6 +162,14 @@ class Regression:
                 found[i] = np.clip(found[i], low, high)
         return found
 
+    def of_traces(self) -> Regression:
+        """The regression without the points of sweeps, for what is known along a motion only."""
+        if self.plane is None:
+            return self
+        count = samples_of(self)
+        alone = replace(self, starts=self.starts[: len(self.whitenings)], left=self.left[:count], plane=None)
+        return _without(replace(alone, scored={}, refitted={}), self.known[:, :count], self.directions)
+
     def beside(self, rows: np.ndarray) -> Regression:
         """The regression with what whitened rows (k, n) can absorb out of its residual too."""
         absorbed = np.concatenate([self.absorbed, orthonormal(self.project(rows), rows)], axis=1)
