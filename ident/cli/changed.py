@@ -21,7 +21,8 @@ def change(run: str, effect: str, output: str | None, *, adding: bool, force: bo
     progress("reading the parent run")
     parent = load_run(run)
 
-    from ident.diagnosis.search.change import add, lineage_entry, remove
+    from ident.diagnosis.document import lineage_entry
+    from ident.diagnosis.search.change import add, remove
     from ident.effects.registry import registry
     from ident.report.story import change_sheet
 

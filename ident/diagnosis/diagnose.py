@@ -35,8 +35,6 @@ from .where.words import summary
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-_EXPERIMENTS = 3
-
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
@@ -192,6 +190,6 @@ def measure_next(found: Discovery, library: Registry, report: Report = lambda _:
         report(f"what would tell {' from '.join(step.tie_set[:2])}?")
         if step.instead is not None and len(step.tied) < 2:
             rivals = {step.instead.whole: step.instead.undivided, " and ".join(step.instead.names): step.instead.fit}
-            return tuple(rank_experiments(rivals, count=_EXPERIMENTS))
-        return tuple(next_experiments(step.regression, step.tied, library, _EXPERIMENTS))
+            return tuple(rank_experiments(rivals))
+        return tuple(next_experiments(step.regression, step.tied, library))
     return ()

@@ -18,7 +18,8 @@ from ..linearised.trajectory import Diverged
 from ..ranking.look import BROKEN
 from ..unknown.effect_file import write_effect
 from ..unknown.find import Unknown, find_unknown, followed_noise
-from .beyond import Beyond, alone, free_name, go_beyond
+from .beyond import Beyond, free_name, go_beyond
+from .change import without
 from .steps import Discovery, Step
 
 _NEARLY = 0.05  # of the first misfit: if named effects leave less, they are kept and the rest is looked for
@@ -132,12 +133,12 @@ def _by_itself(found: Discovery, first: Regression, report: Report) -> Fit | Non
     if not names:
         return None
     report(f"does the model still need {' and '.join(names)}?")
-    without = alone(found.final, names)
+    by_itself = without(found.final, names)  # what was written from their misfit may say what they did
     try:
-        fine = superfluous(prepare(working(without)), prepare(working(found.final)), first)
+        fine = superfluous(prepare(working(by_itself)), prepare(working(found.final)), first)
     except Diverged:  # without them the motion has no bound
         return None
-    return without if fine else None
+    return by_itself if fine else None
 
 
 def _says_more(named: Fit, written: Fit) -> bool:

@@ -15,7 +15,7 @@ import numpy as np
 
 from ...effects.dependence import Side
 from ..linearised.regression import Regression
-from .coordinates import Stage, rows_of
+from .coordinates import Stage, absorbed, rows_of
 from .subsets import regress
 from .terms import Term, monomial, number, paired, remembered, single, table
 
@@ -189,8 +189,7 @@ def long_formula(
         found = fitted(regression, stage, side, words, [0], np.inf)
     if len(coordinates) > 1 or name == "1":
         return found
-    absorbed = name == "z" or (side != "sensor" and name in ("v", "V"))
-    words = _measured(regression, stage, side, table(name, stage.ranges[name], gauge=absorbed))
+    words = _measured(regression, stage, side, table(name, stage.ranges[name], gauge=absorbed(side, name)))
     if not words.terms:
         return found
     curve = fitted(regression, stage, side, words, range(len(words.terms)), _goal(regression, spline_drop))
