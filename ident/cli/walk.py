@@ -69,7 +69,7 @@ class _Kept:
         from ident.report.run_folder import write_run
         from ident.report.walk_json import FILE, walk_dict
 
-        self._fit = walked.steps[-1].fit if walked.steps else walked.start
+        self._fit = walked.final
         self._document = unfinished_dict(walked)
         write_run(
             self._fit, self.folder, force=self._force, command=command_line(),

@@ -39,14 +39,13 @@ def diagnosis_dict(diagnosis: Diagnosis) -> dict[str, Any]:
 
 def unfinished_dict(walked: Walked) -> dict[str, Any]:
     """`diagnosis.json` of a walk that has not ended: the steps so far. What it would have questioned is open."""
-    start, steps, _ = walked
     return {
         "format": FORMAT,
         "finished": False,
         "verdict": "ambiguous",
-        "start": _state(start),
-        "steps": [_step(step) for step in steps],
-        "final": _state(steps[-1].fit if steps else start),
+        "start": _state(walked.start),
+        "steps": [_step(step) for step in walked.steps],
+        "final": _state(walked.final),
         "ranking": [],
         "next_experiments": [],
         "records": [],

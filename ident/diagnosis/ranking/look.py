@@ -56,6 +56,11 @@ class Look:
         """Those that chance would not produce."""
         return significant(self.candidates)
 
+    @property
+    def promise(self) -> float:
+        """The most that one of them promises."""
+        return max(promised(candidate, self.regression) for candidate in self.real)
+
     @cached_property
     def tried(self) -> list[Confirmed]:
         """Refits of the candidates that may be the best, by their scores; by short refits where the scores broke their

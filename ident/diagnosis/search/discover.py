@@ -35,7 +35,7 @@ from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, working
 from ..linearised.trajectory import Diverged
 from ..ranking.confirm import Confirmed, accept, confirm
-from ..ranking.look import Look, best_drop, first_look, possible, promised
+from ..ranking.look import Look, best_drop, first_look, possible
 from ..ranking.score import Candidate, kept_more_than_chance, score, significant
 from ..side_by_side import at_once
 from .change import try_without
@@ -88,13 +88,12 @@ def continue_from(
     def once_more(start: Fit) -> Discovery:
         return continue_from(Walked(start), library, report, most, keep, revised=revised - 1)
 
-    if revised and not steps and look.worth_it and look.real:
-        rival = max(promised(c, look.regression) for c in look.real)
-        if (other := other_drive(start, look.regression, report, rival)) is not None:
-            return once_more(begun_with(start, other))
-    current = steps[-1].fit if steps else start
+    asked = revised and not steps and look.worth_it and look.real
+    if asked and (other := other_drive(start, look.regression, report, look.promise)) is not None:
+        return once_more(begun_with(start, other))
+    current = walked.final
     while look.worth_it and look.real and len(steps) < most:
-        alone = not_worth_adding(look.regression, max(promised(c, look.regression) for c in look.real), first)
+        alone = not_worth_adding(look.regression, look.promise, first)
         if alone and not hidden_by_each_other(look.regression, look.candidates, None, first, library):
             break
         found = _best_step(current, look, gains if not steps else {})
@@ -117,8 +116,18 @@ def continue_from(
         keep(Walked(start, tuple(steps), gains))
     if revised and steps and (lower := lower_start(start, current, report)) is not None:
         return once_more(lower)
+    return _concluded(Walked(start, tuple(steps), gains), look, at_best, ranking)
+
+
+def _concluded(walked: Walked, look: Look, at_best: Regression, ranking: tuple[Candidate, ...]) -> Discovery:
+    """What stays of a walk that adds nothing more: steps that held-out records refute or later ones make superfluous
+    are taken back, and each is asked anew what it could be mistaken for.
+
+    **Arguments:** `look`: at its last fit; `at_best`: where it began, with the `ranking` there.
+    """
+    start, first, library, report = walked.start, look.first, look.library, look.report
     regression, candidates = look.regression, look.candidates
-    steps = _without_refuted(start, steps, regression)
+    steps = _without_refuted(start, list(walked.steps), regression)
     alike: tuple[Parts, ...] = ()
     if steps:
         needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report)
@@ -127,16 +136,17 @@ def continue_from(
             steps = _replayed(start, needed, library, at_best)
             steps = _without_refuted(start, steps, prepare(working(steps[-1].fit)))  # the laws before it have changed
     steps = _on_all_samples(start, steps, report)
-    if (steps[-1].fit if steps else start) is not current:
-        regression = prepare(working(steps[-1].fit if steps else start))
+    final = steps[-1].fit if steps else start
+    if final is not walked.final:
+        regression = prepare(working(final))
         candidates = score(regression, library)
     blurred = [step for step in steps if step is not steps[-1] or step.partner]
-    steps = [_tied_at_the_end(s, steps[-1].fit, start, library, report) if s in blurred else s for s in steps]
+    steps = [_tied_at_the_end(s, final, start, library, report) if s in blurred else s for s in steps]
     steps = [_beside_parts(step, alike) for step in steps]
     remaining = tuple(significant(candidates))
     lacks = lacking(_after_effects(steps, regression), first, report) if steps else 0.0
-    verdict = _verdict(steps, regression, first, lacks, contradicted(steps[-1].fit if steps else start))
-    return Discovery(verdict, start, tuple(steps), ranking, gains, remaining, regression, lacks)
+    verdict = _verdict(steps, regression, first, lacks, contradicted(final))
+    return Discovery(verdict, start, tuple(steps), ranking, walked.gains, remaining, regression, lacks)
 
 
 def _starts_say_more(before: Fit, after: Fit) -> bool:
@@ -206,9 +216,7 @@ def _replayed(start: Fit, needed: Pruned, library: Registry, at_best: Regression
         found = confirm(regression, library[name], chosen)
         current = needed.fit if name == needed.names[-1] else accept(found, current)
         ties, tied = _weighed_ties(regression, found, significant(candidates), library, [found])
-        role = _role(
-            regression, found, steps[0].regression if steps and steps[0].regression is not None else regression
-        )
+        role = _role(regression, found, at_best)
         steps.append(
             Step(name, chosen.predicted_gain, found.gain, ties.names, role, current, ties.reasons, tied, regression)
         )
