@@ -134,6 +134,12 @@ def _normal(text: str) -> str:
     return re.sub(r"[·⋅×\s]+", "*", text)
 
 
+def factor_of(name: str | None) -> float:
+    """SI per unit of a column; 1 where it states none, or one of the user's own."""
+    found = find_unit(name) if name else None
+    return 1.0 if found is None else found.factor
+
+
 @cache
 def find_unit(name: str, rare: bool = True) -> Unit | None:
     """The unit called `name` ("um", "N/m^3", "µm", "millivolt"), or None if there is none.

@@ -11,15 +11,13 @@ from pathlib import Path
 import numpy as np
 
 from ident.errors import UserError
-from ident.units import FREQUENCY, LENGTH, VOLTAGE, Dimension, find_unit, parse_quantity
+from ident.units import FREQUENCY, Dimension, factor_of, parse_quantity
 
-from .guess import match_any
+from .guess import time_column
 from .spec import RecordSpec
-from .tables.columns import trace_roles
 from .tables.table import Column, Table
 
 _SINE = re.compile(r"sine\s+(\S+\s*[^\d\s]\S*)\s+(\S+\s*[^\d\s]\S*?)\s*", re.IGNORECASE)
-_TIME = trace_roles(VOLTAGE, LENGTH)[:1]
 
 
 def with_drive(spec: RecordSpec, table: Table, read: Callable[[Path, str], Table], unit: str, kind: Dimension | None):
@@ -53,14 +51,11 @@ _PEAKS = {"": 1.0, "pp": 0.5, "rms": math.sqrt(2.0)}
 
 
 def _time_of(table: Table, spec: RecordSpec) -> tuple[Column, np.ndarray]:
-    given = spec.columns.get("time")
-    own = [c for c in table.columns if given in (c.header, c.stem, c.position)]
-    column = own[0] if own else match_any(table, _TIME).get("time")
+    column = time_column(table, spec.columns.get("time"))
     if column is None:
         do = 'say which with columns = { time = "…" }'
         raise UserError(f"no time column among {table.found}", where=table.name, do=do)
-    unit = find_unit(spec.units.get("time", column.unit or "s"))
-    return column, column.numbers() * (unit.factor if unit else 1.0)
+    return column, column.numbers() * factor_of(spec.units.get("time", column.unit or "s"))
 
 
 def _with_sine(table: Table, spec: RecordSpec, unit: str, kind: Dimension | None) -> Table:
@@ -77,12 +72,8 @@ def _joined(table: Table, drive: Table, spec: RecordSpec) -> Table:
     """The response's table with the one other column of the drive's, sampled at the same times."""
     named = spec.columns.get("drive")
     _, time = _time_of(table, spec)
-    time_column, drive_time = _time_of(drive, replace(spec, columns={}))
-    others = [
-        c
-        for c in drive.columns
-        if c.position != time_column.position and (named in (None, c.header, c.stem, c.position))
-    ]
+    drive_times, drive_time = _time_of(drive, replace(spec, columns={}))
+    others = [c for c in drive.columns if c.position != drive_times.position and (named is None or c.is_called(named))]
     numbers = [c for c in others if isinstance(c.cells, np.ndarray) or c.unit is not None or len(others) == 1]
     if len(numbers) != 1:
         do = 'say which with columns = { drive = "…" }'

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ident.units import NUMBER, find_unit
+from ident.units import NUMBER, factor_of
 
 from .device import Device
 from .drive import find_period
@@ -14,7 +14,7 @@ from .quality.checks import on_grid, uniform_time
 from .record import Channel, NoiseFloor, Trace
 from .spec import signal_units
 from .tables.columns import match_columns, trace_roles
-from .tables.table import Column, Table
+from .tables.table import Table
 
 _FINE = 1e-4  # of a response that is not known: the solver's step is then as fine as for the best records
 
@@ -27,15 +27,10 @@ def drive_alone(table: Table, device: Device, columns: Mapping[str, str | int] |
     (unit, dimension), (response_unit, _) = signal_units(device)
     roles = trace_roles(dimension or NUMBER, NUMBER, ("" if dimension else unit, ""))[:2]
     found = match_columns(table, roles, columns or {}, {})
-    time_factor, drive_factor = _factor(found["time"]), _factor(found["drive"])
+    time_factor, drive_factor = factor_of(found["time"].unit), factor_of(found["drive"].unit)
     time = uniform_time(found["time"], time_factor, [])
     (drive,) = on_grid(found["time"], time_factor, time, found["drive"].numbers() * drive_factor)
     noise = NoiseFloor(_FINE, method="nothing was measured")
     channels = Channel(found["drive"].unit or unit, drive_factor), Channel(response_unit, 1.0)
     nothing = np.zeros(len(time))
     return Trace(table.name, time, drive, nothing, *channels, noise=noise, start="rest", period=find_period(drive))
-
-
-def _factor(column: Column) -> float:
-    known = find_unit(column.unit) if column.unit else None
-    return known.factor if known else 1.0

@@ -20,6 +20,7 @@ from .drive import drive_frequency
 from .guess import guess_device, guess_kind, match_any, renamed
 from .held_drive import jumps
 from .load import load_record, read_table
+from .period import noise_between
 from .quality.checks import PLATFORM_TRAVEL
 from .record import Record, Sweep, Trace, same_level
 from .segments import segments
@@ -289,9 +290,9 @@ def _switches(values: np.ndarray) -> bool:
 
 
 def _roughness(values: np.ndarray) -> float:
-    """Noise over size, from sixth differences, which a vibration hardly has (924: their gain of noise)."""
+    """Noise over size."""
     values = values[np.isfinite(values)]
-    return float(np.sqrt(np.mean(np.diff(values, 6) ** 2) / 924.0) / max(float(np.std(values)), 1e-300))
+    return float(np.sqrt(noise_between(values)) / max(float(np.std(values)), 1e-300))
 
 
 def _start(record: Trace) -> tuple[str, str]:

@@ -11,12 +11,19 @@ from ident.errors import UserError
 from ident.units import format_quantity
 
 from ..device import Device, Oscillator
+from ..record import LEAST
 from ..tables.table import Column
 from .clipping import CLIPPED, clipped_fraction
 
 _LASTS = 0.97  # of a free motion's first quarter in its last: its quality would be 77 times its periods
 MOST_JITTER = 0.2  # of an interval: what is sampled less evenly has no grid
 _STILL_UNIFORM = 0.01  # of an interval: a sine of 20 samples a period is then read 0.3 % wrong at most
+
+
+def check_length(n: int, file: str) -> None:
+    """A `UserError` for a trace of fewer samples than any question needs."""
+    if n < LEAST:
+        raise UserError(f"{n} samples are too few", where=file, do=f"a record needs at least {LEAST} samples")
 
 
 def uniform_time(column: Column, factor: float, notes: list[str]) -> np.ndarray:
@@ -26,8 +33,7 @@ def uniform_time(column: Column, factor: float, notes: list[str]) -> np.ndarray:
     """
     printed = column.numbers()
     n = len(printed)
-    if n < 20:
-        raise UserError(f"{n} samples are too few", where=column.file, do="a record needs at least 20 samples")
+    check_length(n, column.file)
     steps = np.diff(printed)
     step = float(np.median(steps))
     resolution = _resolution(column)

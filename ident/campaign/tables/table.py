@@ -37,6 +37,10 @@ class Column:
     doubtful: str = ""
     printed: Sequence[str] = ()
 
+    def is_called(self, wanted: str | int | None) -> bool:
+        """Whether a header, with its unit or without, or a number means this column."""
+        return wanted in (self.header, self.stem, self.position)
+
     def place(self, row: int) -> str:
         """Where a cell is, for an error message."""
         line = f"line {self.lines[row]}" if row < len(self.lines) else f"row {row + 1}"
