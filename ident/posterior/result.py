@@ -61,8 +61,7 @@ class Posterior:
     """Draws of a fit's parameters; `reasons` why it is not final (none if it is), `notes` that do not stand against it.
 
     **Arguments:** `density`, in whose coordinates the draws are; `marginals` in the order of the unknowns;
-    `evidence`; `sampled`, chain and convergence; `narrow`, by how much intervals would be too narrow if the colour of
-    the noise were ignored.
+    `evidence`; `sampled`, chain and convergence.
     """
 
     fit: Fit
@@ -72,7 +71,6 @@ class Posterior:
     evidence: Evidence
     reasons: tuple[str, ...]
     notes: tuple[str, ...]
-    narrow: float
 
     @property
     def trusted(self) -> bool:
@@ -153,7 +151,7 @@ def judge_posterior(fit: Fit, sampled: Sampled, doubts: Sequence[str] = ()) -> P
     decided = [m.prior.name for m in marginals if m.prior_decides]
     if decided:
         notes.append(f"The prior decides {', '.join(decided)}: the records say less of it than was assumed beforehand.")
-    return Posterior(fit, density, sampled, marginals, evidence, tuple(reasons), tuple(notes), narrow)
+    return Posterior(fit, density, sampled, marginals, evidence, tuple(reasons), tuple(notes))
 
 
 def _marginals(density: Density, sampled: Sampled) -> tuple[Marginal, ...]:
