@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from .fit import command_line
-from .output import progress, say, say_fit, say_json, say_sheet
+from .output import progress, say_fit, say_folder, say_json, say_sheet
 
 
 def change(run: str, effect: str, output: str | None, *, adding: bool, force: bool, as_json: bool) -> None:
@@ -47,5 +47,4 @@ def change(run: str, effect: str, output: str | None, *, adding: bool, force: bo
         return
     say_fit(after)
     say_sheet(change_sheet(lineage[-1:]))
-    say(f"run folder: {folder}")
-    say(f"report:     {folder / 'report.html'}")
+    say_folder(folder)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from .fit import command_line
 from .limit import Limit, OutOfTime
-from .output import progress, say, say_fit, say_json, say_sheet
+from .output import progress, say, say_fit, say_folder, say_json, say_sheet
 
 if TYPE_CHECKING:
     from ident.diagnosis.diagnose import Diagnosis
@@ -51,8 +51,7 @@ def walk(walked: Walked, folder: Path, *, force: bool, as_json: bool, limit: Lim
         return
     say_fit(found.discovery.final)
     tell(found)
-    say(f"run folder: {folder}")
-    say(f"report:     {folder / 'report.html'}")
+    say_folder(folder)
 
 
 class _Kept:

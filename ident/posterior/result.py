@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..fit.access import position
-from ..fit.result import Fit
+from ..fit.result import NEGLIGIBLE_STEP, Fit
 from .chain_file import read_chain
 from .convergence import judge
 from .density import Density, make_density
@@ -31,7 +31,6 @@ DECIDES = 1.25
 records that determine it leave the ratio at 1, records that say nothing give 2."""
 _EVIDENCE_DRAWS = 4000
 _WORTH_A_WORD = 1.05  # times too narrow; intervals are printed with two digits
-_STEP_ERROR = 0.1  # noise floors; the solver's own limit
 
 
 class Marginal(NamedTuple):
@@ -139,7 +138,7 @@ def judge_posterior(fit: Fit, sampled: Sampled, doubts: Sequence[str] = ()) -> P
     reasons += doubts
     if not fit.converged:
         reasons.append("the fit had not converged")
-    if not fit.step_error < _STEP_ERROR:
+    if not fit.step_error < NEGLIGIBLE_STEP:
         reasons.append(f"the solver's step moves the readings by {fit.step_error:.2f} noise floors")
     narrow, notes = too_narrow(density), []
     if narrow > _WORTH_A_WORD:

@@ -14,7 +14,7 @@ from .figures.picture import draw
 from .figures.style import FAINT, HELDOUT, INK, MODEL, RESIDUAL, new_axes, new_figure, shortened
 from .html import Section
 from .words.drives import drive_words
-from .words.quantity import Scale, show_in
+from .words.quantity import Scale, plain_unit, show_in
 from .words.sheet import Column, Mark, Sheet
 
 if TYPE_CHECKING:
@@ -51,8 +51,7 @@ def attribution_dict(found: Attribution, device: Device) -> dict[str, Any]:
 
 def _measure(one: Attributed, record: Trace) -> dict[str, Any]:
     channel = record.response_channel
-    plain = channel.unit.replace("µ", "u").replace("μ", "u")
-    unit = _FIXED.get(one.measure.unit) or Scale(channel.factor, plain)
+    unit = _FIXED.get(one.measure.unit) or Scale(channel.factor, plain_unit(channel.unit))
     data, model = one.offset.data, one.offset.model
     return {
         "measure": one.measure.name,

@@ -8,7 +8,7 @@ from ..diagnosis.diagnose import Diagnosis
 from ..diagnosis.evidence.enough import ANOTHER_LAW, adequate
 from ..diagnosis.evidence.held_out import contradicted
 from ..diagnosis.faulty.suspects import BY_OTHERS
-from ..diagnosis.ranking.score import Candidate
+from ..diagnosis.ranking.score import ALARMS, Candidate
 from ..diagnosis.search.beyond import NAME
 from ..diagnosis.search.steps import Discovery, Step
 from ..fit import Fit
@@ -126,7 +126,7 @@ def ranking_sheet(found: Diagnosis) -> Sheet:
                 "< 1e-15" if candidate.p_value < 1e-15 else f"{candidate.p_value:.1g}",
             )
         )
-        mark: Mark = "" if candidate.p_value * max(len(loop.ranking), 1) < 0.002 else "quiet"
+        mark: Mark = "" if candidate.p_value * max(len(loop.ranking), 1) < ALARMS else "quiet"
         marks.append(mark)
     columns = (
         Column("candidate", wraps=True), Column("predicted", True), Column("confirmed", True),

@@ -27,7 +27,7 @@ from ..pulse import Report
 from ..threads import one_thread
 from .figures.picture import drawn_as_before
 from .html import Section, write_report
-from .new_folder import OWN, link_or_copy, new_folder
+from .new_folder import OWN, link_or_copy, new_folder, write_whole
 from .parts import FILE as PARTS
 from .parts import parts_dict, parts_of
 from .run_json import run_dict
@@ -151,9 +151,7 @@ def read_lineage(folder: PathLike) -> list[dict[str, Any]]:
 
 def write_json(path: Path, document: Any) -> None:
     """Write a JSON file whole or not at all."""
-    beside = path.with_name(path.name + ".part")
-    beside.write_text(json_text(document), encoding="utf-8")
-    beside.replace(path)
+    write_whole(path, json_text(document))
 
 
 def json_text(document: Any) -> str:

@@ -13,7 +13,7 @@ from ..fit.judge import RecordScore, Score
 from ..fit.result import Estimate, Fit
 from .words.linear import linear_dict
 from .words.own_numbers import own_numbers_dict
-from .words.quantity import display_unit
+from .words.quantity import display_unit, plain_unit
 from .words.tables import combination_sentences, flag_words
 
 
@@ -60,7 +60,7 @@ def _score(score: Score | RecordScore, record: Record) -> dict[str, Any]:
     return {
         "n": int(score.n),
         "rmse": _number(score.rmse / channel.factor),
-        "unit": channel.unit.replace("µ", "u").replace("μ", "u"),
+        "unit": plain_unit(channel.unit),
         "noise_rmse": _number(score.noise_rmse / channel.factor),
         "error_over_noise": _number(score.error_over_noise),
         "error_over_signal": _number(score.error_over_signal),

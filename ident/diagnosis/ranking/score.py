@@ -297,9 +297,9 @@ def _grid(effect: AbstractEffect, regression: Regression) -> list[Sequence[float
     return axes
 
 
-def significant(candidates: Sequence[Candidate], alarms: float = ALARMS) -> list[Candidate]:
-    """Those that chance would produce with at most the given probability, however many were tried (Bonferroni)."""
-    return [c for c in candidates if c.p_value * len(candidates) < alarms]
+def significant(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Those that chance would hardly produce, however many were tried (Bonferroni)."""
+    return [c for c in candidates if c.p_value * len(candidates) < ALARMS]
 
 
 def kept_more_than_chance(candidate: Candidate, chi2: float, regression: Regression) -> bool:
