@@ -174,7 +174,6 @@ def _weighed(regression: Regression, asked: _Asked) -> Candidate | None:
         begun = histories(regression, changed, raw)
     projected = regression.project(raw)
     names = [p.name for p in instance.declared()]
-    one_sided = [p.name for p in instance.declared() if p.one_sided]
     tried = []
     for k, point in enumerate(points):
         rows = slice(k * q, (k + 1) * q)
@@ -191,8 +190,7 @@ def _weighed(regression: Regression, asked: _Asked) -> Candidate | None:
                 tried.append(_balanced_point(regression, instance, amplitudes, point, raw[rows], own, rows, even))
         elif basis.shape[1]:
             found = _estimate(regression, names, amplitudes, point, projected[rows])
-            sizes = [found[name] for name in one_sided]
-            impossible = regression.credible and max(sizes, default=0.0) <= 0 > min(sizes, default=0.0)
+            impossible = regression.credible and _of_wrong_sign(instance, found)
             drop = 0.0 if impossible else max(float(np.sum((basis.T @ regression.residual) ** 2)) - price, 0.0)
             size = np.array([found[names[a]] for a in amplitudes])
             beyond = basis if begun is None else begun.beyond(regression, seen, size, rows)
@@ -207,11 +205,7 @@ def _weighed(regression: Regression, asked: _Asked) -> Candidate | None:
     beside = best.beside
     if beside is None:
         beside = regression.moved(np.array([best.values[names[a]] for a in amplitudes]) @ raw[best.rows])
-    rows = projected[best.rows]
-    lengths = np.maximum(np.linalg.norm(rows, axis=1), 1e-300)  # amplitudes differ in unit, and so by powers of ten
-    unit = rows / lengths[:, None]
-    spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv(unit @ unit.T, rcond=1e-10)), 0.0)) / lengths
-    errors = {names[a]: float(x) for a, x in zip(amplitudes, spread, strict=True)}
+    errors = {names[a]: float(x) for a, x in zip(amplitudes, _spread(projected[best.rows]), strict=True)}
     units = {p.name: p.unit for p in instance.declared()}
     dof = best.basis.shape[1] + sum(p.kind == "shape" and p.fitted for p in instance.declared())
     excess = max(regression.chi2 - regression.n, 1e-9)
@@ -249,9 +243,7 @@ def _balanced_point(
     own = len(regression.directions)
     values = {p.name: float(x) for p, x in zip(declared, point, strict=True)}
     values |= {declared[a].name: float(x) for a, x in zip(amplitudes, found.step[own:], strict=True)}
-    sizes = [values[p.name] for p in declared if p.one_sided]
-    impossible = max(sizes, default=0.0) <= 0 > min(sizes, default=0.0)
-    drop = 0.0 if impossible else max(regression.chi2 - float(found.left @ found.left), 0.0)
+    drop = 0.0 if _of_wrong_sign(effect, values) else max(regression.chi2 - float(found.left @ found.left), 0.0)
     explained = (regression.residual - found.left)[None]  # where the effect is small, its own projected column
     basis = orthonormal(np.concatenate([explained, regression.project(found.slopes[own:])])[: len(raw)])
     return _Point(drop, values, basis, basis, rows, regression.stepped(found.step[:own]))
@@ -266,6 +258,19 @@ def _estimate(
     size = size / lengths
     found = dict(zip(names, (float(x) for x in point), strict=True))
     return found | {names[a]: float(x) for a, x in zip(amplitudes, size, strict=True)}
+
+
+def _spread(rows: np.ndarray) -> np.ndarray:
+    """Standard errors (q,) of the amplitudes of columns (q, n), in noise of one."""
+    lengths = np.maximum(np.linalg.norm(rows, axis=1), 1e-300)  # amplitudes differ in unit, and so by powers of ten
+    unit = rows / lengths[:, None]
+    return np.sqrt(np.maximum(np.diag(np.linalg.pinv(unit @ unit.T, rcond=1e-10)), 0.0)) / lengths
+
+
+def _of_wrong_sign(effect: AbstractEffect, values: Mapping[str, float]) -> bool:
+    """Whether the amplitudes that mean something with one sign only have none of it, and one of the other."""
+    sizes = [values[p.name] for p in effect.declared() if p.one_sided]
+    return max(sizes, default=0.0) <= 0 > min(sizes, default=0.0)
 
 
 def _apart(others: Sequence[_Point], tried: Sequence[_Point], sides: Sequence[int], q: int) -> list[_Point]:
