@@ -125,9 +125,14 @@ def _one(name: str, rare: bool) -> tuple[float, Dimension] | None:
     return float(quantity.magnitude), dimension  # type: ignore[return-value]
 
 
+def plain_micro(text: str) -> str:
+    """A text with "u" for both micro signs, which not every program may read."""
+    return text.replace("µ", "u").replace("μ", "u")
+
+
 def _normal(text: str) -> str:
     """One spelling: both micro signs are "u", products "*", powers "^"."""
-    text = text.strip().replace("µ", "u").replace("μ", "u").replace("**", "^").replace("⁻", "-")
+    text = plain_micro(text.strip()).replace("**", "^").replace("⁻", "-")
     for raised, digit in zip("¹²³⁴⁵⁶", "123456", strict=True):
         text = text.replace(raised, digit)
     text = re.sub(r"\s*([*/·⋅×])\s*", r"\1", text)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ident.errors import UserError
+from ident.units import plain_micro
 
 from .amplitude_unit import is_amplitude_unit, split_convention
 
@@ -155,13 +156,9 @@ _SUFFIX_UNITS = frozenset(
 )
 
 
-def _usual(text: str) -> str:
-    return text.replace("µ", "u").replace("μ", "u")
-
-
 def _suffix_unit(text: str) -> bool:
     """Whether what follows an underscore is a unit, of a sine's amplitude too: "mV", "mVrms", "umpp"."""
-    return _usual(text) in _SUFFIX_UNITS or _usual(split_convention(text)[0]) in _SUFFIX_UNITS
+    return plain_micro(text) in _SUFFIX_UNITS or plain_micro(split_convention(text)[0]) in _SUFFIX_UNITS
 
 
 def is_unit(text: str, rare: bool = True) -> bool:
@@ -200,7 +197,7 @@ def _split(header: str, own_unit: str) -> tuple[str, str | None, str]:
     if match:
         return match[1].strip(" _"), f"{match[2]}/s{'^2' if match[3] else ''}", ""
     match = re.fullmatch(r"(.+?)[_ .:-]([^\s_.:-]+/[^\s_.:-]+)", text)
-    if match and not match[1].endswith(" in") and _usual(match[2]) in _SUFFIX_UNITS:  # "acceleration_m/s^2"
+    if match and not match[1].endswith(" in") and plain_micro(match[2]) in _SUFFIX_UNITS:  # "acceleration_m/s^2"
         return match[1].strip(" _"), match[2], ""
     for pattern in (r"(.*\S)\s+in\s+(\S+)", r"(.*\S)\s*/\s*(\S+)", r"(.*\S)\s*,\s*(\S+)"):
         match = re.fullmatch(pattern, text)

@@ -58,11 +58,6 @@ def display_unit(unit: str, device: Device, *, plain: bool = False) -> str:
     return _written({symbol: power for symbol, power in powers.items() if power}, plain)
 
 
-def plain_unit(unit: str) -> str:
-    """A unit of a column without letters that a program may not read."""
-    return unit.replace("µ", "u").replace("μ", "u")
-
-
 def reading_unit(records: Iterable[Record]) -> str:
     """The unit, SI, of what the sensors of some records read: m, m/s or m/s^2; "m" where they differ."""
     orders = {record.order if isinstance(record, Trace) else 0 for record in records}
