@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,6 +14,7 @@ from ident.units import FREQUENCY, Dimension, factor_of, parse_quantity
 
 from .guess import time_column
 from .spec import RecordSpec
+from .tables.amplitude_unit import TO_PEAK, split_convention
 from .tables.table import Column, Table
 
 _SINE = re.compile(r"sine\s+(\S+\s*[^\d\s]\S*)\s+(\S+\s*[^\d\s]\S*?)\s*", re.IGNORECASE)
@@ -38,16 +38,12 @@ def parse_sine(text: str, kind: Dimension | None, where: str) -> tuple[float, fl
     if match is None:
         do = 'write drive = "sine 8 V 317 Hz", or columns = { drive = "…" } to name a column'
         raise UserError(f'"{text}" is no drive', where=where, do=do)
-    level = re.fullmatch(r"(\S+?)\s*([A-Za-zµ]+?)(pp|rms)?", match[1])
-    words, factor = (match[1], 1.0) if level is None else (f"{level[1]} {level[2]}", _PEAKS[level[3] or ""])
-    amplitude = factor * parse_quantity(words, kind, where=where)
+    level, convention = split_convention(match[1])
+    amplitude = TO_PEAK[convention] * parse_quantity(level, kind, where=where)
     frequency = parse_quantity(match[2], FREQUENCY, where=where)
     if not (amplitude > 0 and frequency > 0):
         raise UserError(f'"{text}" has no positive amplitude and frequency', where=where, do="correct the numbers")
     return amplitude, frequency
-
-
-_PEAKS = {"": 1.0, "pp": 0.5, "rms": math.sqrt(2.0)}
 
 
 def _time_of(table: Table, spec: RecordSpec) -> tuple[Column, np.ndarray]:

@@ -161,11 +161,6 @@ def _suffix_unit(text: str) -> bool:
     return plain_micro(text) in _SUFFIX_UNITS or plain_micro(split_convention(text)[0]) in _SUFFIX_UNITS
 
 
-def is_unit(text: str, rare: bool = True) -> bool:
-    """Whether a text is a unit, or one of amplitudes ("Vpp", "dB")."""
-    return is_amplitude_unit(text, rare)
-
-
 # Rates without a slash, as names of columns need them: "acc_m_s2", "v_mm_per_s", "speed_mps", "a_ms2".
 _RATE = re.compile(r"(.*\w)[_ ]([um]?m|rad|deg)(?:_per_|_|per|p|(?=s-?2))s(?:ec)?_?(-?2)?")
 
@@ -187,7 +182,7 @@ def _split(header: str, own_unit: str) -> tuple[str, str | None, str]:
     text = header.strip().strip("\"'").strip()
 
     def known(name: str, rare: bool = False) -> bool:
-        return is_unit(name, rare) or (own_unit != "" and name == own_unit)
+        return is_amplitude_unit(name, rare) or (own_unit != "" and name == own_unit)
 
     match = re.fullmatch(r"(.*?)[\s_,]*[(\[{<]\s*([^()\[\]{}<>]*?)\s*[)\]}>]", text)
     if match and match[2]:
@@ -221,4 +216,4 @@ def with_unit_row(column: Column, unit: str) -> Column:
     unit = unit.strip().strip("\"'").strip(" ()[]{}")
     if not unit or column.unit is not None:
         return column
-    return replace(column, unit=unit) if is_unit(unit) else replace(column, doubtful=unit)
+    return replace(column, unit=unit) if is_amplitude_unit(unit) else replace(column, doubtful=unit)
