@@ -8,7 +8,7 @@ from ..diagnosis.diagnose import Diagnosis
 from ..diagnosis.evidence.enough import ANOTHER_LAW, adequate
 from ..diagnosis.evidence.held_out import contradicted
 from ..diagnosis.faulty.suspects import BY_OTHERS
-from ..diagnosis.ranking.score import ALARMS, Candidate
+from ..diagnosis.ranking.score import NAMED_BY_CHANCE, Candidate
 from ..diagnosis.search.beyond import NAME
 from ..diagnosis.search.steps import Discovery, Step
 from ..fit import Fit
@@ -114,7 +114,8 @@ def _not_in_library(loop: Discovery, known: list[Step], named: list[Step]) -> st
 def ranking_sheet(found: Diagnosis) -> Sheet:
     """The best candidates: share of the excess error that each would remove, as scored and as confirmed by a refit."""
     loop = found.discovery
-    rows, marks = [], []
+    rows: list[tuple[str, ...]] = []
+    marks: list[Mark] = []
     for candidate in loop.ranking[:_LISTED]:
         confirmed = loop.confirmed.get(candidate.name)
         rows.append(
@@ -126,8 +127,8 @@ def ranking_sheet(found: Diagnosis) -> Sheet:
                 "< 1e-15" if candidate.p_value < 1e-15 else f"{candidate.p_value:.1g}",
             )
         )
-        mark: Mark = "" if candidate.p_value * max(len(loop.ranking), 1) < ALARMS else "quiet"
-        marks.append(mark)
+        sure = candidate.p_value * max(len(loop.ranking), 1) < NAMED_BY_CHANCE
+        marks.append("" if sure else "quiet")
     columns = (
         Column("candidate", wraps=True), Column("predicted", True), Column("confirmed", True),
         Column("estimated size", wraps=True), Column("by chance", True),

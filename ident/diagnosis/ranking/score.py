@@ -75,7 +75,7 @@ class _Point(NamedTuple):
     beside: np.ndarray | None = None
 
 
-ALARMS = 0.002  # probability of a name by chance
+NAMED_BY_CHANCE = 0.002  # probability with which noise alone would name an effect, all candidates together
 _NEAR_POINTS = 5  # of a grid, kept as starts: the best of them may lead into a local minimum
 
 
@@ -304,7 +304,7 @@ def _grid(effect: AbstractEffect, regression: Regression) -> list[Sequence[float
 
 def significant(candidates: Sequence[Candidate]) -> list[Candidate]:
     """Those that chance would hardly produce, however many were tried (Bonferroni)."""
-    return [c for c in candidates if c.p_value * len(candidates) < ALARMS]
+    return [c for c in candidates if c.p_value * len(candidates) < NAMED_BY_CHANCE]
 
 
 def kept_more_than_chance(candidate: Candidate, chi2: float, regression: Regression) -> bool:
@@ -315,4 +315,4 @@ def kept_more_than_chance(candidate: Candidate, chi2: float, regression: Regress
     tried = sum(c is not None for c in regression.scored.values())
     freedom = max(regression.n - candidate.dof - regression.absorbed.shape[1], 1)
     fall = max(regression.best_chi2 - chi2, 0.0) / candidate.dof
-    return float(fdtrc(candidate.dof, freedom, fall / max(chi2 / freedom, 1e-300))) * tried < ALARMS
+    return float(fdtrc(candidate.dof, freedom, fall / max(chi2 / freedom, 1e-300))) * tried < NAMED_BY_CHANCE
