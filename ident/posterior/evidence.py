@@ -19,7 +19,7 @@ from .laplace import Laplace, find_peak, proposal
 from .log_sum import log_sum
 from .pareto import TRUSTED, Smoothed, smooth
 
-_DRAWS = 2048
+_DRAWS = 2048  # from Student's t on the peak
 _SERVES = 0.5
 """Efficiency of the weights from which Student's t on the peak serves; of a Gaussian of fourteen dimensions it is 0.54.
 At 0.39, the weak posterior of experiments/posterior/speed.py, it missed a tail of 15 % of the mass without a sign in

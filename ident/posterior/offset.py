@@ -18,9 +18,9 @@ import numpy as np
 from ..campaign.drive_sine import DriveSine, drive_sine
 from ..campaign.record import NoiseFloor, Trace
 
-_HARMONICS = 10
-_DRAWS = 200
-_POINTS = 512
+_HARMONICS = 10  # of the drive, in the mean period of a record
+_DRAWS = 200  # of noise, which tell the error of a measure
+_POINTS = 512  # of a period, between which it is drawn straight
 _PHASE = 2  # position of the second harmonic's phase among the measures
 
 

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 DECIDES = 1.25
 """The prior decides a parameter whose standard deviation grows by more than this where all priors are twice as broad:
 records that determine it leave the ratio at 1, records that say nothing give 2."""
-_EVIDENCE_DRAWS = 4000
+_EVIDENCE_DRAWS = 4000  # of the chain, to which the evidence may fit a mixture
 _WORTH_A_WORD = 1.05  # times too narrow; intervals are printed with two digits
 
 

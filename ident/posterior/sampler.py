@@ -22,12 +22,12 @@ from .evidence import learned
 from .laplace import Laplace, StudentT, find_peak, proposal
 from .moves import moves
 
-ENSEMBLES = 4
+ENSEMBLES = 4  # that must agree
 BLOCK = 50
 """Steps between two looks at the chain."""
 _LEAST_STEPS = 150  # before the first look: fewer say nothing of τ
 _EVERY = 2.0  # s between two writings of the chain; what a kill can cost
-_MOST_REDRAWS = 200
+_MOST_REDRAWS = 200  # of walkers that would begin where the posterior is zero
 LIKE = 2000  # draws to which a mixture is fitted
 
 

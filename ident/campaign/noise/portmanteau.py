@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-LAGS = 24
+LAGS = 24  # at most
 SLIGHT = 0.05  # correlation that an estimated noise colour leaves of itself
 
 

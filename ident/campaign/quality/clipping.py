@@ -10,7 +10,7 @@ CLIPPED = 1e-3
 """Share of clipped samples from which on a record is suspect; fewer may be a coarse converter's."""
 
 _BESIDE = 6  # samples at least, on each side of a gap, that say how the curve crosses it
-_DEGREE = 4
+_DEGREE = 4  # of that curve
 _MOST = 20  # runs that are looked at
 
 

@@ -19,7 +19,7 @@ from ...fit.linear.independent import independent_samples
 
 # Differences of 2 ln(odds), in words: R. E. Kass, A. E. Raftery, Bayes factors, 1995, JASA 90, 773, §3.2.
 VERY_STRONG = 10.0  # below it records do not choose
-STRONG = 6.0
+STRONG = 6.0  # below it the evidence is positive at best
 
 
 class Weighed(Protocol):

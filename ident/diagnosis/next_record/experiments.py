@@ -35,7 +35,7 @@ from ..ranking.score import Candidate
 from .waveforms import Waveform, limits_of, proposals
 
 SEPARATED = 10.0  # expected Δχ² from which a record is worth taking
-_MOST_RIVALS = 4
+_MOST_RIVALS = 4  # effects that tie, the best first: each is refitted
 _PROPOSED = 3  # records, the best first
 _STEPS = 80  # of the solver per period of the resonance: 3e-7 rad of phase error per radian
 _NEAR = 0.03  # relative distance within which two frequencies are one proposal

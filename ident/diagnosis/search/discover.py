@@ -53,7 +53,7 @@ from .together import both, hidden_by_each_other
 Keep = Callable[[Walked], None]
 """Called with the walk so far after each of its steps, so that one that is stopped has left them."""
 
-MOST_TERMS = 6
+MOST_TERMS = 6  # that a walk adds
 _DRIVES = 3  # that a walk goes on to, one of them before any effect, after the one that the start model chose
 _SHORTLIST = 3  # refits to excerpts, of which those on all samples decide
 _REFITTED_TIES = 12  # of the names that tie by their scores; a record that says little leaves more than that

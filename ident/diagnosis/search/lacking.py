@@ -19,7 +19,7 @@ from ..unknown.subsets import TRIED, rank, regress, smallest_sufficient, spline_
 
 _DOUBT = 0.0001  # of the first excess: structured misfit beyond which a law may be another of the same kind
 _ANOTHER_CURVE = 0.00002  # the same for a curve over the law's own coordinates, one test instead of many
-_CHANCE = 1e-3
+_CHANCE = 1e-3  # by which noise of that colour has such a structure, all that were tried together
 
 
 def lacking(regression: Regression, first: Regression, report: Report = lambda _: None) -> float:

@@ -23,7 +23,7 @@ from .subsets import TRIED, Ranked, dimension, rank, regress, smallest_sufficien
 from .words import describe, noise_followed
 
 _LACKING = 0.1  # of what the splines leave: a formula that lacks no more says as much as the splines of all rivals
-_MOST_TERMS = 6
+_MOST_TERMS = 6  # a formula has fewer; where none says it, so many count
 # What a term of a formula counts, and that there is none, in coordinates, where several sets explain the same.
 _PER_TERM, _WORDLESS = 0.08, 1.0
 

@@ -24,7 +24,7 @@ _NEW = 1e-3  # squared share of a term that the others must leave for it to be a
 _WORTH = 0.2  # part of the remaining excess that a further term must remove
 _SAME, _LITTLE = 0.01, 0.1  # of what splines explain, and of what they leave: a formula that lacks no more says as much
 _BARELY = 0.02  # of χ² per sample: formulas closer than that are equally good, and the plainest is taken
-_LONGEST = 8
+_LONGEST = 8  # terms
 _FINER, _MORE = 2, 7  # rounds in which numbers are sought between those of a grid, and how many in each
 _BEYOND = 1.3  # times the last number of a grid: as far as is looked beyond it
 

@@ -19,10 +19,10 @@ from ...campaign.record import Trace
 from .decay import read_ringing
 from .stretches import Stretch, highest_content, stretch_of, sums
 
-_QUALITIES = (4.0, 15.0, 60.0)
+_QUALITIES = (4.0, 15.0, 60.0)  # at each frequency of the grid
 LEAST_QUALITY = 0.5  # below, nothing oscillates
 _LOG_QUALITY = 9.0  # beyond e⁹, nothing decays within a record
-_POINTS_PER_OCTAVE = 14
+_POINTS_PER_OCTAVE = 14  # of the grid
 GRID_STEP = math.log(2) / _POINTS_PER_OCTAVE  # in ln f
 _STEP, _CYCLE = 0.03, 0.1  # first step of the search in ln f; of a decay, so much of a cycle at its end
 

@@ -32,8 +32,8 @@ from .guess import GRID_STEP, LEAST_QUALITY
 from .stretches import Stretch, free_motion, oscillator_filter
 
 _SAMPLES = 24_000  # that compare modes
-_QUALITIES = (8.0, 40.0)
-_FOLDS = 4
+_QUALITIES = (8.0, 40.0)  # of a further mode, at each frequency of the grid
+_FOLDS = 4  # groups of records, each predicted by the others
 _SLOPE = 1e-4  # step of ln f and ln Q by which slopes are taken
 _CLOSER = 1e-3  # of the misfit: a search goes on while its steps gain as much
 _MOST_QUALITY = 1e4
