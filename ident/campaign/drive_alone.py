@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 
 import numpy as np
 
@@ -19,14 +18,14 @@ from .tables.table import Table
 _FINE = 1e-4  # of a response that is not known: the solver's step is then as fine as for the best records
 
 
-def drive_alone(table: Table, device: Device, columns: Mapping[str, str | int] | None = None) -> Trace:
+def drive_alone(table: Table, device: Device) -> Trace:
     """Time and drive of a table as a record that starts at rest; its response is zero, because there is none.
 
     **Raises:** UserError if the columns cannot be told, or time is not uniform.
     """
     (unit, dimension), (response_unit, _) = signal_units(device)
     roles = trace_roles(dimension or NUMBER, NUMBER, ("" if dimension else unit, ""))[:2]
-    found = match_columns(table, roles, columns or {}, {})
+    found = match_columns(table, roles, {}, {})
     time_factor, drive_factor = factor_of(found["time"].unit), factor_of(found["drive"].unit)
     time = uniform_time(found["time"], time_factor, [])
     (drive,) = on_grid(found["time"], time_factor, time, found["drive"].numbers() * drive_factor)

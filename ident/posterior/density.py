@@ -120,10 +120,9 @@ class Density:
         whole = self._batched(lambda part: self._simulate(part, self.starts), values)
         return [whole[:, own] for own in self.data.tape.slices]
 
-    def innovations(self, x: np.ndarray, seed: int = 0) -> list[np.ndarray]:
+    def innovations(self, x: np.ndarray) -> list[np.ndarray]:
         """White residuals (k, count) of each record in units of its floor, initial states drawn given x."""
-        random = np.random.default_rng(seed)
-        noise = random.standard_normal((len(x), len(self.records), self.starts.shape[1]))
+        noise = np.random.default_rng(0).standard_normal((len(x), len(self.records), self.starts.shape[1]))
 
         def drawn(part: np.ndarray, z: np.ndarray) -> np.ndarray:
             found = []

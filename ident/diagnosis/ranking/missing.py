@@ -18,19 +18,18 @@ import numpy as np
 from ...campaign.record import Trace
 from ...effects.registry import Registry
 from ...fit import Fit, fit
-from ...pulse import Report
 from ..linearised.regression import prepare
 from ..linearised.shorten import shortened, working
 from .score import score, significant
 
 
-def missing(fitted: Fit, library: Registry, report: Report = lambda _: None) -> tuple[str, ...]:
+def missing(fitted: Fit, library: Registry) -> tuple[str, ...]:
     """Why the model is not the whole device, in words; none if the records see no effect of the library in what it
     leaves of all of them."""
     unbounded = [s.name for s in fitted.trace_scores if not np.isfinite(s.rmse)]
     if unbounded:
         return (f"the model has no finite motion in {unbounded[0]}; ask `ident diagnose` what is missing",)
-    seen = significant(score(prepare(_to_all_records(fitted)), library, report))
+    seen = significant(score(prepare(_to_all_records(fitted)), library))
     if not seen:
         return ()
     best = min(seen, key=lambda candidate: candidate.p_value)
