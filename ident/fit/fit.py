@@ -213,7 +213,7 @@ def _remembered(
 
 
 def _first_errors(
-    static: Static, data: Data, points: list[np.ndarray], known: bool, begun: np.ndarray | None = None
+    static: Static, data: Data, points: list[np.ndarray], known: bool, begun: np.ndarray | None
 ) -> list[tuple[float, Data, Unknowns, Evaluation]]:
     """Starting points with Σ r², the unknowns and the model at each, best first.
 

@@ -185,7 +185,7 @@ def check_response(column: Column, response: np.ndarray, notes: list[str]) -> No
 
 
 def check_drive(
-    file: str, drive: np.ndarray, response: np.ndarray, start: str, notes: list[str], undriven: bool = False
+    file: str, drive: np.ndarray, response: np.ndarray, start: str, notes: list[str], undriven: bool
 ) -> None:
     """A drive that never changes can only belong to a free decay; a start at rest begins quietly.
 
