@@ -138,3 +138,13 @@ def test_help_loads_nothing_heavy():
     assert done.returncode == 0, done.stderr
     assert "Usage" in done.stdout
     assert done.stdout.splitlines()[-1] == "loaded:"
+
+
+def test_a_fit_and_its_page_load_nothing_that_they_can_do_without():
+    script = (
+        "import sys, ident.cli.fit, ident.fit, ident.report.run_folder\n"
+        "print('loaded:', *sorted({'scipy.signal', 'scipy.stats', 'pandas', 'matplotlib.pyplot'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=ROOT, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == "loaded:"

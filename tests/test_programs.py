@@ -160,3 +160,15 @@ def test_any_number_of_directions_gives_the_same_slopes(directions):
     single = respond(Equation(model), tape, values, np.zeros((1, 2)), np.diag(values), np.zeros((3, 1, 2)))
     assert found.slopes.shape == (directions, 200)
     np.testing.assert_allclose(found.slopes, along / values @ single.slopes, atol=1e-9 * np.max(np.abs(single.slopes)))
+
+
+def test_programs_that_were_not_used_for_long_are_let_go(monkeypatch):
+    held, obtained = programs._Held(), []
+    monkeypatch.setattr(programs, "_MOST", 2)
+
+    def get(key: str) -> None:
+        held.get(key, lambda: obtained.append(key) or (lambda *_: key))
+
+    for key in "aabacab":
+        get(key)
+    assert obtained == ["a", "b", "c", "b"]  # b was the one that had not been used for longest when c came

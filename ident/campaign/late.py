@@ -27,8 +27,10 @@ def in_time(record: Trace, late: float, begin: int = 0) -> Trace:
     own = replace(record, response=record.response[source], masked=lost if np.any(lost) else None)
     if record.edge is not None:
         return replace(own, edge=record.edge + late - whole)
-    apart = late - whole
-    drive = CubicSpline(index, record.drive)(np.clip(index - apart, 0, n - 1))
+    apart, period = late - whole, record.period or 0.0
+    at = index - apart
+    at = np.clip(np.where(at < 0, at + period, np.where(at > n - 1, at - period, at)), 0, n - 1)
+    drive = CubicSpline(index, record.drive)(at)
     if record.start == "rest":  # what is switched on acts for so much less of the first interval
         drive[0] -= apart / _FIRST * record.drive[0]
     return replace(own, drive=drive)

@@ -2,7 +2,8 @@
 it beside what was named.
 
 Under numbers of the records' own no score sees an effect, and the effect bends the numbers. Their columns are taken
-along the measured motion and out of what the fit leaves; every effect is then scored beside them.
+along the measured motion and out of what the fit leaves; every effect is then scored beside them. Asked only of
+records that are not long: read so they may count as such, and are still taken whole.
 """
 
 from __future__ import annotations
@@ -12,15 +13,15 @@ from typing import NamedTuple
 import numpy as np
 
 from ..campaign.apart import Kind
-from ..fit import Fit
+from ..fit import Fit, fit
 from ..fit.linear.start_model import FURTHER
 from ..pulse import Report
-from .evidence.criterion import VERY_STRONG, behind, criteria
+from .evidence.criterion import VERY_STRONG, Left, behind, criteria
 from .evidence.enough import adequate
-from .faulty.between import KINDS, comparable, differing, rows_of
+from .faulty.between import comparable, differing, kinds_of, rows_of
 from .faulty.differing import Differing, numbers_of
 from .linearised.regression import prepare
-from .linearised.shorten import is_long, working
+from .linearised.shorten import is_long
 from .linearised.trajectory import Diverged
 from .ranking.look import Look
 from .ranking.pairs import best_pair
@@ -63,7 +64,7 @@ def apart_before(look: Look, report: Report) -> Apart | None:
     if behind(promise, pair or regression) > (-VERY_STRONG if says_all or pair is None else VERY_STRONG):
         return None
     found = _simulated(plain, promise)
-    if found is None or not adequate(prepare(working(found.fit))):
+    if found is None or not adequate(prepare(found.fit)) or _told_by_another(found, plain):
         return None
     return Apart(plain.regression.fit, found)
 
@@ -76,7 +77,7 @@ def apart_after(look: Look, final: Fit, report: Report) -> Apart | None:
     report("does the device differ from record to record?")
     start = look.regression.fit
     found = differing(final)
-    if found is None or not adequate(prepare(working(found.fit))):
+    if found is None or not adequate(prepare(found.fit)):
         if comparable(final):
             look = _of_one_mode(look)
             other = _simulated(look, _best(look, report))
@@ -87,6 +88,18 @@ def apart_after(look: Look, final: Fit, report: Report) -> Apart | None:
     return found and Apart(start, found)
 
 
+def _told_by_another(found: Differing, look: Look) -> bool:
+    """Whether one effect more, the same in all records, says about as much as the numbers of their own: far from the
+    device's motion the scores of two did not see it, and the numbers may have mimicked the second."""
+    numbers = Left(prepare(found.fit).left, found.fit.freedom + found.numbers)
+    try:
+        one = fit(found.fit.model, look.regression.fit.campaign, initial=found.fit.values)
+        tried = Look(prepare(one), look.first, look.library, look.report).tried
+    except Diverged:
+        return False
+    return any(other.possible and behind(numbers, other) > -VERY_STRONG for other in tried)
+
+
 def _of_one_mode(look: Look) -> Look:
     """The look at the model without the further modes that the records have asked for: where records differ, modes
     follow one after the other."""
@@ -95,7 +108,7 @@ def _of_one_mode(look: Look) -> Look:
     if not further or fitted.campaign.modes is not None:
         return look
     try:
-        return Look(prepare(working(without(fitted, further))), look.first, look.library, look.report)
+        return Look(prepare(without(fitted, further)), look.first, look.library, look.report)
     except Diverged:  # without them its motion has no bound
         return look
 
@@ -104,9 +117,9 @@ def _best(look: Look, report: Report) -> _Promise:
     """The kind of number that leaves least with the effect that it goes with."""
     report("does one effect explain more where records differ in a number each?")
     regression = look.regression
-    promises = []
-    besides = [regression.beside(rows_of(regression, kind)) for kind in KINDS]
-    for kind, beside, scored in zip(KINDS, besides, score_beside(besides, look.library), strict=True):
+    promises, kinds = [], kinds_of(regression.fit.campaign)
+    besides = [regression.beside(rows_of(regression, kind)) for kind in kinds]
+    for kind, beside, scored in zip(kinds, besides, score_beside(besides, look.library), strict=True):
         best = next(iter(significant(scored)), None)
         left, numbers = beside.residual, regression.numbers + numbers_of(regression.fit, kind)
         if best is not None:
@@ -119,12 +132,12 @@ def _simulated(look: Look, promise: _Promise) -> Differing | None:
     """The records read so beside the effect that goes with it; or beside the one that is seen from there without any,
     if that leaves less: far from the device's own motion scores say little."""
     found = _beside(look, promise, promise.effect)
-    if found is not None and adequate(prepare(working(found.fit))):
+    if found is not None and adequate(prepare(found.fit)):
         return found
     alone = _beside(look, promise, None)
     if alone is None:
         return found
-    there = prepare(working(alone.fit))
+    there = prepare(alone.fit)
     (scored,) = score_beside([there.beside(rows_of(there, promise.kind))], look.library)
     best = next(iter(significant(scored)), None)
     if best is None or best.name == promise.effect:

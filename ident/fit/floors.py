@@ -48,6 +48,8 @@ def _lowered(record: Trace, reading: np.ndarray) -> Trace:
     told, left = record.noise, record.response - reading
     if told.relative_error < VAGUE or not np.all(np.isfinite(left)):
         return record
+    if HUMS in told.method or SURROUNDINGS in told.method:  # raised by what a model left: else there were no end of it
+        return record
     later = slice(record.skip, None)
     masked = None if record.masked is None else record.masked[later]
     floor = noise_floor(record.time[later], record.drive[later], left[later], record.period, masked, record.stuck == 0)

@@ -46,3 +46,13 @@ def test_records_that_share_a_clock_say_together_what_each_says_alone():
     together = sums([stretch_of(own) for own in records], 490.0, 25.0)
     alone = [sums([stretch_of(replace(own))], 490.0, 25.0) for own in records]
     np.testing.assert_allclose(together, np.sum(alone, axis=0), rtol=1e-10)
+
+
+def test_a_sharp_resonance_between_the_points_of_the_grid_is_tried_where_a_record_is_liveliest():
+    # Far from resonance a leak of the drive outweighs the motion, and no broad resonance describes it.
+    f0, q = 452.2, 56.0
+    near, far = record(f0, q, 3.0, 452.3), record(f0, q, 3.0, 751.0)
+    leak = 1.6 * 3.0 / (2 * np.pi * f0) ** 2
+    records = [replace(near, name=name) for name in "ab"]
+    records = [replace(own, response=own.response + leak * own.drive) for own in (*records, far)]
+    assert guess_linear(records).frequency == pytest.approx(f0, rel=0.01)

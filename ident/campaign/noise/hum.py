@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.polynomial.legendre import legvander
 
 from ..record import NoiseFloor
 from .autoregression import (
@@ -27,13 +28,14 @@ HUM = tuple(hz * order for hz in MAINS for order in (1, 2, 3))
 
 _STANDS = 16.0  # times the noise beside it: a line of noise alone has as much power once in 3000 times
 HUMS, SURROUNDINGS = "mains hum", "a line of the surroundings"  # in the words of a floor
+_PERIODS = 2.5  # that a record holds of a line, at least: of fewer it is a level that bends
 _ABOUT = 0.02 * np.pi  # rad per sample on either side of a line: so narrow is its peak in an autoregression
 _FINE = 4096  # frequencies from which covariances are read
 
 
-def told_apart(lines: Sequence[float], rate: float | None, n: int, periods: float = 2.5) -> list[float]:
-    """Those of some lines that n samples tell from a constant and from the drive, whose harmonics lie `rate` apart (rad
-    per sample, as the lines). Of less than so many of its `periods` a line is a level that bends."""
+def told_apart(lines: Sequence[float], rate: float | None, n: int, periods: float = _PERIODS) -> list[float]:
+    """Those of some lines that n samples tell from a level and from the drive, whose harmonics lie `rate` apart (rad
+    per sample, as the lines); of each there are more than so many `periods`."""
     width = 2 * np.pi / n
     near = [rate is not None and abs(line - round(line / rate) * rate) < 1.5 * width for line in lines]
     return [line for line, drive in zip(lines, near, strict=True) if periods * width < line < 3.0 and not drive]
@@ -90,15 +92,15 @@ def _covariance(power: float, line: float) -> np.ndarray:
 
 def standing(left: np.ndarray, lines: Sequence[float]) -> list[float]:
     """The mean square of each line (rad per sample) that stands out of what a model leaves, (n,), and does not die;
-    zero of the others."""
+    zero of the others. It leaves a level too, that bends: a sensor that drifts does not hum."""
     n, found = len(left), []
-    waves = _waves(lines, n)
-    weights = np.linalg.lstsq(np.column_stack([waves, np.ones(n)]), left, rcond=None)[0]
-    rest = left - waves @ weights[:-1] - weights[-1]
-    level = fit_autoregression(rest, np.full(n // 2 + 1, (len(weights)) / n)).spectrum
+    waves, level = _waves(lines, n), legvander(np.linspace(-1, 1, n), round(2 * _PERIODS))
+    weights = np.linalg.lstsq(np.column_stack([waves, level]), left, rcond=None)[0]
+    rest = left - np.column_stack([waves, level]) @ weights
+    spectrum = fit_autoregression(rest, np.full(n // 2 + 1, len(weights) / n)).spectrum
     for k, line in enumerate(lines):
         own = waves[:, 2 * k : 2 * k + 2] @ weights[2 * k : 2 * k + 2]
-        beside_it = float(np.interp(line, np.linspace(0, np.pi, len(level)), level))
+        beside_it = float(np.interp(line, np.linspace(0, np.pi, len(spectrum)), spectrum))
         stands = float(own @ own) > _STANDS * beside_it and not dies(rest + own, line)
         found.append(max(float(np.mean(own**2)) - 2 * beside_it / n, 0.0) if stands else 0.0)
     return found

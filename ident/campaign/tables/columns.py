@@ -201,7 +201,7 @@ def _only_one_left(
     """The last column of a table in which every other role has found its own, if it may be what is left."""
     others = all(other is role or other.name in chosen for other in roles)
     column = free[0] if len(free) == 1 and others else None
-    return [column] if column is not None and column.unit is not None and role.accepts(column.unit) else []
+    return [column] if column is not None and not column.counts and role.accepts(column.unit) else []
 
 
 def _with_given_unit(column: Column, units: Mapping[str, str]) -> Column:

@@ -25,7 +25,6 @@ from ...fit.reading import read
 from ...model import FREQUENCY
 from ..evidence.criterion import VERY_STRONG, Left, behind, criteria
 from ..linearised.regression import Regression, by_record, prepare, stack
-from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
 from ..unknown.subsets import regress
 from .between_levels import differing_levels
@@ -36,14 +35,19 @@ _SETTLED = 0.3  # of its error bar: a step that moves no number further ends the
 _SMALL = 1e-4  # change of a stiffness by which its derivative is taken
 _FEWEST = 3  # records: of two that disagree nobody knows which one is the device's
 
-
 KINDS = tuple(TOLD)
+_OF_TIME = ("delay", "clock")
 
 
 def comparable(fitted: Fit) -> bool:
     """Whether the records of a fit can be told apart by a number each."""
     enough = len(fitted.campaign.fitted) >= _FEWEST and not fitted.campaign.fitted_sweeps
     return enough and fitted.model.form == "oscillator"
+
+
+def kinds_of(campaign: Campaign) -> Sequence[Kind]:
+    """The kinds of numbers in which the records of a campaign may differ: a decay has nothing to be late to."""
+    return KINDS if all(trace.driven for trace in campaign.traces) else [k for k in KINDS if k not in _OF_TIME]
 
 
 def rows_of(regression: Regression, kind: Kind) -> np.ndarray:
@@ -57,24 +61,24 @@ def rows_of(regression: Regression, kind: Kind) -> np.ndarray:
         for row, own in zip(rows, regression.places, strict=True):
             row[own] = whole[0, own]
         return rows
-    late = kind in ("delay", "clock")
-    along = lambda trace: _later(trace, trace.response, kind) if late else _slopes(fit, trace, kind)
+    late = kind in _OF_TIME
+    along = lambda trace: _later(trace, trace.response, kind) if late else _slopes(fit, trace, trace, kind)
     return by_record(regression, _apart(regression, [along(trace) for trace in records]))
 
 
-def differing(fitted: Fit, kinds: Sequence[Kind | Literal["drive"]] = KINDS) -> Differing | None:
+def differing(fitted: Fit, kinds: Sequence[Kind | Literal["drive"]] | None = None) -> Differing | None:
     """The kind of numbers by which the records of a fit differ, or the levels of its sweeps in their drives, if that
     explains them clearly better than one device does; None if it does not, and where traces stand beside sweeps."""
     traces, sweeps = fitted.campaign.traces, fitted.campaign.sweeps
     if (traces and sweeps) or fitted.model.form != "oscillator":
         return None
-    weigh = lambda fit, more: Left(prepare(working(fit)).left, fit.freedom + more)
+    weigh = lambda fit, more: Left(prepare(fit).left, fit.freedom + more)
     try:
         before = weigh(fitted, 0)
     except (Diverged, np.linalg.LinAlgError):  # a motion without bound tells nothing
         return None
     found: list[tuple[Differing, Left]] = []
-    for kind in ("drive",) if sweeps else kinds:
+    for kind in ("drive",) if sweeps else kinds or kinds_of(fitted.campaign):
         try:
             one = differing_levels(fitted) if kind == "drive" else _found(fitted, kind)
             found += [] if one is None else [(one, weigh(one.fit, one.numbers))]
@@ -87,15 +91,15 @@ def differing(fitted: Fit, kinds: Sequence[Kind | Literal["drive"]] = KINDS) -> 
 def _found(fitted: Fit, kind: Kind) -> Differing | None:
     campaign, now, q = fitted.campaign, fitted, TOLD[kind].each
     inside = [i for i, trace in enumerate(campaign.traces) if not trace.holdout]
-    late = kind in ("delay", "clock")  # a decay has nothing to be late to
-    if len(inside) < _FEWEST or (late and not all(trace.driven for trace in campaign.traces)):
+    if len(inside) < _FEWEST:
         return None
     shortest = min(len(trace.time) for trace in campaign.traces)
     most = min(TOLD[kind].most, shortest / 10) if kind == "delay" else TOLD[kind].most
     sizes, errors = np.zeros((2, len(campaign.traces), q))
     for _ in range(_ROUNDS):
-        regression = prepare(working(now))
-        rows = _apart(regression, [_slopes(now, trace, kind) for trace in now.campaign.fitted])
+        regression = prepare(now)
+        pairs = zip(campaign.fitted, now.campaign.fitted, strict=True)
+        rows = _apart(regression, [_slopes(now, as_read, own, kind) for as_read, own in pairs])
         solved = regress(regression.project(by_record(regression, rows)), regression.residual)
         step, spread = solved.coefficients.reshape(-1, q), solved.spread.reshape(len(inside), q, -1)
         if TOLD[kind].shared:
@@ -124,14 +128,14 @@ def _apart(regression: Regression, slopes: Sequence[np.ndarray]) -> np.ndarray:
     return rows
 
 
-def _slopes(now: Fit, trace: Trace, kind: Kind) -> np.ndarray:
-    """Change of the reading of a record with its numbers, (q, n)."""
+def _slopes(now: Fit, as_read: Trace, trace: Trace, kind: Kind) -> np.ndarray:
+    """Change of the reading of a record, as it was read and as its numbers so far make it, with these, (q, n)."""
     if kind == "baseline":
-        return curves(trace)
+        return curves(as_read)
     here = read(now.model, now.values, [trace])[0]
     if kind == "sensitivity":
-        return here[None]
-    if kind in ("delay", "clock"):
+        return here[None] / (1 + (trace.own[1][0] if trace.own else 0.0))
+    if kind in _OF_TIME:
         return _later(trace, here, kind)
     stiffer = replace(trace, stiffer=trace.stiffer + _SMALL)
     return (read(now.model, now.values, [stiffer])[0] - here)[None] / _SMALL
@@ -148,7 +152,7 @@ def _by_itself(now: Fit, trace: Trace, kind: Kind, most: float) -> tuple[np.ndar
     for _ in range(_ROUNDS):
         own = read_apart(trace, kind, sizes)
         left = (own.response - read(now.model, now.values, [own])[0])[own.counted] / own.noise.sigma
-        slopes = _slopes(now, own, kind)[:, own.counted] / own.noise.sigma
+        slopes = _slopes(now, trace, own, kind)[:, own.counted] / own.noise.sigma
         if not np.all(np.any(slopes, axis=1)):  # it does not move
             return np.zeros(len(sizes)), np.full(len(sizes), np.inf)
         back = np.linalg.pinv(slopes.T)

@@ -110,6 +110,7 @@ def _part(record: Trace, first: int, length: int) -> Trace:
         time=record.time[part],
         drive=record.drive[part],
         response=record.response[part],
+        masked=None if record.masked is None else record.masked[part],
         start=start,
         skip=before,
         period=None,

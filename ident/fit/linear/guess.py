@@ -17,13 +17,15 @@ from scipy import optimize
 
 from ...campaign.record import Trace
 from .decay import read_ringing
-from .stretches import Stretch, highest_content, stretch_of, sums
+from .stretches import Stretch, highest_content, liveliest, stretch_of, sums
 
 _QUALITIES = (4.0, 15.0, 60.0)  # at each frequency of the grid
 LEAST_QUALITY = 0.5  # below, nothing oscillates
 _LOG_QUALITY = 9.0  # beyond e⁹, nothing decays within a record
 _POINTS_PER_OCTAVE = 14  # of the grid
 GRID_STEP = math.log(2) / _POINTS_PER_OCTAVE  # in ln f
+_LINES = 2  # of each record, where it is liveliest: between the points of the grid a sharp resonance is not seen
+_SAME = 0.005  # in ln f: so near two of them are tried once
 _STEP, _CYCLE = 0.03, 0.1  # first step of the search in ln f; of a decay, so much of a cycle at its end
 
 
@@ -129,7 +131,10 @@ def _frequencies(records: Sequence[Trace], nominal: float | None) -> np.ndarray:
     band = max(_highest_content(r) for r in records)
     highest = min(highest, 8 * band)
     grid = np.geomspace(lowest, highest, max(int(_POINTS_PER_OCTAVE * math.log2(highest / lowest)), 8))
-    return grid if nominal is None else np.append(grid, nominal)
+    lively = np.array([hz for r in records for hz in liveliest(r.response, r.step, _LINES) if lowest < hz < highest])
+    told = lively if nominal is None else np.append(lively, nominal)
+    _, apart = np.unique(np.round(np.log(told) / _SAME), return_index=True)
+    return np.append(grid, told[apart])
 
 
 def _highest_content(record: Trace) -> float:

@@ -86,6 +86,13 @@ def highest_content(signal: np.ndarray, step: float) -> float:
     return max(index, 1) / (len(signal) * step)
 
 
+def liveliest(signal: np.ndarray, step: float, most: int) -> list[float]:
+    """Frequencies of the strongest peaks of a signal's spectrum, Hz; (n,) samples, one every `step` s."""
+    power = np.abs(np.fft.rfft((signal - np.mean(signal)) * np.hanning(len(signal))))
+    peaks = np.flatnonzero((power[1:-1] > power[:-2]) & (power[1:-1] >= power[2:])) + 1
+    return [float(k / (len(signal) * step)) for k in peaks[np.argsort(-power[peaks])][:most]]
+
+
 def oscillator_filter(
     frequency: float, quality: float, step: float, order: int = 0, edge: float | None = None
 ) -> tuple[np.ndarray, np.ndarray]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from scipy.signal.windows import tukey
 
 from ...campaign.device import Device
 from ...campaign.drive import drive_frequency
@@ -15,7 +14,7 @@ from .quantity import neat, scale
 
 _SINE = 0.98  # share of the drive's variance in its fundamental above which it is called a sine
 _NEAR = 0.1  # relative distance within which two frequencies are one
-_FADED = 0.1  # of a record, at its ends together, against leakage
+_FADED = 0.05  # of a record, at each of its ends, against leakage
 _ALONE = 0.7  # share of the power of V̇ in one frequency; a triangle has 0.81
 
 
@@ -26,13 +25,20 @@ def only_frequency(record: Trace) -> float | None:
     record alike: with its ends faded out a sweep would have the frequencies of its middle only.
     """
     slope = np.diff(record.drive)
-    power = np.abs(np.fft.rfft((slope - slope.mean()) * tukey(len(slope), _FADED))) ** 2
+    power = np.abs(np.fft.rfft((slope - slope.mean()) * _fade(len(slope)))) ** 2
     if power.sum() == 0.0:
         return None
     at = np.arange(len(power))
     top = int(np.argmax(power))
     share = float(power[np.abs(at - top) <= max(_NEAR * top, 3)].sum() / power.sum())
     return top / (len(slope) * record.step) if share > _ALONE else None
+
+
+def _fade(n: int) -> np.ndarray:
+    """One but at the ends of n samples, where it falls like a cosine to zero (Tukey's window; `scipy.signal` takes
+    as long to import as a page to draw)."""
+    to_end = np.minimum(np.arange(n), np.arange(n)[::-1])
+    return 0.5 - 0.5 * np.cos(np.pi * np.minimum(to_end / max(_FADED * (n - 1), 1.0), 1.0))
 
 
 def drive_words(record: Record, device: Device) -> str:
