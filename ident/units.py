@@ -125,13 +125,24 @@ def _one(name: str, rare: bool) -> tuple[float, Dimension] | None:
     return float(quantity.magnitude), dimension  # type: ignore[return-value]
 
 
+def plain_micro(text: str) -> str:
+    """A text with "u" for both micro signs, which not every program may read."""
+    return text.replace("µ", "u").replace("μ", "u")
+
+
 def _normal(text: str) -> str:
     """One spelling: both micro signs are "u", products "*", powers "^"."""
-    text = text.strip().replace("µ", "u").replace("μ", "u").replace("**", "^").replace("⁻", "-")
+    text = plain_micro(text.strip()).replace("**", "^").replace("⁻", "-")
     for raised, digit in zip("¹²³⁴⁵⁶", "123456", strict=True):
         text = text.replace(raised, digit)
     text = re.sub(r"\s*([*/·⋅×])\s*", r"\1", text)
     return re.sub(r"[·⋅×\s]+", "*", text)
+
+
+def factor_of(name: str | None) -> float:
+    """SI per unit of a column; 1 where it states none, or one of the user's own."""
+    found = find_unit(name) if name else None
+    return 1.0 if found is None else found.factor
 
 
 @cache

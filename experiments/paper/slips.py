@@ -8,10 +8,11 @@ import numpy as np
 
 from ident.campaign import Platform
 from ident.effects.section import device_section
-from ident.mechanics import l_beam, paper, residual_moment, segment_stiffness
+from ident.mechanics import l_beam, residual_moment, segment_stiffness
 from ident.report.figures.style import MODEL, RESIDUAL, label
 from ident.runtime import configure
 
+from . import printed
 from .sheet import Figure, names, sheet
 
 STRESSES = 90e6, 20e6, -10e6
@@ -34,16 +35,16 @@ def study() -> Found:
     configure()
     device = Platform()
     section, ts, tp = device_section(device), device.silicon_thickness, device.pzt_thickness
-    below, above = paper.stress_profile(np.array([ts - 1e-15, ts + 1e-15]), STRESSES, ts, tp, printed=True)
+    below, above = printed.stress_profile(np.array([ts - 1e-15, ts + 1e-15]), STRESSES, ts, tp, printed=True)
     moment = lambda name: float(residual_moment(section, 70e6, 30e6, 20e6, moment=name))
     moments = {name: moment(name) for name in ("neutral-axis", "paper-printed", "paper-integral")}
     bending, torsion = float(section.bending), float(section.torsion)
-    tip = lambda a, b, p: paper.free_deflection(device.length_1, a, b, ts, tp, device.width, bending, printed=p)
+    tip = lambda a, b, p: printed.free_deflection(device.length_1, a, b, ts, tp, device.width, bending, printed=p)
     ratios = tip(1.0, 0.0, True) / tip(1.0, 0.0, False), tip(0.0, 1.0, True) / tip(0.0, 1.0, False)
     own, other = (device.length_1, device.length_2), (device.length_2, device.length_1)
     beam = l_beam(section, device.length_1, device.length_2)
     table = {
-        p: np.array([[paper.stiffness(k, f, bending, long, torsion / o, printed=p) for f in FORCES]
+        p: np.array([[printed.stiffness(k, f, bending, long, torsion / o, printed=p) for f in FORCES]
                      for k, long, o in zip((1, 2), own, other, strict=True)])
         for p in (True, False)
     }  # fmt: skip

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,15 +10,14 @@ from pathlib import Path
 import numpy as np
 
 from ident.errors import UserError
-from ident.units import FREQUENCY, LENGTH, VOLTAGE, Dimension, find_unit, parse_quantity
+from ident.units import FREQUENCY, Dimension, factor_of, parse_quantity
 
-from .guess import match_any
+from .guess import time_column
 from .spec import RecordSpec
-from .tables.columns import trace_roles
+from .tables.amplitude_unit import TO_PEAK, split_convention
 from .tables.table import Column, Table
 
 _SINE = re.compile(r"sine\s+(\S+\s*[^\d\s]\S*)\s+(\S+\s*[^\d\s]\S*?)\s*", re.IGNORECASE)
-_TIME = trace_roles(VOLTAGE, LENGTH)[:1]
 
 
 def with_drive(spec: RecordSpec, table: Table, read: Callable[[Path, str], Table], unit: str, kind: Dimension | None):
@@ -40,27 +38,20 @@ def parse_sine(text: str, kind: Dimension | None, where: str) -> tuple[float, fl
     if match is None:
         do = 'write drive = "sine 8 V 317 Hz", or columns = { drive = "…" } to name a column'
         raise UserError(f'"{text}" is no drive', where=where, do=do)
-    level = re.fullmatch(r"(\S+?)\s*([A-Za-zµ]+?)(pp|rms)?", match[1])
-    words, factor = (match[1], 1.0) if level is None else (f"{level[1]} {level[2]}", _PEAKS[level[3] or ""])
-    amplitude = factor * parse_quantity(words, kind, where=where)
+    level, convention = split_convention(match[1])
+    amplitude = TO_PEAK[convention] * parse_quantity(level, kind, where=where)
     frequency = parse_quantity(match[2], FREQUENCY, where=where)
     if not (amplitude > 0 and frequency > 0):
         raise UserError(f'"{text}" has no positive amplitude and frequency', where=where, do="correct the numbers")
     return amplitude, frequency
 
 
-_PEAKS = {"": 1.0, "pp": 0.5, "rms": math.sqrt(2.0)}
-
-
 def _time_of(table: Table, spec: RecordSpec) -> tuple[Column, np.ndarray]:
-    given = spec.columns.get("time")
-    own = [c for c in table.columns if given in (c.header, c.stem, c.position)]
-    column = own[0] if own else match_any(table, _TIME).get("time")
+    column = time_column(table, spec.columns.get("time"))
     if column is None:
         do = 'say which with columns = { time = "…" }'
         raise UserError(f"no time column among {table.found}", where=table.name, do=do)
-    unit = find_unit(spec.units.get("time", column.unit or "s"))
-    return column, column.numbers() * (unit.factor if unit else 1.0)
+    return column, column.numbers() * factor_of(spec.units.get("time", column.unit or "s"))
 
 
 def _with_sine(table: Table, spec: RecordSpec, unit: str, kind: Dimension | None) -> Table:
@@ -77,12 +68,8 @@ def _joined(table: Table, drive: Table, spec: RecordSpec) -> Table:
     """The response's table with the one other column of the drive's, sampled at the same times."""
     named = spec.columns.get("drive")
     _, time = _time_of(table, spec)
-    time_column, drive_time = _time_of(drive, replace(spec, columns={}))
-    others = [
-        c
-        for c in drive.columns
-        if c.position != time_column.position and (named in (None, c.header, c.stem, c.position))
-    ]
+    drive_times, drive_time = _time_of(drive, replace(spec, columns={}))
+    others = [c for c in drive.columns if c.position != drive_times.position and (named is None or c.is_called(named))]
     numbers = [c for c in others if isinstance(c.cells, np.ndarray) or c.unit is not None or len(others) == 1]
     if len(numbers) != 1:
         do = 'say which with columns = { drive = "…" }'

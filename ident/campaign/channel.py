@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ident.errors import UserError
-from ident.units import find_unit
+from ident.units import factor_of
 
 from .device import Device
 from .record import Channel, Measures
@@ -22,8 +22,7 @@ def channel_of(column: Column, base: str, notes: list[str], role: str) -> Channe
     if column.unit is None:
         notes.append(f'{column.file}: the {role} "{column.header}" states no unit; {base} is assumed.')
         return Channel(base, 1.0)
-    found = find_unit(column.unit)
-    return Channel(column.unit, found.factor if found else 1.0)
+    return Channel(column.unit, factor_of(column.unit))
 
 
 def plausible_noise(spec: RecordSpec, size: float) -> float:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
-from ident.units import NUMBER, find_unit
+from ident.units import NUMBER, factor_of
 
 from .device import Device
 from .drive import find_period
@@ -14,28 +12,23 @@ from .quality.checks import on_grid, uniform_time
 from .record import Channel, NoiseFloor, Trace
 from .spec import signal_units
 from .tables.columns import match_columns, trace_roles
-from .tables.table import Column, Table
+from .tables.table import Table
 
 _FINE = 1e-4  # of a response that is not known: the solver's step is then as fine as for the best records
 
 
-def drive_alone(table: Table, device: Device, columns: Mapping[str, str | int] | None = None) -> Trace:
+def drive_alone(table: Table, device: Device) -> Trace:
     """Time and drive of a table as a record that starts at rest; its response is zero, because there is none.
 
     **Raises:** UserError if the columns cannot be told, or time is not uniform.
     """
     (unit, dimension), (response_unit, _) = signal_units(device)
     roles = trace_roles(dimension or NUMBER, NUMBER, ("" if dimension else unit, ""))[:2]
-    found = match_columns(table, roles, columns or {}, {})
-    time_factor, drive_factor = _factor(found["time"]), _factor(found["drive"])
+    found = match_columns(table, roles, {}, {})
+    time_factor, drive_factor = factor_of(found["time"].unit), factor_of(found["drive"].unit)
     time = uniform_time(found["time"], time_factor, [])
     (drive,) = on_grid(found["time"], time_factor, time, found["drive"].numbers() * drive_factor)
     noise = NoiseFloor(_FINE, method="nothing was measured")
     channels = Channel(found["drive"].unit or unit, drive_factor), Channel(response_unit, 1.0)
     nothing = np.zeros(len(time))
     return Trace(table.name, time, drive, nothing, *channels, noise=noise, start="rest", period=find_period(drive))
-
-
-def _factor(column: Column) -> float:
-    known = find_unit(column.unit) if column.unit else None
-    return known.factor if known else 1.0

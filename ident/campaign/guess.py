@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ident.errors import UserError
-from ident.units import CURRENT, LENGTH, NUMBER, VOLTAGE, Dimension, base_unit, find_unit
+from ident.units import CURRENT, LENGTH, NUMBER, VOLTAGE, Dimension, base_unit, factor_of, find_unit
 
 from .device import Device, Oscillator, Platform
 from .drive import drive_rate
@@ -32,6 +32,7 @@ _READINGS: tuple[Dimension, ...] = (
 _PUSHES: tuple[Dimension, ...] = (CURRENT, (1, 1, -2, 0, 0, 0, 0), (2, 1, -2, 0, 0, 0, 0), (1, 0, -2, 0, 0, 0, 0))
 """What may drive a thing that is no platform: a current, a force, a torque, an acceleration of its base."""
 
+_TIME = trace_roles(VOLTAGE, LENGTH)[:1]
 _OCTAVE = 2.0  # by which a thickness or a mass that is not the nominal one does not move a resonance
 _BENCH = 0.1  # m: what stands on a bench moves less, and metres in place of micrometres are more
 
@@ -60,6 +61,12 @@ def match_any(table: Table, roles: tuple) -> dict:
         return match_columns(table, roles, {}, {})
     except UserError:
         return {}
+
+
+def time_column(table: Table, wanted: str | int | None = None) -> Column | None:
+    """The column of times: the one that is wanted, if that is told, or that can be told."""
+    own = next((column for column in table.columns if column.is_called(wanted)), None)
+    return own or match_any(table, _TIME).get("time")
 
 
 def renamed(table: Table, chosen: Mapping[str, str | int], units: Mapping[str, str] | None = None) -> Table:
@@ -114,12 +121,11 @@ def _travel(column: Column, role: str) -> float:
 
 def _slow_or_fast(time: Column, drive: Column) -> str:
     """Why a record shows nothing that the nominal platform does, or "": sampled too slowly, or driven too fast."""
-    unit = find_unit(time.unit) if time.unit else None
     try:
         t, u = time.numbers(), drive.numbers()
     except UserError:
         return ""
-    step = (1.0 if unit is None else unit.factor) * float(np.median(np.diff(t))) if len(t) > 20 else 0.0
+    step = factor_of(time.unit) * float(np.median(np.diff(t))) if len(t) > 20 else 0.0
     if not step > 0:
         return ""
     if 1 / step < PLATFORM_RATE:
@@ -130,9 +136,8 @@ def _slow_or_fast(time: Column, drive: Column) -> str:
 
 def _elsewhere(frequency: Column) -> str:
     """Why a sweep is none of the nominal platform, or "": it would have passed nowhere near its resonance."""
-    unit = find_unit(frequency.unit) if frequency.unit else None
     try:
-        band = (1.0 if unit is None else unit.factor) * frequency.numbers(missing=True)
+        band = factor_of(frequency.unit) * frequency.numbers(missing=True)
     except UserError:
         return ""
     band = band[np.isfinite(band)]

@@ -18,14 +18,22 @@ from .drive import find_period
 from .guess import guess_kind, match_any
 from .lost_samples import with_lost_samples
 from .noise.floor import noise_floor
-from .quality.checks import check_drive, check_plausible, check_response, check_sampling, on_grid, uniform_time
+from .quality.checks import (
+    check_drive,
+    check_length,
+    check_plausible,
+    check_response,
+    check_sampling,
+    on_grid,
+    uniform_time,
+)
 from .quality.clipping import across_gaps, clipped_mask
 from .quality.gaps import without_gaps
 from .quality.outliers import find_outliers, without_outliers
 from .quality.rest_level import rest_level
 from .quality.slips import find_slips
 from .quality.thinning import thinned, thinned_mask, thinning
-from .record import MEASURES, Channel, NoiseFloor, Record, Trace
+from .record import LEAST, MEASURES, Channel, NoiseFloor, Record, Trace
 from .scale import Scale
 from .segments import segment_of
 from .spec import RecordSpec, signal_units
@@ -120,8 +128,7 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         if np.any(np.isnan(drive)):
             gone = gone | np.isnan(drive)
             drive = without_gaps(columns["drive"], drive, notes, drive=True)
-    if len(drive) < 20:
-        raise UserError(f"{len(drive)} samples are too few", where=spec.file, do="a record needs at least 20 samples")
+    check_length(len(drive), spec.file)
     if spec.rate is not None:
         time = np.arange(len(drive)) / spec.rate
     else:
@@ -208,7 +215,7 @@ def _skip_samples(spec: RecordSpec, time: np.ndarray, every: int) -> int:
     step = (time[-1] - time[0]) / (len(time) - 1)
     # Whole numbers stay whole: a file may give one that no float holds.
     skip = -(-spec.skip // every) if isinstance(spec.skip, int) else math.ceil(spec.skip / step - 1e-6)
-    if skip > len(time) - 20:
-        what = f"skip = {spec.skip} leaves fewer than 20 of {len(time)} samples to count"
+    if skip > len(time) - LEAST:
+        what = f"skip = {spec.skip} leaves fewer than {LEAST} of {len(time)} samples to count"
         raise UserError(what, where=spec.where or spec.file, do="skip less")
     return skip

@@ -144,7 +144,12 @@ def _folded_residual(signal: np.ndarray, period: int) -> float:
     return float(np.mean((folded - folded.mean(axis=0)) ** 2) * len(folded) / repeats)
 
 
+def noise_between(signal: np.ndarray) -> float:
+    """Mean square of the noise of a signal (n,), from sixth differences, which a vibration hardly has (924: their gain
+    of noise)."""
+    return float(np.mean(np.diff(signal, 6) ** 2)) / 924.0
+
+
 def _tolerance(signal: np.ndarray, size: float) -> float:
     """Mean square that a periodic drive may leave: its own noise, seen in sixth differences, or 1.5 % of its size."""
-    noise = float(np.mean(np.diff(signal, 6) ** 2)) / 924.0
-    return max(2.0 * min(noise, 0.01 * size), (0.015**2) * size)
+    return max(2.0 * min(noise_between(signal), 0.01 * size), (0.015**2) * size)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -20,13 +19,14 @@ from .drive import drive_frequency
 from .guess import guess_device, guess_kind, match_any, renamed
 from .held_drive import jumps
 from .load import load_record, read_table
+from .period import noise_between
 from .quality.checks import PLATFORM_TRAVEL
 from .record import Record, Sweep, Trace, same_level
 from .segments import segments
 from .spec import RecordSpec
 from .sweeps.form import direction_in, level_in
 from .tables.columns import sweep_roles, trace_roles
-from .tables.opening import check_file
+from .tables.opening import check_file, seen_from
 from .tables.table import Column, Table
 
 _ONE_OF_TWO = re.compile(
@@ -147,11 +147,11 @@ def _record(
     folder: Path,
     segment: int | None,
 ) -> _Proposal:
-    lines = [f"file = {_text(_relative(path, folder))}"]
+    lines = [f"file = {_text(seen_from(folder, path))}"]
     if segment is not None:
         lines.append(f"segment = {segment}                      # time starts again with each recording in the file")
     if drive is not None:
-        lines.append(f"drive_file = {_text(_relative(drive, folder))}")
+        lines.append(f"drive_file = {_text(seen_from(folder, drive))}")
     kind = guess_kind(table)
     lines.append(f'kind = "{kind}"')
     given, why, units = chosen
@@ -182,13 +182,6 @@ def _record(
     else:
         lines += _sweep_lines(path, table, record)
     return _Proposal(tuple(lines), record, tuple(doubts))
-
-
-def _relative(path: Path, folder: Path) -> str:
-    try:
-        return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
-    except ValueError:  # another drive
-        return path.resolve().as_posix()
 
 
 def _columns_by_content(table: Table) -> tuple[dict[str, str | int], str]:
@@ -289,9 +282,9 @@ def _switches(values: np.ndarray) -> bool:
 
 
 def _roughness(values: np.ndarray) -> float:
-    """Noise over size, from sixth differences, which a vibration hardly has (924: their gain of noise)."""
+    """Noise over size."""
     values = values[np.isfinite(values)]
-    return float(np.sqrt(np.mean(np.diff(values, 6) ** 2) / 924.0) / max(float(np.std(values)), 1e-300))
+    return float(np.sqrt(noise_between(values)) / max(float(np.std(values)), 1e-300))
 
 
 def _start(record: Trace) -> tuple[str, str]:

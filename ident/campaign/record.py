@@ -11,6 +11,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+LEAST = 20
+"""Samples of a trace, counted ones too."""
+
 Start = Literal["rest", "steady", "unknown"]
 Measures = Literal["displacement", "velocity", "acceleration"]
 Between = Literal["auto", "smooth", "hold"]

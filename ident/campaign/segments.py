@@ -7,15 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from ident.errors import UserError
-from ident.units import LENGTH, VOLTAGE
 
-from .guess import match_any
+from .guess import time_column
+from .record import LEAST
 from .spec import RecordSpec
-from .tables.columns import trace_roles
 from .tables.table import Column, Table
-
-LEAST = 20  # samples of a record
-_TIME = trace_roles(VOLTAGE, LENGTH)[:1]
 
 
 def segments(table: Table, named: str | int | None = None) -> list[slice]:
@@ -23,8 +19,7 @@ def segments(table: Table, named: str | int | None = None) -> list[slice]:
 
     A recording begins where the time goes back to what it was in the first row, to within a sample.
     """
-    column = next((c for c in table.columns if named is not None and named in (c.header, c.stem, c.position)), None)
-    column = column or match_any(table, _TIME).get("time")
+    column = time_column(table, named)
     whole = [slice(0, len(table.columns[0].cells) if table.columns else 0)]
     if column is None:
         return whole
@@ -46,7 +41,7 @@ def segment_of(spec: RecordSpec, table: Table) -> Table:
     if spec.segment is None:
         if len(found) < 2:
             return table
-        column = match_any(table, _TIME).get("time") or table.columns[0]
+        column = time_column(table) or table.columns[0]
         what = f"time runs backwards to where it began: {len(found)} recordings stand one below the other"
         do = f"write a [[record]] for each, with segment = 1 to {len(found)}; `ident new FOLDER FILE` does so"
         raise UserError(what, where=column.place(found[1].start), do=do)

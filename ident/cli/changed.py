@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from .fit import command_line
-from .output import progress, say, say_fit, say_json, say_sheet
+from .output import progress, say_fit, say_folder, say_json, say_sheet
 
 
 def change(run: str, effect: str, output: str | None, *, adding: bool, force: bool, as_json: bool) -> None:
@@ -21,7 +21,8 @@ def change(run: str, effect: str, output: str | None, *, adding: bool, force: bo
     progress("reading the parent run")
     parent = load_run(run)
 
-    from ident.diagnosis.search.change import add, lineage_entry, remove
+    from ident.diagnosis.document import lineage_entry
+    from ident.diagnosis.search.change import add, remove
     from ident.effects.registry import registry
     from ident.report.story import change_sheet
 
@@ -46,5 +47,4 @@ def change(run: str, effect: str, output: str | None, *, adding: bool, force: bo
         return
     say_fit(after)
     say_sheet(change_sheet(lineage[-1:]))
-    say(f"run folder: {folder}")
-    say(f"report:     {folder / 'report.html'}")
+    say_folder(folder)

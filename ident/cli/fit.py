@@ -17,7 +17,7 @@ from .options import (
     resume_option,
     trust_option,
 )
-from .output import progress, say, say_fit, say_json
+from .output import progress, say, say_fit, say_folder, say_json
 
 
 @click.command("fit", short_help="Fit a model to a campaign and write a run folder.")
@@ -114,8 +114,7 @@ def command(
     say_fit(found)
     for curve in curves:
         say(curve.sentence)
-    say(f"run folder: {folder}")
-    say(f"report:     {folder / 'report.html'}")
+    say_folder(folder)
 
 
 def default_folder(campaign: tuple[str, ...]) -> Path:

@@ -52,14 +52,13 @@ def command(folder: str, files: tuple[str, ...], columns: dict[str, str | int], 
 
 def _from_files(target: Path, files: tuple[str, ...], columns: dict[str, str | int], as_json: bool) -> None:
     from ident.campaign.propose import propose
+    from ident.report.new_folder import write_whole
 
     progress(f"reading {len(files)} file{'s' if len(files) > 1 else ''}")
     text = propose([Path(file) for file in files], target, columns)
     target.mkdir(parents=True, exist_ok=True)
     path = target / "campaign.toml"
-    beside = path.with_name(path.name + ".part")
-    beside.write_text(text, encoding="utf-8")
-    beside.replace(path)
+    write_whole(path, text)
     if as_json:
         say_json(_written([path]))
         return

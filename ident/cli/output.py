@@ -12,6 +12,8 @@ import click
 from ident.errors import visible
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from ident.fit import Fit
     from ident.report.words.sheet import Sheet
 
@@ -48,6 +50,12 @@ def say_sheet(sheet: Sheet) -> None:
         Console().print(rich_table(sheet))
     else:
         click.echo(visible(sheet_text(sheet, width())))
+
+
+def say_folder(folder: Path) -> None:
+    """Where a run was written."""
+    say(f"run folder: {folder}")
+    say(f"report:     {folder / 'report.html'}")
 
 
 def say_fit(fit: Fit) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from .fit import command_line
 from .limit import Limit, OutOfTime
-from .output import progress, say, say_fit, say_json, say_sheet
+from .output import progress, say, say_fit, say_folder, say_json, say_sheet
 
 if TYPE_CHECKING:
     from ident.diagnosis.diagnose import Diagnosis
@@ -39,7 +39,7 @@ def walk(walked: Walked, folder: Path, *, force: bool, as_json: bool, limit: Lim
         kept.tell("stopped", as_json)
         raise
     force = True  # what is there is this walk's own
-    lineage = lineage_of(found.discovery, "the first fit")
+    lineage = lineage_of(found.discovery.start, found.discovery.steps)
     document = diagnosis_dict(found) | {"advice": advice(found)}
     documents = {"diagnosis.json": document, "parts.json": parts_dict({"diagnosis": sections(found)})}
     write_run(
@@ -51,8 +51,7 @@ def walk(walked: Walked, folder: Path, *, force: bool, as_json: bool, limit: Lim
         return
     say_fit(found.discovery.final)
     tell(found)
-    say(f"run folder: {folder}")
-    say(f"report:     {folder / 'report.html'}")
+    say_folder(folder)
 
 
 class _Kept:
@@ -65,15 +64,15 @@ class _Kept:
 
     def keep(self, walked: Walked) -> None:
         """Write the last fit and the steps so far."""
-        from ident.diagnosis.document import lineage_so_far, unfinished_dict
+        from ident.diagnosis.document import lineage_of, unfinished_dict
         from ident.report.run_folder import write_run
         from ident.report.walk_json import FILE, walk_dict
 
-        self._fit = walked.steps[-1].fit if walked.steps else walked.start
+        self._fit = walked.final
         self._document = unfinished_dict(walked)
         write_run(
             self._fit, self.folder, force=self._force, command=command_line(),
-            lineage=lineage_so_far(walked, "the first fit"),
+            lineage=lineage_of(walked.start, walked.steps),
             documents={"diagnosis.json": self._document, FILE: walk_dict(walked)}, page=False,
         )  # fmt: skip
         self._force = True
@@ -116,7 +115,7 @@ def tell(found: Diagnosis) -> None:
     say()
     if found.discovery.ranking:
         say_sheet(ranking_sheet(found))
-    lineage = lineage_of(found.discovery, "the first fit")
+    lineage = lineage_of(found.discovery.start, found.discovery.steps)
     if lineage:
         say_sheet(change_sheet(lineage))
     for sentence in advice(found):

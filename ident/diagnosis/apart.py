@@ -26,8 +26,7 @@ from .linearised.trajectory import Diverged
 from .ranking.look import Look
 from .ranking.pairs import best_pair
 from .ranking.score import score_beside, significant
-from .search.beyond import alone
-from .search.change import add
+from .search.change import add, without
 from .search.written import AS_WELL
 
 
@@ -109,7 +108,7 @@ def _of_one_mode(look: Look) -> Look:
     if not further or fitted.campaign.modes is not None:
         return look
     try:
-        return Look(prepare(alone(fitted, further)), look.first, look.library, look.report)
+        return Look(prepare(without(fitted, further)), look.first, look.library, look.report)
     except Diverged:  # without them its motion has no bound
         return look
 

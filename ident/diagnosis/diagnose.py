@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from html import escape
@@ -10,8 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..campaign.quality.suspect import Suspect
-from ..effects.effect import AbstractEffect
-from ..effects.registry import registry
+from ..effects.registry import Registry, registry
 from ..fit import Fit, fit, fit_data
 from ..fit.fit_data import Effects
 from ..fit.floors import sharpened
@@ -36,8 +34,6 @@ from .where.words import summary
 
 if TYPE_CHECKING:
     from pandas import DataFrame
-
-_EXPERIMENTS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +101,7 @@ def discover(
 @one_thread
 def diagnose(
     fitted: Fit | Walked,
-    library: Mapping[str, type[AbstractEffect]] | None = None,
+    library: Registry | None = None,
     report: Report = lambda _: None,
     effect_file: Path | None = None,
     keeps_walk: bool = False,
@@ -161,7 +157,7 @@ def diagnose(
 
 
 def _read_apart(
-    apart: Apart, regression: Regression, library: Mapping[str, type[AbstractEffect]], report: Report, keep: Keep
+    apart: Apart, regression: Regression, library: Registry, report: Report, keep: Keep
 ) -> Diagnosis | None:
     """The answer where records that differ in a number each, and the library, explain them to the noise; None where
     they do not, or one law of a single coordinate does, which is the shorter answer.
@@ -186,9 +182,7 @@ def _read_apart(
     return replace(said, discovery=replace(said.discovery, verdict="ambiguous")) if sure else said
 
 
-def measure_next(
-    found: Discovery, library: Mapping[str, type[AbstractEffect]], report: Report = lambda _: None
-) -> tuple[NextExperiment, ...]:
+def measure_next(found: Discovery, library: Registry, report: Report = lambda _: None) -> tuple[NextExperiment, ...]:
     """Records that would separate the first tie between effects, best first; none if nothing ties or none would."""
     for step in found.steps:
         if step.role != "effect" or len(step.tie_set) < 2 or step.regression is None:
@@ -196,6 +190,6 @@ def measure_next(
         report(f"what would tell {' from '.join(step.tie_set[:2])}?")
         if step.instead is not None and len(step.tied) < 2:
             rivals = {step.instead.whole: step.instead.undivided, " and ".join(step.instead.names): step.instead.fit}
-            return tuple(rank_experiments(rivals, count=_EXPERIMENTS))
-        return tuple(next_experiments(step.regression, step.tied, library, _EXPERIMENTS))
+            return tuple(rank_experiments(rivals))
+        return tuple(next_experiments(step.regression, step.tied, library))
     return ()

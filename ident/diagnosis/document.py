@@ -1,12 +1,13 @@
-"""A discovery as the JSON that other programs read (diagnosis.json)."""
+"""A discovery as the JSON that other programs read: diagnosis.json and lineage.json."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from ..fit import Fit
+from ..fit.judge import Score
 from .diagnose import Diagnosis
-from .search.change import lineage_entry
 from .search.steps import Discovery, Step, Walked
 
 FORMAT = 1
@@ -38,14 +39,13 @@ def diagnosis_dict(diagnosis: Diagnosis) -> dict[str, Any]:
 
 def unfinished_dict(walked: Walked) -> dict[str, Any]:
     """`diagnosis.json` of a walk that has not ended: the steps so far. What it would have questioned is open."""
-    start, steps, _ = walked
     return {
         "format": FORMAT,
         "finished": False,
         "verdict": "ambiguous",
-        "start": _state(start),
-        "steps": [_step(step) for step in steps],
-        "final": _state(steps[-1].fit if steps else start),
+        "start": _state(walked.start),
+        "steps": [_step(step) for step in walked.steps],
+        "final": _state(walked.final),
         "ranking": [],
         "next_experiments": [],
         "records": [],
@@ -53,20 +53,34 @@ def unfinished_dict(walked: Walked) -> dict[str, Any]:
     }
 
 
-def lineage_of(found: Discovery, parent: str) -> list[dict[str, Any]]:
+def lineage_of(start: Fit, steps: Sequence[Step]) -> list[dict[str, Any]]:
     """One entry per step, for lineage.json and the staircase."""
-    return lineage_so_far(Walked(found.start, found.steps), parent)
+    parents = ["the first fit", *(f"step {k}" for k in range(1, len(steps)))]
+    before = [start, *(step.fit for step in steps)]
+    return [
+        lineage_entry(was, step.fit, parent, added=step.added)
+        for was, step, parent in zip(before, steps, parents, strict=False)
+    ]
 
 
-def lineage_so_far(walked: Walked, parent: str) -> list[dict[str, Any]]:
-    """The same of the steps of a walk that may go on."""
-    entries, before = [], walked.start
-    for step in walked.steps:
-        entries.append(
-            lineage_entry(before, step.fit, parent if not entries else f"step {len(entries)}", added=step.added)
-        )
-        before = step.fit
-    return entries
+def lineage_entry(
+    before: Fit, after: Fit, parent: str, *, added: str | None = None, removed: str | None = None
+) -> dict:
+    """What lineage.json keeps of one step: what changed, the errors, and the parameters that moved with it."""
+    moved = {
+        e.name: {"before": e.value, "after": after.value(e.name), "unit": e.unit, "standard_error": e.standard_error}
+        for e in before.estimates
+        if e.fitted and e.name in {p.name for p in after.model.parameters}
+    }
+    return {
+        "parent": parent,
+        "added": added,
+        "removed": removed,
+        "effects": list(after.model.names),
+        "before": _both_errors(before),
+        "after": _both_errors(after),
+        "parameters": moved,
+    }
 
 
 def _step(step: Step) -> dict[str, Any]:
@@ -105,3 +119,13 @@ def _errors(fitted: Fit) -> dict[str, Any]:
         "error_over_signal": fitted.fitted.error_over_signal,
         "holdout_error_over_signal": None if heldout is None else heldout.error_over_signal,
     }
+
+
+def _both_errors(fitted: Fit) -> dict[str, Any]:
+    """Error over noise, over the signal, and rms error (SI), on fitted and on held-out records."""
+    return {"fitted": _score(fitted.fitted), "holdout": _score(fitted.holdout)}
+
+
+def _score(found: Score | None) -> dict[str, float] | None:
+    names = ("rmse", "error_over_noise", "error_over_signal")
+    return None if found is None else {name: getattr(found, name) for name in names}

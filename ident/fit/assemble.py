@@ -10,11 +10,11 @@ import numpy as np
 from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
 from ..model import FREQUENCY, Model, ModelParameter
-from ..response import Equation, Tape, at_rest
+from ..response import Equation, Tape, at_rest, divided, lay_out
 from ..units import exponents
 from .coordinates import to_coordinates
-from .curves import Curves
-from .linear.guess import DataScales
+from .curves import Curves, lay_curves
+from .linear.guess import DataScales, LinearGuess
 from .problem import Data, Static, Unknowns
 
 _TIED_FOR = 0.25  # of a period of the resonance: displacement and velocity at the start, two numbers, need no more
@@ -58,6 +58,29 @@ def assemble(
     moving = bool(np.any(data.start_scale))
     static = Static(equation, free, moving, len(fitted) + (2 + len(histories)) * moving)
     return static, at_values(data, static, values)
+
+
+def assemble_fit(
+    model: Model,
+    campaign: Campaign,
+    guess: LinearGuess,
+    scales: DataScales,
+    base: np.ndarray,
+    values: np.ndarray | None = None,
+    substeps: Sequence[int] | None = None,
+) -> tuple[Static, Data]:
+    """The arrays of a fit to the records of a campaign that are not held out, at `values` (m,) SI, else at `base`.
+
+    Guess and base, where a search starts, say in which steps the solver goes, if not so many `substeps` per sample of
+    each record are known.
+    """
+    records, sweeps = campaign.fitted, campaign.fitted_sweeps
+    if substeps is None:
+        tape = lay_out(records, max(guess.frequency, float(base[FREQUENCY])), guess.quality, model)
+    else:
+        tape = divided(records, substeps)
+    curves = lay_curves(sweeps, model.steps_per_period) if sweeps else None
+    return assemble(model, campaign, records, tape, base if values is None else values, scales, curves=curves)
 
 
 def weight_of(record: Trace, frequency: float) -> np.ndarray:
@@ -109,14 +132,13 @@ def begin(data: Data, static: Static) -> Unknowns:
 
     A laser reads its distance, tens of times the motion: a stage that began there would leave the well of its spring.
     """
-    omega = 2 * np.pi * float(data.template[0])
+    omega = 2 * np.pi * float(data.template[FREQUENCY])
     zero = at_rest(static.equation, data.template)
     starts = [_measured_start(data.response[own] - zero, lane.step * span.substeps, int(lane.order), omega)
               for own, lane, span in zip(data.tape.slices, data.tape.lanes, data.tape.spans, strict=True)]  # fmt: skip
     found = np.zeros_like(data.start_scale)
     found[:, :2] = np.array(starts).reshape(-1, 2)
-    scale = np.where(data.start_scale > 0, data.start_scale, 1.0)
-    return Unknowns(np.zeros(len(static.free)), np.where(data.start_scale > 0, found / scale, 0.0))
+    return begin_at(data, static, found)
 
 
 def begin_at(data: Data, static: Static, begun: np.ndarray) -> Unknowns:

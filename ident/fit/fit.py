@@ -12,12 +12,10 @@ import numpy as np
 from ..campaign.campaign import Campaign
 from ..campaign.record import Sweep, Trace
 from ..errors import UserError
-from ..model import Model
+from ..model import FREQUENCY, QUALITY, Model
 from ..pulse import Pulse, Report
-from ..response import lay_out
 from . import solve
-from .assemble import assemble, at_values, begin, begin_at
-from .curves import lay_curves
+from .assemble import assemble_fit, at_values, begin, begin_at
 from .finish import Minimum, finish
 from .fit_starts import fit_starts
 from .linear.guess import LinearGuess
@@ -113,15 +111,13 @@ def minimise(
         raise UserError(what, do="add a record with holdout = false")
     told = [] if initial is None else list(np.atleast_2d(np.asarray(initial, float)))
     if told:
-        guess = LinearGuess(float(told[0][0]), float(told[0][1]), float("nan"), float("nan"))
+        guess = LinearGuess(float(told[0][FREQUENCY]), float(told[0][QUALITY]), float("nan"), float("nan"))
     else:
         report("reading the resonance off the records")
         guess = first_guess(model, campaign)
     scales = scales_of(campaign, guess.frequency)
     base = told[0] if told else base_values(model, guess, scales)
-    tape = lay_out(records, max(guess.frequency, float(base[0])), guess.quality, model)
-    curves = lay_curves(sweeps, model.steps_per_period) if sweeps else None
-    static, data = assemble(model, campaign, records, tape, base, scales, curves=curves)
+    static, data = assemble_fit(model, campaign, guess, scales, base)
     report(f"compiling the model ({len(static.free)} parameters, {len(records) + len(sweeps)} records)")
     points = told or starting_points(model, base, scales)
     if not told and starts:
@@ -217,7 +213,7 @@ def _remembered(
 
 
 def _first_errors(
-    static: Static, data: Data, points: list[np.ndarray], known: bool, begun: np.ndarray | None = None
+    static: Static, data: Data, points: list[np.ndarray], known: bool, begun: np.ndarray | None
 ) -> list[tuple[float, Data, Unknowns, Evaluation]]:
     """Starting points with Σ r², the unknowns and the model at each, best first.
 

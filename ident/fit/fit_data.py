@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -13,6 +13,7 @@ from ..campaign.campaign import Campaign
 from ..campaign.read import read_campaign
 from ..effects.effect import AbstractEffect
 from ..model import Model, make_effect
+from ..pulse import Report
 from ..threads import one_thread
 from .fit import fit
 from .floors import sharpened
@@ -34,7 +35,7 @@ def fit_data(
     seed: int = 0,
     initial: np.ndarray | None = None,
     seconds: float = np.inf,
-    report: Callable[[str], None] = lambda _: None,
+    report: Report = lambda _: None,
     **told: Any,
 ) -> Fit:
     """Fit the records of `data` that are not held out, by least squares; what `ident fit` does, without its run folder.
@@ -61,7 +62,7 @@ def fit_data(
     return found if sharper is None else fitted(sharper)
 
 
-def model_for(campaign: Campaign, effects: Effects, report: Callable[[str], None] = lambda _: None) -> Model:
+def model_for(campaign: Campaign, effects: Effects, report: Report = lambda _: None) -> Model:
     """The model of a fit: as it is, or with the linear part that the records choose and these effects."""
     if isinstance(effects, Model):
         return effects

@@ -6,7 +6,7 @@ import numpy as np
 
 from .problem import Data, Evaluation, Static, Unknowns, evaluate
 
-_ROUNDS = 8
+_ROUNDS = 8  # at most
 _STILL = 1e-7  # of the largest displacement and velocity
 _LEAST = 1 / 16  # of a step: a shorter one gains nothing
 

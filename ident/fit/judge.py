@@ -9,6 +9,10 @@ import numpy as np
 
 from ..campaign.record import Trace
 
+GOOD = 1.1
+"""Error over noise up to which the noise floor is reached, and error bars mean something: a floor is itself known to
+some ten per cent."""
+
 
 class RecordScore(NamedTuple):
     """Error on one record: `rmse` and `noise_rmse` in SI, `error_over_noise` = rms of (measured − model)/σ; `signal`,

@@ -9,7 +9,7 @@ Source: D. M. Bates, D. G. Watts, Nonlinear Regression Analysis and Its Applicat
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal, NamedTuple
@@ -18,6 +18,7 @@ import numpy as np
 
 from ..errors import UserError
 from ..model import QUALITY, Model, ModelParameter
+from ..pulse import Report
 from ..response import lay_out
 from ..threads import one_thread
 from ..units import format_quantity
@@ -123,7 +124,7 @@ class _Point(NamedTuple):
 
 
 @one_thread
-def profile(fit: Fit, name: str, *, robust: bool = False, report: Callable[[str], None] = lambda _: None) -> Profile:
+def profile(fit: Fit, name: str, *, robust: bool = False, report: Report = lambda _: None) -> Profile:
     """Profile one fitted parameter: ±3 standard errors around the optimum, or a decade if it is undetermined.
 
     **Arguments:** `name`: full name of the parameter; `robust`: as the fit was made; `report`: called with progress.

@@ -8,10 +8,8 @@ import numpy as np
 
 from ..campaign.campaign import Campaign
 from ..model import Model
-from ..response import divided, lay_out
 from . import solve
-from .assemble import assemble, begin
-from .curves import lay_curves
+from .assemble import assemble_fit, begin
 from .finish import Minimum, finish
 from .fit_starts import fit_starts
 from .on_orbits import on_orbits
@@ -40,15 +38,10 @@ def fit_at(
     records = campaign.fitted
     guess = first_guess(model, campaign)
     scales = scales_of(campaign, guess.frequency)
-    first = float(base_values(model, guess, scales)[0])  # the search chose its solver step from the same numbers
-    if substeps is None:
-        tape = lay_out(records, max(guess.frequency, first), guess.quality, model)
-    else:
-        tape = divided(records, substeps)
-    curves = lay_curves(campaign.fitted_sweeps, model.steps_per_period) if campaign.fitted_sweeps else None
-    static, data = assemble(model, campaign, records, tape, np.asarray(values, float), scales, curves=curves)
-    if curves is not None:
-        data = data._replace(curves=curves.weighed(static.equation, np.asarray(values, float)))
+    base, values = base_values(model, guess, scales), np.asarray(values, float)
+    static, data = assemble_fit(model, campaign, guess, scales, base, values, substeps)
+    if data.curves is not None:
+        data = data._replace(curves=data.curves.weighed(static.equation, values))
     data, unknowns, found = solve.rescale(static, data, begin(data, static))
     if static.starts_free:
         unknowns, found = fit_starts(static, data, unknowns)

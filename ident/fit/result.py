@@ -17,7 +17,7 @@ from . import access
 from .curve_reading import CurveReading
 from .curves import in_smaller_steps
 from .identifiability import Combination
-from .judge import RecordScore, Score, combine
+from .judge import GOOD, RecordScore, Score, combine
 from .linear.guess import DataScales
 from .predict import Prediction, predict
 from .problem import Data, Evaluation, Static, Unknowns, readings
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from .own_number import OwnNumber
 
 SigmaChoice = Literal["known", "scaled", "fitted"]
-_TRUSTED = 1.1  # error over noise floor above which error bars are said to be untrustworthy
+NEGLIGIBLE_STEP = 0.1  # noise floors that halving the solver's step may change
 
 
 class Start(NamedTuple):
@@ -173,7 +173,7 @@ class Fit:
     @property
     def trusted(self) -> bool:
         """Whether the model describes the records well enough for its error bars to mean anything."""
-        return self.converged and self.fitted.error_over_noise <= _TRUSTED
+        return self.converged and self.fitted.error_over_noise <= GOOD
 
     def value(self, name: str) -> float:
         """Value of one parameter, SI."""

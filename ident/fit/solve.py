@@ -32,7 +32,7 @@ from .normal import Normal, moving, normal_equations, pack, unpack
 from .problem import Data, Evaluation, Static, Unknowns, evaluate, in_ranges
 from .squares import squares_of
 
-MAX_STEPS = 400
+MAX_STEPS = 400  # from one start
 _SMALL_GAIN = 1e-4
 """Of the cost ½χ² per mean squared residual, if that is above one: no parameter is then further from its optimum than
 0.014 standard errors, with what is left taken for noise."""

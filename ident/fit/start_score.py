@@ -9,7 +9,7 @@ from ..response import respond
 from .result import Fit
 
 _GREATER_PART = 0.5  # of what is left of a record beyond noise
-_VERY_STRONG = 10.0  # of ln of a likelihood ratio
+_CLEAR = 20.0  # of χ²: 10 of ln of a likelihood ratio
 
 
 def taken_by_starts(fit: Fit) -> float:
@@ -72,6 +72,6 @@ def begun_otherwise(fit: Fit) -> list[tuple[str, float]]:
         part = data.tape.slices[record]
         before, after = float(left[part] @ left[part]), float(better[part] @ better[part])
         share = (before - after) / max(before - np.count_nonzero(data.weight[part]), 1e-9)
-        if share > _GREATER_PART and before - after > 2 * _VERY_STRONG:
+        if share > _GREATER_PART and before - after > _CLEAR:
             told.append((records[record].name, min(share, 1.0)))
     return told

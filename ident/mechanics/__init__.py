@@ -10,17 +10,11 @@ from .axial import axial_force as axial_force
 from .axial import axial_forces as axial_forces
 from .axial import shortening as shortening
 from .axial import sign_change as sign_change
-from .buckling import Buckling as Buckling
-from .buckling import buckling as buckling
-from .buckling import critical_force as critical_force
-from .buckling import critical_reduced_force as critical_reduced_force
 from .frame import FrameLaw as FrameLaw
 from .frame import InPlane as InPlane
 from .frame import end_stiffness as end_stiffness
 from .frame import frame_law as frame_law
 from .hysteresis import drive_force_coefficient as drive_force_coefficient
-from .hysteresis import drive_frequency as drive_frequency
-from .hysteresis import electric_field as electric_field
 from .hysteresis import polynomial_strain as polynomial_strain
 from .l_frame import in_plane_flexibility as in_plane_flexibility
 from .l_frame import shortening_stiffness as shortening_stiffness

@@ -53,7 +53,7 @@ def shortening(share: Scalar, length: Scalar, rise: Scalar, displacement: Scalar
 
 
 def axial_force(
-    beam: Beam, shape: InitialShape, stiffness: jax.Array, restraint: Scalar = 1.0, voltage: Scalar = 0.0
+    beam: Beam, shape: InitialShape, stiffness: jax.Array, restraint: Scalar, voltage: Scalar
 ) -> AxialForce:
     """Axial forces of the closure "axial-force".
 
@@ -74,9 +74,9 @@ def sign_change(
     beam: Beam,
     shape: InitialShape,
     stiffness: jax.Array,
-    restraint: Scalar = 1.0,
-    voltage: Scalar = 0.0,
-    width: Scalar = 1e-6,
+    restraint: Scalar,
+    voltage: Scalar,
+    width: Scalar,
 ) -> SignChange:
     """Axial forces of the closure "sign-change", the sharp change of Fig. 8.
 

@@ -15,7 +15,7 @@ from .stage import l_beam
 
 InPlane = Literal["yaw", "clamped", "free", "translation"]
 
-NEWTON_STEPS = 8
+NEWTON_STEPS = 8  # from zero; the last two carry the derivatives
 
 
 class FrameLaw(NamedTuple):

@@ -2,36 +2,9 @@
 
 from __future__ import annotations
 
-import jax.numpy as jnp
-
 from .scalar import Scalar
 from .section import Section
 from .stage import Beam, stage_stiffness
-
-
-def electric_field(voltage: Scalar, section: Section) -> Scalar:
-    """Field in the PZT layer.
-
-    E = V/Tp
-
-    `voltage` in V, any shape; returns V/m.
-
-    Source: Sensors 2020, 20, 3959, text under Eq. 12.
-    """
-    return voltage / section.pzt_thickness
-
-
-def drive_frequency(field: Scalar, rate: Scalar) -> Scalar:
-    """Angular frequency of any waveform, exact for a sine over whole periods.
-
-    ω = rms(Ė)/rms(E − mean E)
-
-    `field` (…, n) and its time derivative `rate` (…, n) in matching units; returns (…), rad/s.
-
-    Source: this project; Eq. 12 assumes a sine.
-    """
-    swing = jnp.asarray(field) - jnp.mean(jnp.asarray(field), axis=-1, keepdims=True)
-    return jnp.sqrt(jnp.mean(jnp.asarray(rate) ** 2, axis=-1) / jnp.mean(swing**2, axis=-1))
 
 
 def polynomial_strain(

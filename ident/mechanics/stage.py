@@ -72,7 +72,7 @@ def series_stiffness(x1: Scalar, x2: Scalar, r1: Scalar, r2: Scalar, scale_1: Sc
     `x1`, `x2`: N l²/EI; `r1`, `r2`: EI/(k_r l); `scale_1`, `scale_2`: EI/l³ in N/m; any broadcastable shapes; N/m.
     A buckled segment has a negative stiffness. K_L then has a pole at K1 + K2 = 0, where the beam snaps even with its
     end held; from K_j = −K_i/2 on the value is held at −max(K1, K2, 0), continuous and bounded: nothing there is
-    physical, and `buckling` says so.
+    physical.
 
     Source: Sensors 2020, 20, 3959, Eq. 11.
     """

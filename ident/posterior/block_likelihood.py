@@ -29,10 +29,10 @@ class Blocks(NamedTuple):
     sigma: np.ndarray
 
 
-def block_likelihood(density: Density, x: np.ndarray, seed: int = 0) -> Blocks:
+def block_likelihood(density: Density, x: np.ndarray) -> Blocks:
     """At draws (k, p) in the coordinates of the density."""
-    random = np.random.default_rng([seed, 3])
-    white = density.innovations(x, seed)
+    random = np.random.default_rng([0, 3])
+    white = density.innovations(x)
     logs, record, length, sigmas = [], [], [], []
     for i, (w, noise) in enumerate(zip(white, density.noises, strict=True)):
         nu, n = noise.freedom, noise.count

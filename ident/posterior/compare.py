@@ -19,11 +19,12 @@ from .evidence import Evidence, log_evidence
 from .leave_out import LeaveOut, heldout_score, leave_out
 from .log_sum import log_sum
 from .misfit import Misfit, misfit
+from .pareto import TRUSTED
 
 DECISIVE = 5.0
 """Difference of ln Z from which a model is called decided: odds of 150 to 1, "very strong" (Kass & Raftery 1995)."""
 _WORDS = ((1.0, "hardly worth a mention"), (3.0, "positive"), (5.0, "strong"), (np.inf, "very strong"))
-_DRAWS = 500
+_DRAWS = 500  # of a posterior, by which left-out stretches are predicted
 
 
 class Weighed(NamedTuple):
@@ -113,7 +114,7 @@ def _judge(models: tuple[Weighed, ...], doubts: Callable[[Fit], Sequence[str]]) 
     unsure = [m.name for m in (first, second) if not m.evidence.trusted]
     decided = lead - 2 * error > DECISIVE and not unsure
     if unsure:
-        parts.append(f"The evidence of {', '.join(unsure)} is not to be trusted (Pareto k above 0.7).")
+        parts.append(f"The evidence of {', '.join(unsure)} is not to be trusted (Pareto k above {TRUSTED}).")
     if lead <= DECISIVE:
         parts.append("The records cannot separate them.")
     wrong = (*first.misfit.reasons, *doubts(first.fit))

@@ -25,7 +25,7 @@ from ..fit.assemble import assemble, begin
 from ..fit.coordinates import to_coordinates, to_values
 from ..fit.fit_starts import fit_starts
 from ..fit.on_orbits import on_orbits
-from ..fit.problem import Data, Static, Unknowns, evaluate
+from ..fit.problem import WORST, Data, Static, Unknowns, evaluate
 from ..fit.result import Fit
 from ..model import QUALITY
 from ..response import lay_out, respond_many
@@ -35,8 +35,6 @@ from .priors import Prior, choose_prior, log_prior, table
 
 BATCH = 16
 """Points evaluated at once, always: one compiled program, and a point's density never depends on its neighbours."""
-
-_WORST = 1e8  # noise floors; a motion without bound is no number, and this is refused as surely
 
 
 class Linear(NamedTuple):
@@ -113,15 +111,18 @@ class Density:
         found[:, list(self.static.free)] = to_values(coordinates, self.data.lower, self.data.upper)
         return found
 
+    def _centre(self) -> np.ndarray:
+        """(p,) SI of the unknowns at x = 0."""
+        return self.values(np.zeros((1, self.size)))[0, list(self.static.free)]
+
     def readings(self, values: np.ndarray) -> list[np.ndarray]:
         """Readings (k, n) of each record at parameter values (k, m) SI, at the centre's initial states."""
         whole = self._batched(lambda part: self._simulate(part, self.starts), values)
         return [whole[:, own] for own in self.data.tape.slices]
 
-    def innovations(self, x: np.ndarray, seed: int = 0) -> list[np.ndarray]:
+    def innovations(self, x: np.ndarray) -> list[np.ndarray]:
         """White residuals (k, count) of each record in units of its floor, initial states drawn given x."""
-        random = np.random.default_rng(seed)
-        noise = random.standard_normal((len(x), len(self.records), self.starts.shape[1]))
+        noise = np.random.default_rng(0).standard_normal((len(x), len(self.records), self.starts.shape[1]))
 
         def drawn(part: np.ndarray, z: np.ndarray) -> np.ndarray:
             found = []
@@ -159,7 +160,7 @@ class Density:
             if self.static.starts_free:
                 at += [self._simulate(values, self.starts + kick, orbits) for kick in np.diag(self.kick)]
             off = [(a - self.data.response) * self.data.weight for a in at]
-            off = [np.where(np.abs(a) < _WORST, a, _WORST) for a in off]
+            off = [np.where(np.abs(a) < WORST, a, WORST) for a in off]
         found = []
         for i, (noise, own) in enumerate(zip(self.noises, self.data.tape.slices, strict=True)):
             first, *kicked = (whiten(noise, a[:, own]) for a in off)
@@ -210,14 +211,7 @@ class Density:
         data = self.data
         anchor, scale = np.asarray(data.anchor), np.asarray(data.scale)
         # Each prior is a function of its own coordinate, smooth over its own width.
-        width = np.array(
-            [
-                _width(p, v)
-                for p, v in zip(
-                    self.priors, self.values(np.zeros((1, self.size)))[0, list(self.static.free)], strict=True
-                )
-            ]
-        )
+        width = np.array([_width(p, v) for p, v in zip(self.priors, self._centre(), strict=True)])
         step = 1e-3 * width
         low, here, high = (
             -log_prior(table(self.priors), anchor + k * step, data.lower, data.upper) for k in (-1, 0, 1)
@@ -230,7 +224,7 @@ class Density:
     def likely(self) -> Density | None:
         """The same density centred where parameters that the fit left far outside their priors stand at the middle of
         these; None if there are none. Least squares knows no prior, and goes far where the records leave it free."""
-        values = self.values(np.zeros((1, self.size)))[0, list(self.static.free)]
+        values = self._centre()
         moved = np.array([_likely(p, float(v)) for p, v in zip(self.priors, values, strict=True)])
         if np.array_equal(moved, values):
             return None

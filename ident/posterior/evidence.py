@@ -3,7 +3,7 @@
 Laplace first; then importance sampling from the Student t on the peak, whose weights say themselves whether they can be
 trusted; where they waste more than half of the draws, from a mixture fitted to draws of the posterior.
 
-Sources: as in `laplace`, `pareto`, `mixture`, `bent`; X.-L. Meng, W. H. Wong, Statistica Sinica 6 (1996) 831 (bridge).
+Sources: as in `laplace`, `pareto`, `mixture`, `bent`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from .laplace import Laplace, find_peak, proposal
 from .log_sum import log_sum
 from .pareto import TRUSTED, Smoothed, smooth
 
-_DRAWS = 2048
+_DRAWS = 2048  # from Student's t on the peak
 _SERVES = 0.5
 """Efficiency of the weights from which Student's t on the peak serves; of a Gaussian of fourteen dimensions it is 0.54.
 At 0.39, the weak posterior of experiments/posterior/speed.py, it missed a tail of 15 % of the mass without a sign in
@@ -96,31 +96,3 @@ def _importance(laplace: Laplace, target: Any, count: int, random: np.random.Gen
     return Evidence(
         value, error, method, found.shape, found.efficiency, laplace.log_evidence, laplace.density, x, found.log_weights
     )
-
-
-def bridge(laplace: Laplace, draws: np.ndarray, *, seed: int = 0, tau: float = 1.0) -> tuple[float, float]:
-    """ln Z and its standard error by bridge sampling, a check that shares only the density with `log_evidence`.
-
-    One half of the posterior `draws` (k, p) gives the proposal, the other meets draws from it half way.
-
-    **Arguments:** `tau`: how many of the draws are worth one independent one.
-    """
-    random = np.random.default_rng([seed, 2])
-    chosen, used = draws[::2], draws[1::2]
-    target = fit_bent(chosen, seed)
-    fresh = target.draw(random, len(used))
-    ratio = lambda x: laplace.density.log_posterior(x) - target.log_density(x)
-    of_posterior, of_proposal = ratio(used), ratio(fresh)
-    effective = len(used) / tau
-    share = np.log(effective / (effective + len(fresh))), np.log(len(fresh) / (effective + len(fresh)))
-    value = float(np.median(of_posterior))
-    for _ in range(1000):
-        upper = of_proposal - np.logaddexp(share[0] + of_proposal, share[1] + value)
-        lower = -np.logaddexp(share[0] + of_posterior, share[1] + value)
-        new = float(log_sum(upper) - np.log(len(upper)) - log_sum(lower) + np.log(len(lower)))
-        if abs(new - value) < 1e-9:
-            break
-        value = new
-    spread = lambda logs: float(np.var(np.exp(logs - log_sum(logs) + np.log(len(logs)))))
-    error = np.sqrt(spread(upper) / len(upper) + spread(lower) / effective)
-    return value, float(error)

@@ -14,7 +14,7 @@ from scipy.special import gammaln
 
 from .density import Density
 
-_MOST = 60
+_MOST = 60  # steps to the peak
 _STILL = 1e-6  # nats that a step still promises
 _LEAST_DAMPING, _MOST_DAMPING = 1e-4, 1e6  # shares of the Hessian's diagonal
 _FREEDOM = 8.0  # of the Student t around the peak: tails heavier than those of any posterior met

@@ -1,4 +1,4 @@
-"""Sums of exponentials without overflow."""
+"""Sums of exponentials without overflow, as numbers: by its stubs SciPy's may be a tuple."""
 
 from __future__ import annotations
 

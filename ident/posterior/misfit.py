@@ -4,8 +4,7 @@ An interval says where a parameter is *if the model is right*. So what the peak 
 noise, is held against noise: its size, within the doubt of the floor; its correlation with itself; and single
 frequencies that stick out of its spectrum, as products of the drive would.
 
-Sources: G. M. Ljung, G. E. P. Box, Biometrika 65 (1978) 297; R. A. Fisher, Proc. R. Soc. A 125 (1929) 54 (the largest
-ordinate of a periodogram).
+Sources: as in `portmanteau`; R. A. Fisher, Proc. R. Soc. A 125 (1929) 54 (the largest ordinate of a periodogram).
 """
 
 from __future__ import annotations
@@ -15,13 +14,12 @@ from typing import NamedTuple
 import numpy as np
 from scipy import stats
 
+from ..campaign.noise.portmanteau import SLIGHT, portmanteau
 from .density import Density
 from .laplace import inverse
 from .noise_model import Noise
 
 _ALARM = 1e-3  # probability of one false alarm over all records and tests together
-_LAGS = 24
-_SLIGHT = 0.05  # correlation per lag that an estimated noise colour leaves of itself, as in the diagnosis
 
 
 class Misfit(NamedTuple):
@@ -65,14 +63,9 @@ def _size(w: np.ndarray, freedom: float) -> float:
 
 
 def _correlation(w: np.ndarray, order: int) -> float:
-    n = len(w)
-    last = min(_LAGS, n // 4)
-    w = w - w.mean()
-    power = float(w @ w) or 1.0
-    rho = np.array([float(w[:-k] @ w[k:]) / power for k in range(1, last + 1)])
-    q = n * (n + 2) * float(np.sum(rho**2 / (n - np.arange(1, last + 1))))
-    slight = n * _SLIGHT**2 if order else 0.0
-    return float(stats.ncx2.sf(q, max(last - order, 1), slight) if slight else stats.chi2.sf(q, max(last - order, 1)))
+    rho, q = portmanteau(w - w.mean())
+    freedom, slight = max(len(rho) - order, 1), len(w) * SLIGHT**2 if order else 0.0
+    return float(stats.ncx2.sf(q, freedom, slight) if slight else stats.chi2.sf(q, freedom))
 
 
 def _largest_line(w: np.ndarray) -> float:

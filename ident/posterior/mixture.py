@@ -13,8 +13,8 @@ import numpy as np
 from .laplace import StudentT
 from .log_sum import log_sum
 
-_COMPONENTS = 4
-_ROUNDS = 40
+_COMPONENTS = 4  # at most
+_ROUNDS = 40  # of expectation and maximisation
 _BROADER = 1.2  # of every width: a proposal narrower than its target has weights without bound
 _DEFENCE = 0.1  # share of the broad t, which bounds the weights (Hesterberg, Technometrics 37 (1995) 185)
 

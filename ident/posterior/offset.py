@@ -18,9 +18,9 @@ import numpy as np
 from ..campaign.drive_sine import DriveSine, drive_sine
 from ..campaign.record import NoiseFloor, Trace
 
-_HARMONICS = 10
-_DRAWS = 200
-_POINTS = 512
+_HARMONICS = 10  # of the drive, in the mean period of a record
+_DRAWS = 200  # of noise, which tell the error of a measure
+_POINTS = 512  # of a period, between which it is drawn straight
 _PHASE = 2  # position of the second harmonic's phase among the measures
 
 
@@ -68,13 +68,10 @@ def offsets(record: Trace, reading: np.ndarray) -> tuple[Offset, ...] | None:
 
     Source: B. Efron, R. J. Tibshirani, An Introduction to the Bootstrap, 1993, ch. 11 (jackknife).
     """
-    sine = drive_sine(record)
-    if sine is None:
+    folds = _folds(record)
+    if folds is None:
         return None
-    blocks = _blocks(record, sine)
-    count = min(_HARMONICS, int(sine.period) // 4)
-    if len(blocks) < 2 or count < 2:
-        return None
+    sine, blocks, count = folds
     samples = sum(stop - start for start, stop in blocks)
     deviation = _coefficient_noise(record.noise, sine.period, count, samples)
     data, model = (_coefficients(z, blocks, sine, count) for z in (record.response, reading))
@@ -106,19 +103,26 @@ class Folded(NamedTuple):
 
 def fold(record: Trace, readings: np.ndarray) -> Folded | None:
     """The measures of many readings (k, n) of one record at once; None if the drive has no period to fold on."""
-    sine = drive_sine(record)
-    if sine is None:
+    folds = _folds(record)
+    if folds is None:
         return None
-    blocks = _blocks(record, sine)
-    count = min(_HARMONICS, int(sine.period) // 4)
-    if len(blocks) < 2 or count < 2:
-        return None
+    sine, blocks, count = folds
     inverses = []
     for start, stop in blocks:
         basis = _basis(sine.angle(np.arange(start, stop)), count)
         inverses.append((start, stop, np.linalg.solve(basis.T @ basis, basis.T)))
     series = np.mean([readings[:, start:stop] @ inverse.T for start, stop, inverse in inverses], axis=0)
     return Folded(_measures(series, sine), series[:, 3:5])
+
+
+def _folds(record: Trace) -> tuple[DriveSine, list[tuple[int, int]], int] | None:
+    """The drive's sine, the periods over which a record is folded on it, and how many harmonics they tell; None if
+    there are too few."""
+    sine = drive_sine(record)
+    if sine is None:
+        return None
+    blocks, count = _blocks(record, sine), min(_HARMONICS, int(sine.period) // 4)
+    return None if len(blocks) < 2 or count < 2 else (sine, blocks, count)
 
 
 def _blocks(record: Trace, sine: DriveSine) -> list[tuple[int, int]]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..fit.access import position
-from ..fit.result import Fit
+from ..fit.result import NEGLIGIBLE_STEP, Fit
 from .chain_file import read_chain
 from .convergence import judge
 from .density import Density, make_density
@@ -29,9 +29,8 @@ if TYPE_CHECKING:
 DECIDES = 1.25
 """The prior decides a parameter whose standard deviation grows by more than this where all priors are twice as broad:
 records that determine it leave the ratio at 1, records that say nothing give 2."""
-_EVIDENCE_DRAWS = 4000
+_EVIDENCE_DRAWS = 4000  # of the chain, to which the evidence may fit a mixture
 _WORTH_A_WORD = 1.05  # times too narrow; intervals are printed with two digits
-_STEP_ERROR = 0.1  # noise floors; the solver's own limit
 
 
 class Marginal(NamedTuple):
@@ -61,8 +60,7 @@ class Posterior:
     """Draws of a fit's parameters; `reasons` why it is not final (none if it is), `notes` that do not stand against it.
 
     **Arguments:** `density`, in whose coordinates the draws are; `marginals` in the order of the unknowns;
-    `evidence`; `sampled`, chain and convergence; `narrow`, by how much intervals would be too narrow if the colour of
-    the noise were ignored.
+    `evidence`; `sampled`, chain and convergence.
     """
 
     fit: Fit
@@ -72,7 +70,6 @@ class Posterior:
     evidence: Evidence
     reasons: tuple[str, ...]
     notes: tuple[str, ...]
-    narrow: float
 
     @property
     def trusted(self) -> bool:
@@ -141,7 +138,7 @@ def judge_posterior(fit: Fit, sampled: Sampled, doubts: Sequence[str] = ()) -> P
     reasons += doubts
     if not fit.converged:
         reasons.append("the fit had not converged")
-    if not fit.step_error < _STEP_ERROR:
+    if not fit.step_error < NEGLIGIBLE_STEP:
         reasons.append(f"the solver's step moves the readings by {fit.step_error:.2f} noise floors")
     narrow, notes = too_narrow(density), []
     if narrow > _WORTH_A_WORD:
@@ -153,7 +150,7 @@ def judge_posterior(fit: Fit, sampled: Sampled, doubts: Sequence[str] = ()) -> P
     decided = [m.prior.name for m in marginals if m.prior_decides]
     if decided:
         notes.append(f"The prior decides {', '.join(decided)}: the records say less of it than was assumed beforehand.")
-    return Posterior(fit, density, sampled, marginals, evidence, tuple(reasons), tuple(notes), narrow)
+    return Posterior(fit, density, sampled, marginals, evidence, tuple(reasons), tuple(notes))
 
 
 def _marginals(density: Density, sampled: Sampled) -> tuple[Marginal, ...]:

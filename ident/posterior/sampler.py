@@ -22,12 +22,13 @@ from .evidence import learned
 from .laplace import Laplace, StudentT, find_peak, proposal
 from .moves import moves
 
-ENSEMBLES = 4
+ENSEMBLES = 4  # that must agree
 BLOCK = 50
 """Steps between two looks at the chain."""
 _LEAST_STEPS = 150  # before the first look: fewer say nothing of τ
+_MOST_STEPS = 200_000  # of each walker: what has not converged by then will not
 _EVERY = 2.0  # s between two writings of the chain; what a kill can cost
-_MOST_REDRAWS = 200
+_MOST_REDRAWS = 200  # of walkers that would begin where the posterior is zero
 LIKE = 2000  # draws to which a mixture is fitted
 
 
@@ -74,7 +75,6 @@ def sample(
     resume: bool = False,
     seed: int = 0,
     seconds: float | None = None,
-    most_steps: int = 200_000,
     report: Callable[[Progress], None] = lambda _: None,
 ) -> Sampled:
     """Draw until N > 50 τ with τ stable and R̂ < 1.01, or until time is up; Ctrl-C ends it with what there is.
@@ -112,8 +112,8 @@ def sample(
             if seconds is not None and time.monotonic() - begun > seconds:
                 stopped = "time ran out"
                 break
-            if steps >= most_steps:
-                stopped = f"{most_steps} steps were not enough"
+            if steps >= _MOST_STEPS:
+                stopped = f"{_MOST_STEPS} steps were not enough"
                 break
             if path is not None and time.monotonic() - written > _EVERY:
                 write_chain(path, chain)

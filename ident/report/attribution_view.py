@@ -10,6 +10,7 @@ import numpy as np
 from ..campaign.device import Device
 from ..campaign.record import Trace
 from ..posterior.attribution import Attributed, Attribution, Share
+from ..units import plain_micro
 from .figures.picture import draw
 from .figures.style import FAINT, HELDOUT, INK, MODEL, RESIDUAL, new_axes, new_figure, shortened
 from .html import Section
@@ -51,8 +52,7 @@ def attribution_dict(found: Attribution, device: Device) -> dict[str, Any]:
 
 def _measure(one: Attributed, record: Trace) -> dict[str, Any]:
     channel = record.response_channel
-    plain = channel.unit.replace("µ", "u").replace("μ", "u")
-    unit = _FIXED.get(one.measure.unit) or Scale(channel.factor, plain)
+    unit = _FIXED.get(one.measure.unit) or Scale(channel.factor, plain_micro(channel.unit))
     data, model = one.offset.data, one.offset.model
     return {
         "measure": one.measure.name,

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..posterior.compare import Comparison, Weighed
+from ..posterior.compare import DECISIVE, Comparison, Weighed
 from .figures.style import FAINT, HELDOUT, INK, MODEL, RESIDUAL, label, new_axes, new_figure
 from .words.sheet import Column, Sheet
 
@@ -92,9 +92,9 @@ def compare_figure(document: Mapping[str, Any]) -> Figure:
     axes.plot(missed, places, "o", color=INK, ms=5)
     axes.set_xscale("symlog", linthresh=10.0)
     axes.set_xlim(0, max(20.0, 3.0 * max([*behind, *missed])))
-    axes.axvline(5.0, color=RESIDUAL, lw=1.2, ls="--")
+    axes.axvline(DECISIVE, color=RESIDUAL, lw=1.2, ls="--")
     axes.set_ylim(places[-1] - 0.6, 0.75)
-    axes.text(5.0, 0.72, " decided beyond", fontsize=9, color=RESIDUAL, va="top")
+    axes.text(DECISIVE, 0.72, " decided beyond", fontsize=9, color=RESIDUAL, va="top")
     axes.set_yticks(places, [" + ".join(m["effects"]) or "linear alone" for m in models])
     axes.tick_params(axis="y", length=0)
     axes.minorticks_off()

@@ -5,9 +5,10 @@ from __future__ import annotations
 from ..campaign.device import Device
 from ..campaign.quality.suspect import ALL
 from ..diagnosis.diagnose import Diagnosis
-from ..diagnosis.evidence.enough import ANOTHER_LAW, adequate, contradicted, noise_of_force
+from ..diagnosis.evidence.enough import ANOTHER_LAW, adequate, noise_of_force
+from ..diagnosis.evidence.held_out import contradicted
 from ..diagnosis.faulty.suspects import BY_OTHERS
-from ..diagnosis.ranking.score import Candidate
+from ..diagnosis.ranking.score import NAMED_BY_CHANCE, Candidate
 from ..diagnosis.search.beyond import NAME
 from ..diagnosis.search.steps import Discovery, Step
 from ..fit import Fit
@@ -122,7 +123,8 @@ def _not_in_library(loop: Discovery, known: list[Step], named: list[Step]) -> st
 def ranking_sheet(found: Diagnosis) -> Sheet:
     """The best candidates: share of the excess error that each would remove, as scored and as confirmed by a refit."""
     loop = found.discovery
-    rows, marks = [], []
+    rows: list[tuple[str, ...]] = []
+    marks: list[Mark] = []
     for candidate in loop.ranking[:_LISTED]:
         confirmed = loop.confirmed.get(candidate.name)
         rows.append(
@@ -134,8 +136,8 @@ def ranking_sheet(found: Diagnosis) -> Sheet:
                 "< 1e-15" if candidate.p_value < 1e-15 else f"{candidate.p_value:.1g}",
             )
         )
-        mark: Mark = "" if candidate.p_value * max(len(loop.ranking), 1) < 0.002 else "quiet"
-        marks.append(mark)
+        sure = candidate.p_value * max(len(loop.ranking), 1) < NAMED_BY_CHANCE
+        marks.append("" if sure else "quiet")
     columns = (
         Column("candidate", wraps=True), Column("predicted", True), Column("confirmed", True),
         Column("estimated size", wraps=True), Column("by chance", True),

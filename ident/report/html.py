@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..campaign.device import Platform
+from ..fit.judge import GOOD
 from ..fit.result import Fit
 from .figures.curves import curve_figure
 from .figures.dynamic_stiffness import dynamic_stiffness_figure
@@ -19,7 +20,7 @@ from .figures.picture import Picture, draw
 from .figures.records import record_figure
 from .words.linear import linear_sheet
 from .words.offsets import offset_sheet
-from .words.sentences import GOOD, sentences, verdict
+from .words.sentences import sentences, verdict
 from .words.sheet import Sheet
 from .words.tables import (
     combination_sentences,

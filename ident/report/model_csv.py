@@ -11,6 +11,7 @@ import numpy as np
 from ..campaign.device import Device, Oscillator
 from ..campaign.record import Trace
 from ..errors import UserError
+from .new_folder import write_whole
 
 PathLike = str | os.PathLike[str]
 
@@ -41,9 +42,7 @@ def write_model_csv(
         lines += [",".join([*first, *(f"{x:.9g}" for x in row)]) for row in zip(*columns, strict=True)]
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        beside = target.with_name(target.name + ".part")
-        beside.write_text("\n".join(lines) + "\n", encoding="utf-8")
-        beside.replace(target)
+        write_whole(target, "\n".join(lines) + "\n")
     except OSError as error:
         raise UserError(error.strerror or "cannot be written", where=str(target), do="choose another file") from None
     return target

@@ -1,4 +1,5 @@
-"""A folder that takes its final name complete or not at all, in one step of the file system where that has one."""
+"""A folder, or a file, that takes its final name complete or not at all, in one step of the file system where that has
+one."""
 
 from __future__ import annotations
 
@@ -64,6 +65,13 @@ def new_folder(target: Path) -> Iterator[Path]:
             raise UserError(what, where=str(target), do="choose another folder") from None
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a text file whole or not at all."""
+    beside = path.with_name(path.name + ".part")
+    beside.write_text(text, encoding="utf-8")
+    beside.replace(path)
 
 
 def _keep_foreign(old: Path, new: Path) -> None:

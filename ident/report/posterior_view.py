@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..campaign.device import Device
+from ..posterior.pareto import TRUSTED
 from ..posterior.result import Marginal, Posterior
 from .figures.picture import draw
 from .figures.style import FAINT, INK, MODEL, RESIDUAL, new_axes, new_figure
@@ -37,7 +38,7 @@ def verdict_words(document: Mapping[str, Any]) -> str:
 def evidence_words(told: Mapping[str, Any]) -> str:
     """The evidence in one sentence, from `posterior.json`."""
     k = "none" if told["pareto_k"] is None else f"{told['pareto_k']:.2f}"
-    doubt = "" if told["trusted"] else "; not to be trusted, because k is above 0.7"
+    doubt = "" if told["trusted"] else f"; not to be trusted, because k is above {TRUSTED}"
     return (
         f"Log evidence {told['value']:.2f} ± {told['error']:.2f} ({told['method']}, "
         f"efficiency {told['efficiency']:.2f}, Pareto k {k}; Laplace {told['laplace']:.2f}){doubt}."

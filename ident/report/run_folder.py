@@ -12,7 +12,7 @@ import json
 import math
 import os
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,10 +23,11 @@ from ..campaign.tables.opening import MOST_DATA, exists, read_bytes
 from ..errors import UserError
 from ..fit import Fit
 from ..model import Model
+from ..pulse import Report
 from ..threads import one_thread
 from .figures.picture import drawn_as_before
 from .html import Section, write_report
-from .new_folder import OWN, link_or_copy, new_folder
+from .new_folder import OWN, link_or_copy, new_folder, write_whole
 from .parts import FILE as PARTS
 from .parts import parts_dict, parts_of
 from .run_json import run_dict
@@ -48,7 +49,7 @@ def write_run(
     options: Mapping[str, Any] | None = None,
     lineage: Sequence[Mapping[str, Any]] = (),
     documents: Mapping[str, Mapping[str, Any]] | None = None,
-    report: Callable[[str], None] = lambda _: None,
+    report: Report = lambda _: None,
     page: bool = True,
 ) -> Path:
     """Write the run folder of a fit; it appears complete or not at all.
@@ -150,9 +151,7 @@ def read_lineage(folder: PathLike) -> list[dict[str, Any]]:
 
 def write_json(path: Path, document: Any) -> None:
     """Write a JSON file whole or not at all."""
-    beside = path.with_name(path.name + ".part")
-    beside.write_text(json_text(document), encoding="utf-8")
-    beside.replace(path)
+    write_whole(path, json_text(document))
 
 
 def json_text(document: Any) -> str:

@@ -11,6 +11,7 @@ from ..campaign.record import Record, Trace
 from ..fit.curve_reading import CurveReading, Jump, RunReading
 from ..fit.judge import RecordScore, Score
 from ..fit.result import Estimate, Fit
+from ..units import plain_micro
 from .words.linear import linear_dict
 from .words.own_numbers import own_numbers_dict
 from .words.quantity import display_unit
@@ -60,7 +61,7 @@ def _score(score: Score | RecordScore, record: Record) -> dict[str, Any]:
     return {
         "n": int(score.n),
         "rmse": _number(score.rmse / channel.factor),
-        "unit": channel.unit.replace("µ", "u").replace("μ", "u"),
+        "unit": plain_micro(channel.unit),
         "noise_rmse": _number(score.noise_rmse / channel.factor),
         "error_over_noise": _number(score.error_over_noise),
         "error_over_signal": _number(score.error_over_signal),

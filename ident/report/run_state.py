@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import platform
 from collections.abc import Sequence
 from dataclasses import asdict, replace
@@ -16,7 +15,7 @@ import numpy as np
 from ..campaign import Campaign, NoiseFloor, read_campaign
 from ..campaign.apart import read_apart
 from ..campaign.record import Sweep, Trace
-from ..campaign.tables.opening import read_bytes
+from ..campaign.tables.opening import read_bytes, seen_from
 from ..campaign.trust import checksum
 from ..effects.registry import find, registry
 from ..errors import UserError
@@ -43,20 +42,13 @@ def origin(campaign: Campaign, folder: Path) -> dict[str, Any]:
     """Where the data came from: files relative to the run folder, and the checksums of all that was read."""
     return {
         "title": campaign.title,
-        "files": [_relative(path, folder) for path in campaign.files],
-        "effect_files": [_relative(path, folder) for path in campaign.effect_files],
+        "files": [seen_from(folder, path) for path in campaign.files],
+        "effect_files": [seen_from(folder, path) for path in campaign.effect_files],
         "checksums": dict(campaign.checksums),
         "effect_checksums": {
-            _relative(path, folder): checksum(read_bytes(path, str(path))) for path in campaign.effect_files
+            seen_from(folder, path): checksum(read_bytes(path, str(path))) for path in campaign.effect_files
         },
     }
-
-
-def _relative(path: Path, folder: Path) -> str:
-    try:
-        return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
-    except ValueError:  # another drive
-        return path.resolve().as_posix()
 
 
 def state(fit: Fit) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +9,7 @@ from ..campaign.tables.opening import exists
 from ..diagnosis.search.steps import Step, Walked
 from ..errors import UserError
 from ..fit import Fit
+from ..pulse import Report
 from .run_folder import read_json, read_run
 from .run_state import rebuild_in, restore_campaign, state
 
@@ -28,7 +28,7 @@ def walk_dict(walked: Walked) -> dict[str, Any]:
     }
 
 
-def read_walk(folder: Path, report: Callable[[str], None] = lambda _: None) -> Walked:
+def read_walk(folder: Path, report: Report = lambda _: None) -> Walked:
     """The walk that a run folder holds; nothing is fitted again.
 
     **Raises:** UserError if it has ended or none was begun there, or if its files have changed.

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ident.diagnosis.evidence import enough
+from ident.diagnosis.evidence import held_out
 from ident.diagnosis.evidence.enough import adequate, another_law, not_worth_adding, superfluous
-from ident.diagnosis.search.prune import _hurts_more, hurts
+from ident.diagnosis.evidence.held_out import foretold, hurts, hurts_more
 from ident.fit.judge import Score
 
 N = 10_000
@@ -77,8 +77,8 @@ def test_held_out_error_of_another_law_is_weighed_against_what_fitted_records_ga
     before: Any = SimpleNamespace(fitted=score(1.06), holdout=score(1.19), **heldout(1.19 * WHITE))
     after: Any = SimpleNamespace(fitted=score(fitted), holdout=score(held), **heldout(held * WHITE))
     assert np.isclose(before.fitted.chi2, N * 1.06**2)
-    assert _hurts_more(before, after) is more
-    assert not _hurts_more(before, SimpleNamespace(fitted=score(fitted), holdout=None))  # type: ignore[arg-type]
+    assert hurts_more(before, after) is more
+    assert not hurts_more(before, SimpleNamespace(fitted=score(fitted), holdout=None))  # type: ignore[arg-type]
 
 
 def test_held_out_records_that_say_one_thing_do_not_contradict() -> None:
@@ -94,11 +94,11 @@ def test_held_out_records_that_say_one_thing_do_not_contradict() -> None:
 def test_what_errors_of_parameters_and_floors_make_of_held_out_records_is_foretold(
     error: float, at_floor: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(enough, "expected_error", lambda _: 1.2)
+    monkeypatch.setattr(held_out, "expected_error", lambda _: 1.2)
     records = [SimpleNamespace(holdout=held, noise=SimpleNamespace(relative_error=0.09)) for held in (False, True)]
     fit: Any = SimpleNamespace(
         campaign=SimpleNamespace(records=records), holdout=SimpleNamespace(error_over_noise=error)
     )
-    assert enough.foretold(fit) == at_floor
+    assert foretold(fit) == at_floor
     fit.holdout = None
-    assert enough.foretold(fit)
+    assert foretold(fit)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any, cast
 
-from ident.diagnosis.search.prune import hurts
+from ident.diagnosis.evidence.held_out import hurts
 from ident.fit.judge import RecordScore, combine
 
 

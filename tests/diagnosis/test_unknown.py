@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ import ident
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import Case, draw
 from ident.diagnosis.linearised.regression import prepare
+from ident.diagnosis.search.lacking import lacking
 from ident.diagnosis.unknown.effect_file import write_effect
 from ident.diagnosis.unknown.find import Unknown, find_unknown
 from ident.effects.registry import registry
@@ -137,3 +139,14 @@ def test_numbers_of_a_formula_are_sought_between_those_of_a_grid(push, word, num
     (term,) = found.formula.terms
     assert term.text.startswith(word) and term.number is not None
     assert term.number.value == pytest.approx(number, rel=0.05)
+
+
+def test_beside_sweeps_it_is_asked_of_the_traces_alone():
+    data = Path(__file__).parents[2] / "data"
+    traces, sweeps = (ident.read_campaign(data / name) for name in ("platform_317hz", "platform_sweeps"))
+    both = replace(traces, records=(*traces.records[1:3], *sweeps.records[:1]))
+    regression = prepare(fit(Model(both.device), both))
+    found = find_unknown(regression)
+    assert regression.plane is not None and len(regression.of_traces().residual) < len(regression.residual)
+    assert found.share > 0.9
+    assert lacking(regression, regression) > 0.9

@@ -6,7 +6,7 @@ import pytest
 from experiments.recovery import recovery
 from experiments.recovery.campaigns import KINDS, draw
 from experiments.simulator.geometry import Geometry
-from ident.mechanics.buckling import critical_force
+from tests.mechanics.buckling import critical_force
 
 SLICE = (0, 9, 14, 15)  # one of each kind of noise, all solved in the same steps: a single compilation
 

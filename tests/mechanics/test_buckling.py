@@ -1,4 +1,4 @@
-"""Buckling is found where the stiffness passes through zero, and told as data."""
+"""The stiffness passes through zero where a segment buckles."""
 
 from __future__ import annotations
 
@@ -8,14 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ident.mechanics import (
-    axial_forces,
-    buckling,
-    critical_reduced_force,
-    restoring,
-    restoring_stiffness,
-    segment_stiffness,
-)
+from ident.mechanics import restoring, restoring_stiffness, segment_stiffness
+from tests.mechanics.buckling import critical_reduced_force
 
 critical = jax.jit(critical_reduced_force)
 
@@ -41,13 +35,6 @@ def test_differentiable():
     assert float(jax.grad(critical_reduced_force)(r)) == pytest.approx(slope, rel=1e-8)
 
 
-def test_says_how_far(device):
-    found = buckling(device.beam, np.array([0.0, -0.3, 0.5, -1.0]), np.array([0.0, -0.629945966241 / 2, 0.5, 0.0]))
-    assert np.asarray(found.margin)[:2] == pytest.approx([1.0, 0.5], rel=1e-10)
-    assert np.asarray(found.beyond).tolist() == [False, False, False, True]
-    assert float(found.margin_2[3]) == 1.0
-
-
 @pytest.mark.parametrize("multiple, fails", [(1.0, False), (7.0, False), (8.2, False), (8.3, True), (20.0, True)])
 def test_the_axial_force_closure_fails_at_eight_times_the_stress(device, multiple, fails):
     sigma12, sigma23, sigma2 = (multiple * s for s in device.stresses)
@@ -55,7 +42,6 @@ def test_the_axial_force_closure_fails_at_eight_times_the_stress(device, multipl
         device.section, device.length_1, device.length_2, sigma12=sigma12, sigma23=sigma23, sigma2=sigma2
     )
     z = np.linspace(-400e-6, 100e-6, 2001)
-    assert bool(buckling(device.beam, *axial_forces(constants.law, z)).beyond.any()) is fails
     stiffness = np.asarray(restoring_stiffness(constants, z))
     assert np.all(np.isfinite(stiffness))
     assert bool(stiffness.min() < 0) is fails

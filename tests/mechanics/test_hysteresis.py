@@ -7,23 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ident.mechanics import drive_force_coefficient, drive_frequency, electric_field, polynomial_strain
+from ident.mechanics import drive_force_coefficient, polynomial_strain
 
 
 def _sine(amplitude: float = 8 / 17e-6, frequency: float = 317.0, n: int = 240, periods: int = 3):
     phase = 2 * np.pi * periods * np.arange(n) / n
     omega = 2 * np.pi * frequency
     return amplitude * np.sin(phase), amplitude * omega * np.cos(phase), omega
-
-
-def test_field(device):
-    assert float(electric_field(8.0, device.section)) == pytest.approx(8 / 17e-6)
-
-
-@given(st.floats(1.0, 1e4), st.floats(-1e6, 1e6))
-def test_drive_frequency_of_a_sine_is_its_own_whatever_its_mean(frequency, mean):
-    field, rate, omega = _sine(frequency=frequency)
-    assert float(drive_frequency(field + mean, rate)) == pytest.approx(omega, rel=1e-9)
 
 
 def test_each_term_of_the_polynomial():

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ident.mechanics import InitialShape, initial_shape, paper, residual_moment, segment_stiffness
+from experiments.paper import printed as paper
+from ident.mechanics import InitialShape, initial_shape, residual_moment, segment_stiffness
 
 EI = 8.94351494993e-7
 SEGMENTS = {1: (2.4e-3, 6.35361012804e-4), 2: (2.8e-3, 7.41254514938e-4)}

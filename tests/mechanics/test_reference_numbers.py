@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from ident import mechanics
-from ident.mechanics import critical_force, critical_reduced_force, residual_moment, segment_stiffness
+from ident.mechanics import residual_moment, segment_stiffness
+from tests.mechanics.buckling import critical_force, critical_reduced_force
 
 
 def test_section(device):

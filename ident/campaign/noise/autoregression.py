@@ -15,7 +15,7 @@ from functools import lru_cache
 
 import numpy as np
 
-MAX_ORDER = 6
+MAX_ORDER = 6  # of an autoregression for the colour of noise
 
 
 @dataclass(frozen=True)

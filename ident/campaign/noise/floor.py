@@ -14,8 +14,8 @@ from .autoregression import Autoregression, fit_autoregression, leverage_of
 from .hum import HUM, told_apart, with_hum
 from .signal_basis import Pole, beside, find_transient, harmonic_columns, orthonormal, transient_columns
 
-HARMONICS = 12
-LONGEST = 8192
+HARMONICS = 12  # of the drive, which are signal
+LONGEST = 8192  # samples that are asked; twice as many where frequencies tell that the drive leaves free
 _SURER = 1.5
 """Times: doubts are themselves estimates. Of 1044 sines of the hidden-effect generator 7 had floors 7 to 89 times too
 high, few periods near a sharp resonance; with this 6 of them are within 40 %, and 7 others change, none by more."""

@@ -40,7 +40,7 @@ def lines_of_surroundings(records: Sequence[Heard]) -> list[float]:
     """Frequencies, Hz, of the lines that all records show alike and two cannot have made; none of fewer than two."""
     if len(records) < 2 or not all(np.all(np.isfinite(record.left)) for record in records):
         return []
-    shown = [_lines(record.left, record.step, _STANDS)[:_MOST] for record in records]
+    shown = [_lines(record.left, record.step)[:_MOST] for record in records]
     longest = max(range(len(records)), key=lambda i: len(records[i].left))
     found = []
     for hz, _ in shown[longest]:
@@ -57,13 +57,13 @@ def lines_of_surroundings(records: Sequence[Heard]) -> list[float]:
     return found
 
 
-def _lines(signal: np.ndarray, step: float, stands: float) -> list[tuple[float, float]]:
+def _lines(signal: np.ndarray, step: float) -> list[tuple[float, float]]:
     """Frequency (Hz) and amplitude of the lines that stand out of a signal (n,), the strongest first."""
     n, window = len(signal), np.hanning(len(signal))
     power = np.abs(np.fft.rfft((signal - np.mean(signal)) * window)) ** 2
     beside = median_filter(power, _BESIDE) / np.log(2)  # of noise the mean is so much more than the median
     inside = np.arange(3, len(power) - 1)
-    peaks = [k for k in inside if power[k] > stands * beside[k] and power[k] == power[k - 2 : k + 3].max()]
+    peaks = [k for k in inside if power[k] > _STANDS * beside[k] and power[k] == power[k - 2 : k + 3].max()]
     found = []
     for k in sorted(peaks, key=lambda k: -power[k]):
         a, b, c = np.log(power[k - 1 : k + 2])
@@ -87,6 +87,6 @@ def tones_of(record: Heard) -> list[float] | None:
     """The frequencies of a drive of one or two tones, Hz; None of any other, and of a decay, of which nobody knows."""
     if not np.ptp(record.drive):
         return None
-    lines = _lines(record.drive, record.step, _STANDS)
+    lines = _lines(record.drive, record.step)
     tones = [line for line, size in lines if size > _DRIVES * lines[0][1]]
     return tones if 0 < len(tones) <= _TONES else None

@@ -11,6 +11,7 @@ from ident.errors import UserError
 from ident.units import format_quantity
 
 from ..device import Device, Oscillator
+from ..record import LEAST
 from ..tables.table import Column
 from .clipping import CLIPPED, clipped_fraction
 
@@ -21,6 +22,12 @@ _BETWEEN = 0.01  # of a signal's rms, missed between uneven samples
 _STILL_UNIFORM = 0.01  # of an interval: a sine of 20 samples a period is then read 0.3 % wrong at most
 
 
+def check_length(n: int, file: str) -> None:
+    """A `UserError` for a trace of fewer samples than any question needs."""
+    if n < LEAST:
+        raise UserError(f"{n} samples are too few", where=file, do=f"a record needs at least {LEAST} samples")
+
+
 def uniform_time(column: Column, factor: float, notes: list[str]) -> np.ndarray:
     """(n,) the uniform grid that the time column means, s; a `UserError` where it means none.
 
@@ -28,8 +35,7 @@ def uniform_time(column: Column, factor: float, notes: list[str]) -> np.ndarray:
     """
     printed = column.numbers()
     n = len(printed)
-    if n < 20:
-        raise UserError(f"{n} samples are too few", where=column.file, do="a record needs at least 20 samples")
+    check_length(n, column.file)
     steps = np.diff(printed)
     step = float(np.median(steps))
     resolution = _resolution(column)
@@ -196,7 +202,7 @@ def check_response(column: Column, response: np.ndarray, notes: list[str]) -> No
 
 
 def check_drive(
-    file: str, drive: np.ndarray, response: np.ndarray, start: str, notes: list[str], undriven: bool = False
+    file: str, drive: np.ndarray, response: np.ndarray, start: str, notes: list[str], undriven: bool
 ) -> None:
     """A drive that never changes can only belong to a free decay; a start at rest begins quietly.
 

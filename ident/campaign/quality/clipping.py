@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 CLIPPED = 1e-3
 """Share of clipped samples from which on a record is suspect; fewer may be a coarse converter's."""
 
 _BESIDE = 6  # samples at least, on each side of a gap, that say how the curve crosses it
-_DEGREE = 4
+_DEGREE = 4  # of that curve
 _MOST = 20  # runs that are looked at
 
 
@@ -28,9 +30,7 @@ def clipped_samples(signal: np.ndarray) -> np.ndarray:
         if own <= 4 * np.max(near):
             continue
         at_limit = signal == limit
-        edges = np.flatnonzero(np.diff(np.concatenate(([0], at_limit.astype(int), [0]))))
-        runs = list(zip(edges[::2], edges[1::2], strict=True))
-        runs = [(a, b) for a, b in runs if b - a >= 3 and a > 0 and b < len(signal)]
+        runs = [(a, b) for a, b in _runs(at_limit) if b - a >= 3 and a > 0 and b < len(signal)]
         if any(_beyond(signal, at_limit, *run) > 2 * quantum for run in runs[:_MOST]):
             stuck |= at_limit
     return stuck
@@ -49,6 +49,12 @@ def _beyond(signal: np.ndarray, masked: np.ndarray, first: int, stop: int) -> fl
     return float(max(np.max(across) - np.max(signal), np.min(signal) - np.min(across))) - 3 * missed
 
 
+def _runs(chosen: np.ndarray) -> Iterator[tuple[int, int]]:
+    """First and stop of each run of chosen samples."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], chosen.astype(int), [0]])))
+    return zip(edges[::2], edges[1::2], strict=True)
+
+
 def clipped_mask(signal: np.ndarray) -> np.ndarray | None:
     """The clipped samples, if there are more than a few: they say that the response was beyond the limit, not where."""
     stuck = clipped_samples(signal)
@@ -63,8 +69,7 @@ def clipped_fraction(signal: np.ndarray) -> float:
 def across_gaps(signal: np.ndarray, masked: np.ndarray) -> np.ndarray:
     """The signal (n,) with each run of masked samples replaced by the polynomial through what lies on both sides."""
     filled, n = np.array(signal, dtype=float), len(signal)
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], masked.astype(int), [0]])))
-    for first, stop in zip(edges[::2], edges[1::2], strict=True):
+    for first, stop in _runs(masked):
         beside = max(_BESIDE, stop - first)
         near = np.arange(max(first - beside, 0), min(stop + beside, n))
         known = near[~masked[near]]

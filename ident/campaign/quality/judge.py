@@ -55,10 +55,10 @@ def judge(record: Trace) -> Judgement:
     frequency = drive_frequency(record) / (2 * math.pi)
     size = float(np.std(record.response))
     fits, words = _start(record)
-    drift = _drift(record)
+    drift = _slow_change(record.response)
     distortion = _distortion(record)
     remarks = [words] if words else []
-    if _drifts(record, drift, size):
+    if drifts(record, drift, size):
         remarks.append(f"the mean response drifts by {abs(drift) / size:.0%} of its rms: sensor, temperature or load?")
     if distortion is not None and distortion > 0.02:
         remarks.append(f"the drive is not a pure sine: its harmonics are {distortion:.1%} of its fundamental")
@@ -124,14 +124,10 @@ def _whole_quarter(record: Trace) -> int:
     return max(1, round(int(quarter / record.period) * record.period))
 
 
-def _drift(record: Trace) -> float:
-    return _slow_change(record.response)
-
-
 _DRIFT = 0.1  # of the rms response: rectified transients of the clean campaigns in data/ reach half of it
 
 
-def _drifts(record: Trace, drift: float, size: float) -> bool:
+def drifts(record: Trace, drift: float, size: float) -> bool:
     """Whether the mean moves by more than noise, the drive's own mean, and what the vibration's size explains."""
     noise = 12.0 * record.noise.sigma * math.sqrt(_longest_memory(record.noise) / len(record.response))
     spread = float(np.std(record.drive))

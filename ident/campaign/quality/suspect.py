@@ -10,7 +10,7 @@ import numpy as np
 from ..campaign import Campaign
 from ..record import Trace
 from .clipping import CLIPPED
-from .judge import judge
+from .judge import drifts, judge
 
 Kind = Literal["delay", "gain", "sign", "time-scale", "wrong-record", "clipping", "spikes", "drift", "duplicate"]
 
@@ -81,7 +81,7 @@ def suspects_by_data(campaign: Campaign) -> tuple[Suspect, ...]:
             says = f"{count} sample{'s leave' if count > 1 else ' leaves'} the curve"
             found.append(Suspect(record.name, "spikes", float(count), "samples", 0.99, says))
         judged = judge(record)
-        if any("drifts" in remark for remark in judged.remarks):
+        if drifts(record, judged.drift, judged.size):
             share = 100 * abs(judged.drift) / judged.size
             says = f"the mean moves by {share:.0f} % of the rms response"
             found.append(Suspect(record.name, "drift", share, "% of rms", 0.5, says))

@@ -59,7 +59,7 @@ def numeric_columns(name: str, values: Any, unit: str = "") -> Iterator[Pair]:
         yield f"{name}:{k + 1}", array[:, k], unit
 
 
-def _length(name: str, pairs: list[Pair], timed: bool = False) -> int:
+def _length(name: str, pairs: list[Pair], timed: bool) -> int:
     """The most common length of columns, of equally common ones (three make a record, two if it is `timed` without) the
     longest; the others cannot belong to the record."""
     lengths = [len(values) for _, values, _ in pairs]

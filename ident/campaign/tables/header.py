@@ -7,7 +7,8 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from .table import is_number, is_unit
+from .amplitude_unit import is_amplitude_unit
+from .table import is_number
 
 _REMARKS = ("#", "%", "//", "!", "***")
 _COMMENT = re.compile(r'\s*"?\s*(?:' + "|".join(map(re.escape, _REMARKS)) + ")")
@@ -94,7 +95,8 @@ def _reach(row: Sequence[str]) -> int:
 
 def _are_units(cells: Sequence[str]) -> bool:
     bare = [cell.strip("\"'").strip(" ()[]") for cell in cells]
-    known = all(is_unit(cell, False) or cell.lower() == "sequence" or is_number(cell) for cell in bare if cell)
+    words = [cell for cell in bare if cell]
+    known = all(is_amplitude_unit(word, False) or word.lower() == "sequence" or is_number(word) for word in words)
     return known or any(cell.startswith(("(", "[")) for cell in cells)
 
 

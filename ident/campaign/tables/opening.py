@@ -1,4 +1,7 @@
-"""What is opened at all: plain files of a bearable size. Everything else is refused before a byte of it is read."""
+"""What is opened at all: plain files of a bearable size. Everything else is refused before a byte of it is read.
+
+And how the path of one is written in a file that lies elsewhere.
+"""
 
 from __future__ import annotations
 
@@ -21,6 +24,14 @@ _KINDS = (
     (stat.S_ISCHR, "a device"),
     (stat.S_ISBLK, "a device"),
 )
+
+
+def seen_from(folder: Path, path: Path) -> str:
+    """A path as it is written in a file of a folder."""
+    try:
+        return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
+    except ValueError:  # another drive
+        return path.resolve().as_posix()
 
 
 def exists(path: Path) -> bool:

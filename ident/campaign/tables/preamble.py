@@ -6,6 +6,8 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
+from ident.units import plain_micro
+
 _NUMBER = re.compile(r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\s\d,;]*)")
 _KEY_AND_VALUE = re.compile(r"\s*([^\W\d][^=:]*?)\s*[=:]\s*(\S.*?)\s*")
 
@@ -91,7 +93,7 @@ def _amount(text: str, units: dict[str, float]) -> float | None:
 
 
 def _unit(text: str) -> str:
-    return text.strip().strip("()[]").lower().replace("µ", "u").replace("μ", "u")
+    return plain_micro(text.strip().strip("()[]").lower())
 
 
 def _pairs(rows: Iterable[Sequence[str]]) -> Iterator[tuple[str, list[str]]]:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ident.errors import UserError
+from ident.units import plain_micro
 
 from .amplitude_unit import is_amplitude_unit, split_convention
 
@@ -36,6 +37,10 @@ class Column:
     decimal: str = "."
     doubtful: str = ""
     printed: Sequence[str] = ()
+
+    def is_called(self, wanted: str | int | None) -> bool:
+        """Whether a header, with its unit or without, or a number means this column."""
+        return wanted in (self.header, self.stem, self.position)
 
     def place(self, row: int) -> str:
         """Where a cell is, for an error message."""
@@ -151,18 +156,9 @@ _SUFFIX_UNITS = frozenset(
 )
 
 
-def _usual(text: str) -> str:
-    return text.replace("µ", "u").replace("μ", "u")
-
-
 def _suffix_unit(text: str) -> bool:
     """Whether what follows an underscore is a unit, of a sine's amplitude too: "mV", "mVrms", "umpp"."""
-    return _usual(text) in _SUFFIX_UNITS or _usual(split_convention(text)[0]) in _SUFFIX_UNITS
-
-
-def is_unit(text: str, rare: bool = True) -> bool:
-    """Whether a text is a unit, or one of amplitudes ("Vpp", "dB")."""
-    return is_amplitude_unit(text, rare)
+    return plain_micro(text) in _SUFFIX_UNITS or plain_micro(split_convention(text)[0]) in _SUFFIX_UNITS
 
 
 # Rates without a slash, as names of columns need them: "acc_m_s2", "v_mm_per_s", "speed_mps", "a_ms2".
@@ -186,7 +182,7 @@ def _split(header: str, own_unit: str) -> tuple[str, str | None, str]:
     text = header.strip().strip("\"'").strip()
 
     def known(name: str, rare: bool = False) -> bool:
-        return is_unit(name, rare) or (own_unit != "" and name == own_unit)
+        return is_amplitude_unit(name, rare) or (own_unit != "" and name == own_unit)
 
     match = re.fullmatch(r"(.*?)[\s_,]*[(\[{<]\s*([^()\[\]{}<>]*?)\s*[)\]}>]", text)
     if match and match[2]:
@@ -196,7 +192,7 @@ def _split(header: str, own_unit: str) -> tuple[str, str | None, str]:
     if match:
         return match[1].strip(" _"), f"{match[2]}/s{'^2' if match[3] else ''}", ""
     match = re.fullmatch(r"(.+?)[_ .:-]([^\s_.:-]+/[^\s_.:-]+)", text)
-    if match and not match[1].endswith(" in") and _usual(match[2]) in _SUFFIX_UNITS:  # "acceleration_m/s^2"
+    if match and not match[1].endswith(" in") and plain_micro(match[2]) in _SUFFIX_UNITS:  # "acceleration_m/s^2"
         return match[1].strip(" _"), match[2], ""
     for pattern in (r"(.*\S)\s+in\s+(\S+)", r"(.*\S)\s*/\s*(\S+)", r"(.*\S)\s*,\s*(\S+)"):
         match = re.fullmatch(pattern, text)
@@ -220,4 +216,4 @@ def with_unit_row(column: Column, unit: str) -> Column:
     unit = unit.strip().strip("\"'").strip(" ()[]{}")
     if not unit or column.unit is not None:
         return column
-    return replace(column, unit=unit) if is_unit(unit) else replace(column, doubtful=unit)
+    return replace(column, unit=unit) if is_amplitude_unit(unit) else replace(column, doubtful=unit)

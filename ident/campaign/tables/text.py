@@ -42,7 +42,7 @@ def decode(data: bytes, name: str, otherwise: str = "export the data as CSV, .ma
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
-def read_text_table(path: Path, name: str, own_unit: str = "") -> Table:
+def read_text_table(path: Path, name: str, own_unit: str) -> Table:
     """The table in a text file; a `UserError` with line and column if there is none that can be used."""
     if check_file(path, name).stat().st_size > MOST_TEXT:
         with open(path, "rb") as file:

@@ -15,13 +15,11 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ...fit import Fit
 from ...fit.linear.independent import independent_samples
 
 # Differences of 2 ln(odds), in words: R. E. Kass, A. E. Raftery, Bayes factors, 1995, JASA 90, 773, §3.2.
 VERY_STRONG = 10.0  # below it records do not choose
-STRONG = 6.0
-_CLEARLY_WORSE = 2.0  # less is not worth a mention
+STRONG = 6.0  # below it the evidence is positive at best
 
 
 class Weighed(Protocol):
@@ -57,18 +55,6 @@ def behind(one: Weighed, other: Weighed) -> float:
     return first - second if np.isfinite(second) else -np.inf
 
 
-def predicts_worse(before: Fit, after: Fit) -> bool:
-    """Whether held-out traces are predicted worse, by more than their independent samples leave to chance; where only
-    sweeps are held out, whose points are independent, nothing is left to it."""
-    was, now = _missed(before), _missed(after)
-    if not len(was):
-        return True
-    n = independent_samples(was)
-    return not n * np.log(max(float(now @ now), 1e-300) / max(float(was @ was), 1e-300)) < _CLEARLY_WORSE
-
-
-def _missed(fit: Fit) -> np.ndarray:
-    """What a fit misses of its held-out records, in noise floors."""
-    pairs = zip(fit.campaign.traces, fit.readings, strict=True)
-    parts = [((r.response - told) / r.noise.sigma)[r.counted] for r, told in pairs if r.holdout]
-    return np.concatenate(parts) if parts else np.zeros(0)
+def clearly_better(one: Weighed, other: Weighed) -> bool:
+    """Whether the records choose one model rather than another."""
+    return behind(one, other) < -VERY_STRONG

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from ...fit import Fit
-from ...fit.carry_over import expected_error
+from ...campaign.record import Sweep, Trace
 from ..linearised.regression import Regression
 from .criterion import Left, behind
 from .force_noise import Pushed, pushed_by_noise
@@ -19,7 +20,6 @@ MOST_OF_IT = 0.5  # of what is left: a wrong noise floor leaves nothing that one
 _LEAST = 0.2  # of what is left: where every effect promises less, the library lacks the one that is missing
 SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
 _SAME_WHILE_LACKING = 0.02  # the same as long as ten times as much is unexplained
-_CONTRADICTED = 3.0  # times what is expected, an error held out that no wrong noise floor makes: those are within 2
 _FAR = 4.0  # χ² per sample, more than a wrong noise floor would make
 
 
@@ -40,35 +40,16 @@ def noise_of_force(regression: Regression) -> Pushed | None:
     return pushed if pushed is not None and _at_floor(pushed.level**2 * regression.n, regression) else None
 
 
-def foretold(fit: Fit) -> bool:
-    """Whether the held-out records, if there are any, stand at the noise floor too, within what is known of it and what
-    the parameters' errors make of them."""
-    held = fit.holdout
-    doubt = float(np.mean([r.noise.relative_error for r in fit.campaign.records if r.holdout] or [0.0]))
-    floor = _AT_FLOOR + 2 * min(doubt, _MOST_DOUBT)
-    return held is None or held.error_over_noise < floor or held.error_over_noise < floor * expected_error(fit)
-
-
-def contradicted(fit: Fit) -> bool:
-    """Whether the held-out records clearly say otherwise of a model that stands at the noise floor on the fitted ones:
-    the error there is many noise floors and a good part of the signal, and what the parameters' errors can make of it
-    is not enough."""
-    held = fit.holdout
-    if held is None or held.error_over_noise < _CONTRADICTED * max(fit.fitted.error_over_noise, 1.0):
-        return False
-    if held.error_over_signal < _CONTRADICTED * fit.fitted.error_over_signal:
-        return False
-    return held.error_over_noise > _CONTRADICTED * expected_error(fit)
-
-
 def _at_floor(chi2: float, regression: Regression, explained: float = 0.0) -> bool:
-    doubt = float(
-        np.mean(
-            [r.noise.relative_error for r in (*regression.fit.campaign.fitted, *regression.fit.campaign.fitted_sweeps)]
-        )
-    )
-    allowed = 2 * min(doubt, _MOST_DOUBT) if explained < MOST_OF_IT else 0.0
-    return float(np.sqrt(chi2 / regression.n)) < _AT_FLOOR + allowed
+    campaign = regression.fit.campaign
+    floor = floor_of([*campaign.fitted, *campaign.fitted_sweeps]) if explained < MOST_OF_IT else _AT_FLOOR
+    return float(np.sqrt(chi2 / regression.n)) < floor
+
+
+def floor_of(records: Sequence[Trace | Sweep]) -> float:
+    """Error over noise up to which records stand at their noise floors, as far as these are known."""
+    doubt = float(np.mean([r.noise.relative_error for r in records] or [0.0]))
+    return _AT_FLOOR + 2 * min(doubt, _MOST_DOUBT)
 
 
 def worth_a_name(drop: float, first: Regression) -> bool:

@@ -27,14 +27,14 @@ from ...model import FREQUENCY, Model
 from ..side_by_side import at_once
 from .nuisance import Nuisance, best_scale, nuisances, rms, stretched
 
-_SCALES = (0.5, 2.0, 0.1, 10.0, 0.9, 1.1, 0.95, 1.05, 0.98, 1.02, 0.99, 1.01)
+_SCALES = (0.5, 2.0, 0.1, 10.0, 0.9, 1.1, 0.95, 1.05, 0.98, 1.02, 0.99, 1.01)  # of time, tried first
 _DELAYS = (-10, -6, -4, -2.5, -1.5, -0.7, 0, 0.7, 1.5, 2.5, 4, 6, 10)  # samples that all records may be late
 _TRIED = 3  # explanations of a record that are fitted together with the others, the best first
 _ROUNDS = 3  # of the fault's number and the device's in turn
 _ROUNDS_BESIDE = 20  # the same beside an effect: a gain that was a quarter off took twelve
 _BETTER = 0.99  # of the error: less is not worth another round
 _LITTLE = 2.0  # times the error that is left
-_STEPS = 40
+_STEPS = 40  # of least squares, at most, for each number of a fault
 _FEW = 4  # from a neighbouring delay: enough to tell which one is near
 OF_FREQUENCY = "% of frequency"
 

@@ -19,6 +19,7 @@ from ...campaign.record import Trace
 from ...fit import Fit, fit
 from ...fit.reading import read
 from ...model import QUALITY, Model
+from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG, Left, behind, criteria
 from ..evidence.enough import ANOTHER_LAW, MOST_OF_IT
 from ..linearised.regression import Regression, prepare
@@ -38,8 +39,6 @@ from .faults import (
     told_by_others,
 )
 from .nuisance import DROPPED, Nuisance, rms
-
-Report = Callable[[str], None]
 
 BY_OTHERS = ("delay", "gain", "sign", "time-scale", "wrong-record")
 """Kinds of suspects that only other records tell. An effect may be mistaken for them: beside one no name is sure."""

@@ -22,7 +22,7 @@ from .curve_columns import Moves, Plane
 if TYPE_CHECKING:
     from .regression import Regression
 
-_ROUNDS = 60
+_ROUNDS = 60  # at most
 _STARTS = (0.0, 0.3, -0.3)  # of the drive that was there, as size of the effect
 _TRIED = 0.01  # of the drive that was there: by so much an amplitude moves to tell its square from its slope
 _SMALL = 1e-9  # fall of χ², as a share, that ends a search

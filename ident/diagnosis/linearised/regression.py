@@ -152,15 +152,23 @@ class Regression:
             if p.kind == "shape":
                 found[i] = values[i] + np.clip(whole[i], -_FARTHEST * abs(values[i]), _FARTHEST * abs(values[i]))
         mass = model.linear.mass
-        first, second = values[:2] + 1j * _TINY * whole[:2]
-        ahead = model.spring_and_damper(first, second, mass)  # and their slopes
+        moved = values + 1j * _TINY * whole
+        ahead = model.spring_and_damper(moved[FREQUENCY], moved[QUALITY], mass)  # and their slopes
         spring, damper = (max(x.real + x.imag / _TINY, _LEAST * x.real) for x in ahead)
-        found[:2] = model.times_of(spring, damper, mass, float(values[FREQUENCY]))
+        found[[FREQUENCY, QUALITY]] = model.times_of(spring, damper, mass, float(values[FREQUENCY]))
         for i, p in enumerate(model.parameters):
             if p.limits is not None:
                 low, high = (limit * getattr(self.fit.scales, p.limits_scale) for limit in p.limits)
                 found[i] = np.clip(found[i], low, high)
         return found
+
+    def of_traces(self) -> Regression:
+        """The regression without the points of sweeps, for what is known along a motion only."""
+        if self.plane is None:
+            return self
+        count = samples_of(self)
+        alone = replace(self, starts=self.starts[: len(self.whitenings)], left=self.left[:count], plane=None)
+        return _without(replace(alone, scored={}, refitted={}), self.known[:, :count], self.directions)
 
     def beside(self, rows: np.ndarray) -> Regression:
         """The regression with what whitened rows (k, n) can absorb out of its residual too."""
@@ -213,7 +221,7 @@ def prepare(fit: Fit, believed: bool = False) -> Regression:
     fitted = [i for i in solved.static.free if "at-bound" not in fit.estimates[i].flags]
     # A quality factor that had to be held (steady sines of one frequency) may be wrong: its error is no missing effect.
     bent = "held" in fit.estimates[QUALITY].flags and fit.model.form != "quasi-static"
-    free = sorted({*fitted, 1}) if bent else fitted
+    free = sorted({*fitted, QUALITY}) if bent else fitted
     directions = np.eye(len(fit.values))[free] * np.where(fit.values[free] == 0, 1.0, fit.values[free])[:, None]
     if curves is not None:
         regression = replace(regression, plane=plane_of(solved, directions))

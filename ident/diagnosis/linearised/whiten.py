@@ -12,7 +12,7 @@ from ...campaign.noise.hum import MAINS, told_apart
 from ...campaign.noise.recursive import convolved, recursive_filter
 from ...campaign.record import Trace
 
-_ORDER = 12
+_ORDER = 12  # of an autoregression that whitens rows
 _PERIODS = 1.5  # of a line from which it holds less than a tenth of a constant, 2/(π periods)²
 _DIED_OUT = 1e-12  # of an initial state's influence, before the first sample that counts
 

@@ -23,7 +23,7 @@ import numpy as np
 
 from ...campaign.campaign import Campaign
 from ...campaign.record import Channel, NoiseFloor, Trace
-from ...effects.effect import AbstractEffect
+from ...effects.registry import Registry
 from ...fit import Fit
 from ...fit.assemble import assemble, begin
 from ...fit.problem import evaluate
@@ -35,7 +35,8 @@ from ..ranking.score import Candidate
 from .waveforms import Waveform, limits_of, proposals
 
 SEPARATED = 10.0  # expected Δχ² from which a record is worth taking
-_MOST_RIVALS = 4
+_MOST_RIVALS = 4  # effects that tie, the best first: each is refitted
+_PROPOSED = 3  # records, the best first
 _STEPS = 80  # of the solver per period of the resonance: 3e-7 rad of phase error per radian
 _NEAR = 0.03  # relative distance within which two frequencies are one proposal
 
@@ -75,15 +76,13 @@ class _Prediction(NamedTuple):
     information: np.ndarray
 
 
-def next_experiments(
-    regression: Regression, tied: Sequence[Candidate], library: Mapping[str, type[AbstractEffect]], count: int = 3
-) -> list[NextExperiment]:
+def next_experiments(regression: Regression, tied: Sequence[Candidate], library: Registry) -> list[NextExperiment]:
     """Refit the model with each of the tied effects (at most four) and rank what would tell them apart."""
     rivals = {c.name: accept(confirm(regression, library[c.name], c), regression.fit) for c in tied[:_MOST_RIVALS]}
-    return rank_experiments(rivals, count=count)
+    return rank_experiments(rivals)
 
 
-def rank_experiments(rivals: Mapping[str, Fit], count: int = 3) -> list[NextExperiment]:
+def rank_experiments(rivals: Mapping[str, Fit]) -> list[NextExperiment]:
     """The proposals that tell apart most, best first; none if no proposal tells any two of the rivals apart.
 
     `rivals`: effect name → the fit of its model to the present records.
@@ -116,7 +115,7 @@ def rank_experiments(rivals: Mapping[str, Fit], count: int = 3) -> list[NextExpe
             continue
         least = float(min(gain for gain in table[k] if gain > SEPARATED))
         chosen.append(NextExperiment(waves[k].words, grouped(rivals, apart), least, waves[k], limits.time))
-        if len(chosen) == count:
+        if len(chosen) == _PROPOSED:
             break
     return chosen
 

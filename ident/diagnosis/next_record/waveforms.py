@@ -70,7 +70,7 @@ class Limits(NamedTuple):
     time: np.ndarray
 
 
-_MOST_SAMPLES = 2000
+_MOST_SAMPLES = 2000  # of a proposed record
 _PER_PERIOD = 12  # samples below which a sine is not worth recording
 # Below, around and above the resonance; at 1/3 and 1/2 its own harmonics meet the resonance and are amplified.
 _RATIOS = (0.2, 1 / 3, 0.5, 0.7, 0.9, 0.96, 1.0, 1.04, 1.1, 1.25, 1.6, 2.2)

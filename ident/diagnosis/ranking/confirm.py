@@ -52,7 +52,7 @@ _SPRING = ("force", ("z",))  # what a law of the displacement alone depends on
 _ABSENT = 0.05  # of an effect's largest amplitude: a smaller one is as good as none
 _FAINT = 0.01  # of what the score predicts: nearly absent, so that the motion is the one without it
 _OTHERWISE = -0.3  # of what the score predicts, where its sign may be wrong and its size too large, as in `balance`
-_OFF_BOUND = 3.0
+_OFF_BOUND = 3.0  # times a quality factor at its bound, where a refit would have no slope to leave it by
 _LEAVES = 1.2  # χ² per sample: a memory that leaves more may have started in the wrong place
 _RACE = 12  # steps of the best start, before earlier shapes are freed
 

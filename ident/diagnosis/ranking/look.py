@@ -5,13 +5,12 @@ The search for faulty records and the walk ask the same of the first fit; it is 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from ...effects.effect import AbstractEffect
+from ...effects.registry import Registry
 from ...fit import Fit
 from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG
@@ -21,8 +20,6 @@ from ..linearised.regression import Regression
 from .confirm import Confirmed, confirm
 from .refits import by_refits
 from .score import Candidate, score, significant
-
-Library = Mapping[str, type[AbstractEffect]]
 
 _SHORTLIST = 3  # twice as many if refits keep less than the scores promised
 BROKEN = 0.5  # of what the scores promised: if the refits of the shortlist keep less, refits rank the rest
@@ -36,7 +33,7 @@ class Look:
 
     regression: Regression
     first: Regression
-    library: Library
+    library: Registry
     report: Report
 
     @cached_property
@@ -58,6 +55,11 @@ class Look:
     def real(self) -> list[Candidate]:
         """Those that chance would not produce."""
         return significant(self.candidates)
+
+    @property
+    def promise(self) -> float:
+        """The most that one of them promises."""
+        return max(promised(candidate, self.regression) for candidate in self.real)
 
     @cached_property
     def tried(self) -> list[Confirmed]:
@@ -86,7 +88,7 @@ class Look:
         return here > min(promised(real[0], regression), kept) - max(_NEAR * regression.to_explain, VERY_STRONG)
 
 
-def first_look(start: Fit, library: Library, report: Report) -> Look:
+def first_look(start: Fit, library: Registry, report: Report) -> Look:
     """The look at the fit with which a walk begins."""
     regression = prepare_at_best(start)
     return Look(regression, regression.instead_of or regression, library, report)

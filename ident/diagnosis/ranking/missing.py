@@ -11,29 +11,25 @@ Source: as in `score`.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from ...campaign.record import Trace
-from ...effects.effect import AbstractEffect
+from ...effects.registry import Registry
 from ...fit import Fit, fit
-from ...pulse import Report
 from ..linearised.regression import prepare
 from ..linearised.shorten import shortened, working
 from .score import score, significant
 
 
-def missing(
-    fitted: Fit, library: Mapping[str, type[AbstractEffect]], report: Report = lambda _: None
-) -> tuple[str, ...]:
+def missing(fitted: Fit, library: Registry) -> tuple[str, ...]:
     """Why the model is not the whole device, in words; none if the records see no effect of the library in what it
     leaves of all of them."""
     unbounded = [s.name for s in fitted.trace_scores if not np.isfinite(s.rmse)]
     if unbounded:
         return (f"the model has no finite motion in {unbounded[0]}; ask `ident diagnose` what is missing",)
-    seen = significant(score(prepare(_to_all_records(fitted)), library, report))
+    seen = significant(score(prepare(_to_all_records(fitted)), library))
     if not seen:
         return ()
     best = min(seen, key=lambda candidate: candidate.p_value)

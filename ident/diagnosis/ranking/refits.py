@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from ...effects.effect import AbstractEffect
+from ...effects.registry import Registry
+from ...pulse import Report
 from ..linearised.regression import Regression
 from ..side_by_side import at_once
 from .confirm import base_of, start_of, weigh, with_effect
 from .score import Candidate
 
-Library = Mapping[str, type[AbstractEffect]]
 FEW = 15  # steps of least squares: enough to tell who gains much
 _REFITTED = 12  # of the candidates, by their scores: those further down have never gained much
 
 
 def by_refits(
-    regression: Regression, candidates: Sequence[Candidate], library: Library, report: Callable[[str], None]
+    regression: Regression, candidates: Sequence[Candidate], library: Registry, report: Report
 ) -> list[Candidate]:
     """The first candidates in the order of what a short refit of each gains, then the others as they were.
 

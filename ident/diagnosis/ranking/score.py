@@ -19,6 +19,7 @@ from scipy.special import fdtrc
 
 from ...campaign.device import Platform
 from ...effects.effect import AbstractEffect
+from ...effects.registry import Registry
 from ...model import Model, make_effect
 from ...pulse import Report
 from ...response import Equation
@@ -74,13 +75,11 @@ class _Point(NamedTuple):
     beside: np.ndarray | None = None
 
 
-ALARMS = 0.002  # probability of a name by chance
+NAMED_BY_CHANCE = 0.002  # probability with which noise alone would name an effect, all candidates together
 _NEAR_POINTS = 5  # of a grid, kept as starts: the best of them may lead into a local minimum
 
 
-def score(
-    regression: Regression, library: Mapping[str, type[AbstractEffect]], report: Report = lambda _: None
-) -> list[Candidate]:
+def score(regression: Regression, library: Registry, report: Report = lambda _: None) -> list[Candidate]:
     """Every candidate of the library that the model does not have, best first; each is scored once on a regression.
 
     A family of which the model has a member is none: that one with other numbers would stand in its place, not beside.
@@ -98,9 +97,7 @@ def score(
     return _in_order([c for effect in missing if (c := regression.scored[effect]) is not None], regression.n)
 
 
-def score_beside(
-    regressions: Sequence[Regression], library: Mapping[str, type[AbstractEffect]]
-) -> list[list[Candidate]]:
+def score_beside(regressions: Sequence[Regression], library: Registry) -> list[list[Candidate]]:
     """The same on several regressions of one fit that differ in what they absorb: the columns are the same."""
     effects = [effect for effect in library.values() if effect.name not in regressions[0].fit.model.names]
 
@@ -177,7 +174,6 @@ def _weighed(regression: Regression, asked: _Asked) -> Candidate | None:
         begun = histories(regression, changed, raw)
     projected = regression.project(raw)
     names = [p.name for p in instance.declared()]
-    one_sided = [p.name for p in instance.declared() if p.one_sided]
     tried = []
     for k, point in enumerate(points):
         rows = slice(k * q, (k + 1) * q)
@@ -194,8 +190,7 @@ def _weighed(regression: Regression, asked: _Asked) -> Candidate | None:
                 tried.append(_balanced_point(regression, instance, amplitudes, point, raw[rows], own, rows, even))
         elif basis.shape[1]:
             found = _estimate(regression, names, amplitudes, point, projected[rows])
-            sizes = [found[name] for name in one_sided]
-            impossible = regression.credible and max(sizes, default=0.0) <= 0 > min(sizes, default=0.0)
+            impossible = regression.credible and _of_wrong_sign(instance, found)
             drop = 0.0 if impossible else max(float(np.sum((basis.T @ regression.residual) ** 2)) - price, 0.0)
             size = np.array([found[names[a]] for a in amplitudes])
             beyond = basis if begun is None else begun.beyond(regression, seen, size, rows)
@@ -210,11 +205,7 @@ def _weighed(regression: Regression, asked: _Asked) -> Candidate | None:
     beside = best.beside
     if beside is None:
         beside = regression.moved(np.array([best.values[names[a]] for a in amplitudes]) @ raw[best.rows])
-    rows = projected[best.rows]
-    lengths = np.maximum(np.linalg.norm(rows, axis=1), 1e-300)  # amplitudes differ in unit, and so by powers of ten
-    unit = rows / lengths[:, None]
-    spread = np.sqrt(np.maximum(np.diag(np.linalg.pinv(unit @ unit.T, rcond=1e-10)), 0.0)) / lengths
-    errors = {names[a]: float(x) for a, x in zip(amplitudes, spread, strict=True)}
+    errors = {names[a]: float(x) for a, x in zip(amplitudes, _spread(projected[best.rows]), strict=True)}
     units = {p.name: p.unit for p in instance.declared()}
     dof = best.basis.shape[1] + sum(p.kind == "shape" and p.fitted for p in instance.declared())
     excess = max(regression.chi2 - regression.n, 1e-9)
@@ -252,9 +243,7 @@ def _balanced_point(
     own = len(regression.directions)
     values = {p.name: float(x) for p, x in zip(declared, point, strict=True)}
     values |= {declared[a].name: float(x) for a, x in zip(amplitudes, found.step[own:], strict=True)}
-    sizes = [values[p.name] for p in declared if p.one_sided]
-    impossible = max(sizes, default=0.0) <= 0 > min(sizes, default=0.0)
-    drop = 0.0 if impossible else max(regression.chi2 - float(found.left @ found.left), 0.0)
+    drop = 0.0 if _of_wrong_sign(effect, values) else max(regression.chi2 - float(found.left @ found.left), 0.0)
     explained = (regression.residual - found.left)[None]  # where the effect is small, its own projected column
     basis = orthonormal(np.concatenate([explained, regression.project(found.slopes[own:])])[: len(raw)])
     return _Point(drop, values, basis, basis, rows, regression.stepped(found.step[:own]))
@@ -269,6 +258,19 @@ def _estimate(
     size = size / lengths
     found = dict(zip(names, (float(x) for x in point), strict=True))
     return found | {names[a]: float(x) for a, x in zip(amplitudes, size, strict=True)}
+
+
+def _spread(rows: np.ndarray) -> np.ndarray:
+    """Standard errors (q,) of the amplitudes of columns (q, n), in noise of one."""
+    lengths = np.maximum(np.linalg.norm(rows, axis=1), 1e-300)  # amplitudes differ in unit, and so by powers of ten
+    unit = rows / lengths[:, None]
+    return np.sqrt(np.maximum(np.diag(np.linalg.pinv(unit @ unit.T, rcond=1e-10)), 0.0)) / lengths
+
+
+def _of_wrong_sign(effect: AbstractEffect, values: Mapping[str, float]) -> bool:
+    """Whether the amplitudes that mean something with one sign only have none of it, and one of the other."""
+    sizes = [values[p.name] for p in effect.declared() if p.one_sided]
+    return max(sizes, default=0.0) <= 0 > min(sizes, default=0.0)
 
 
 def _apart(others: Sequence[_Point], tried: Sequence[_Point], sides: Sequence[int], q: int) -> list[_Point]:
@@ -300,9 +302,9 @@ def _grid(effect: AbstractEffect, regression: Regression) -> list[Sequence[float
     return axes
 
 
-def significant(candidates: Sequence[Candidate], alarms: float = ALARMS) -> list[Candidate]:
-    """Those that chance would produce with at most the given probability, however many were tried (Bonferroni)."""
-    return [c for c in candidates if c.p_value * len(candidates) < alarms]
+def significant(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """Those that chance would hardly produce, however many were tried (Bonferroni)."""
+    return [c for c in candidates if c.p_value * len(candidates) < NAMED_BY_CHANCE]
 
 
 def kept_more_than_chance(candidate: Candidate, chi2: float, regression: Regression) -> bool:
@@ -313,4 +315,4 @@ def kept_more_than_chance(candidate: Candidate, chi2: float, regression: Regress
     tried = sum(c is not None for c in regression.scored.values())
     freedom = max(regression.n - candidate.dof - regression.absorbed.shape[1], 1)
     fall = max(regression.best_chi2 - chi2, 0.0) / candidate.dof
-    return float(fdtrc(candidate.dof, freedom, fall / max(chi2 / freedom, 1e-300))) * tried < ALARMS
+    return float(fdtrc(candidate.dof, freedom, fall / max(chi2 / freedom, 1e-300))) * tried < NAMED_BY_CHANCE

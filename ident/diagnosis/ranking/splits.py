@@ -11,7 +11,7 @@ import itertools
 
 import numpy as np
 
-from ...model import Model
+from ...model import FREQUENCY, QUALITY, Model
 from ...response import Equation
 from ..linearised.columns import Terms, contributions, no_histories
 from ..linearised.regression import Regression
@@ -34,15 +34,13 @@ def split_starts(regression: Regression, model: Model, base: np.ndarray) -> list
     effect, scales = model.effects[-1], regression.fit.scales
     declared = effect.declared()
     size = next((i for i, p in enumerate(declared) if p.kind == "amplitude" and p.fitted), None)
-    if (
-        size is None or not regression.trajectories.tape.spans
-    ):  # what a memory looks like is seen on the motion of traces
+    if size is None or not regression.trajectories.tape.spans:  # a memory is seen on the motion of traces
         return []
     axes = [(0.0,) if p.kind == "amplitude" else [g * getattr(scales, p.scale) for g in p.grid] for p in declared]
     points = np.array([np.concatenate([base, point]) for point in itertools.product(*axes)])
     taken_by = len(base) + size
     mass = model.linear.mass
-    stiffness, damping = model.spring_and_damper(base[0], base[1], mass)
+    stiffness, damping = model.spring_and_damper(base[FREQUENCY], base[QUALITY], mass)
     if not stiffness > 0:
         return []
     starts = []
@@ -51,8 +49,8 @@ def split_starts(regression: Regression, model: Model, base: np.ndarray) -> list
             start = point.copy()
             start[taken_by] = share * stiffness / spring
             left = max(damping - start[taken_by] * damper, _LEAST_DAMPING * damping)
-            start[0] = base[0] * np.sqrt(1 - share)
-            start[1] = 2 * np.pi * start[0] * mass / left
+            start[FREQUENCY] = base[FREQUENCY] * np.sqrt(1 - share)
+            start[QUALITY] = 2 * np.pi * start[FREQUENCY] * mass / left
             starts.append(start)
     return starts
 

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
-
-import numpy as np
 
 from ...effects.registry import registry
 from ...fit import Fit, fit
 from ...pulse import Report
 from ..linearised.regression import Regression
-from ..linearised.shorten import CRAWLS
 from ..unknown.effect_file import write_effect
 from ..unknown.find import Unknown
 from .change import add
@@ -48,17 +44,6 @@ def go_beyond(
     if regression.fit is not fitted:
         found = fit(found.model, known(fitted).campaign, initial=found.values, report=report)
     return Beyond(unknown, path, found)
-
-
-def alone(found: Fit, names: Sequence[str]) -> Fit:
-    """The fit without the named effects, in as many steps as a refit that is only compared: what was written from their
-    misfit may say what they did."""
-    model = found.model
-    for name in reversed(names):
-        model = model - name
-    pairs = zip(found.model.parameters, found.values, strict=True)
-    kept = [value for parameter, value in pairs if parameter.effect not in names]
-    return fit(model, found.campaign, initial=np.array(kept), most=CRAWLS)
 
 
 def free_name(fitted: Fit) -> str:

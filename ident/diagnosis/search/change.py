@@ -1,8 +1,8 @@
-"""One effect more, or one less: refits from a parent, and the entry of the lineage that says what came of it."""
+"""One effect more, or some less: refits from a parent."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -10,12 +10,12 @@ from ...effects.effect import AbstractEffect
 from ...effects.registry import find, registry
 from ...fit import Fit, fit
 from ...fit.fit import minimise
-from ...fit.judge import Score
 from ...fit.rebuild import fit_at
 from ...fit.starts import starting_points
 from ...pulse import Report
 from ...threads import one_thread
 from ..linearised.regression import prepare
+from ..linearised.shorten import CRAWLS
 from ..ranking.confirm import start_of, with_effect, without_unseen
 from ..ranking.score import score
 
@@ -45,6 +45,14 @@ def remove(parent: Fit, name: str, report: Report = lambda _: None) -> Fit:
     return fit(parent.model - name, parent.campaign, initial=values_without(parent, name), report=report)
 
 
+def without(parent: Fit, names: Sequence[str]) -> Fit:
+    """The same of several effects, in as many steps as a refit that is only compared."""
+    model = parent.model
+    for name in reversed(names):
+        model = model - name
+    return fit(model, parent.campaign, initial=values_without(parent, *names), most=CRAWLS)
+
+
 def try_without(parent: Fit, name: str, start: Fit) -> Fit:
     """The same for a comparison only: a model that lacks what it needs would crawl for long, and no number of it is
     reported.
@@ -60,36 +68,6 @@ def try_without(parent: Fit, name: str, start: Fit) -> Fit:
     return fit_at(model, parent.campaign, found.values, converged=False)  # what is kept of it is fitted to its end
 
 
-def values_without(parent: Fit, name: str) -> np.ndarray:
-    """Values of all parameters but those of one effect."""
-    return np.array([v for p, v in zip(parent.model.parameters, parent.values, strict=True) if p.effect != name])
-
-
-def lineage_entry(
-    before: Fit, after: Fit, parent: str, *, added: str | None = None, removed: str | None = None
-) -> dict:
-    """What lineage.json keeps of one step: what changed, the errors, and the parameters that moved with it."""
-    moved = {
-        e.name: {"before": e.value, "after": after.value(e.name), "unit": e.unit, "standard_error": e.standard_error}
-        for e in before.estimates
-        if e.fitted and e.name in {p.name for p in after.model.parameters}
-    }
-    return {
-        "parent": parent,
-        "added": added,
-        "removed": removed,
-        "effects": list(after.model.names),
-        "before": errors(before),
-        "after": errors(after),
-        "parameters": moved,
-    }
-
-
-def errors(fitted: Fit) -> dict[str, Any]:
-    """Error over noise, over the signal, and rms error (SI), on fitted and on held-out records."""
-    return {"fitted": _score(fitted.fitted), "holdout": _score(fitted.holdout)}
-
-
-def _score(found: Score | None) -> dict[str, float] | None:
-    names = ("rmse", "error_over_noise", "error_over_signal")
-    return None if found is None else {name: getattr(found, name) for name in names}
+def values_without(parent: Fit, *names: str) -> np.ndarray:
+    """Values of all parameters but those of some effects."""
+    return np.array([v for p, v in zip(parent.model.parameters, parent.values, strict=True) if p.effect not in names])

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from ...campaign.device import Oscillator
-from ...effects.effect import AbstractEffect
+from ...effects.registry import Registry
 from ...fit import Fit
 from ...fit.linear.choice import LEVELS
 from ...pulse import Report
@@ -17,9 +15,7 @@ from ..ranking.confirm import accept, confirm
 from ..ranking.score import score
 
 
-def with_its_constant(
-    fitted: Fit, regression: Regression, library: Mapping[str, type[AbstractEffect]], report: Report
-) -> tuple[Fit, Regression]:
+def with_its_constant(fitted: Fit, regression: Regression, library: Registry, report: Report) -> tuple[Fit, Regression]:
     """A fit with the constant that its linear form may have, if the records ask for it by now, and the regression.
 
     The start model was given none where a missing effect hid it. It is chosen as there (`fit.linear.choice`), by

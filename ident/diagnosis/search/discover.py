@@ -15,26 +15,27 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ...campaign.campaign import Campaign
+from ...effects.registry import Registry
 from ...fit import Fit, fit
 from ...fit.start_score import taken_by_starts
 from ...model import Model
+from ...pulse import Report
 from ..evidence.coloured_noise import behind_in_colour
 from ..evidence.criterion import VERY_STRONG, behind, criteria
 from ..evidence.enough import (
     ANOTHER_LAW,
     adequate,
-    contradicted,
-    foretold,
     laws_differ_by,
     not_worth_adding,
     worth_a_name,
 )
 from ..evidence.family import is_that_member
+from ..evidence.held_out import contradicted, foretold, hurts, predicts_better
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, working
 from ..linearised.trajectory import Diverged
 from ..ranking.confirm import Confirmed, accept, confirm
-from ..ranking.look import Library, Look, best_drop, first_look, possible, promised
+from ..ranking.look import Look, best_drop, first_look, possible
 from ..ranking.score import Candidate, kept_more_than_chance, score, significant
 from ..side_by_side import at_once
 from .change import try_without
@@ -44,23 +45,22 @@ from .further_mode import with_its_mode
 from .lacking import lacking
 from .once_more import begun_with, drive_beside, lower_start
 from .parts import Parts
-from .prune import Pruned, confirmed, hurts, prune
+from .prune import Pruned, prune
 from .steps import Discovery, Step, Verdict, Walked
 from .ties import TieSet, tie_set
 from .together import both, hidden_by_each_other
 
-Report = Callable[[str], None]
 Keep = Callable[[Walked], None]
 """Called with the walk so far after each of its steps, so that one that is stopped has left them."""
 
-MOST_TERMS = 6
+MOST_TERMS = 6  # that a walk adds
 _DRIVES = 3  # that a walk goes on to, one of them before any effect, after the one that the start model chose
 _SHORTLIST = 3  # refits to excerpts, of which those on all samples decide
 _REFITTED_TIES = 12  # of the names that tie by their scores; a record that says little leaves more than that
 
 
 def discover(
-    model: Model, campaign: Campaign, library: Library, report: Report = lambda _: None, most: int = MOST_TERMS
+    model: Model, campaign: Campaign, library: Registry, report: Report = lambda _: None, most: int = MOST_TERMS
 ) -> Discovery:
     """Walk from a model to one that the records do not contradict, as far as the library reaches."""
     report(f"fitting {', '.join(model.names) or 'the linear model'}")
@@ -70,7 +70,7 @@ def discover(
 
 def continue_from(
     walked: Walked,
-    library: Library,
+    library: Registry,
     report: Report = lambda _: None,
     most: int = MOST_TERMS,
     keep: Keep = lambda _: None,
@@ -88,13 +88,12 @@ def continue_from(
     def once_more(start: Fit) -> Discovery:
         return continue_from(Walked(start), library, report, most, keep, revised=revised - 1)
 
-    if revised and not steps and look.worth_it and look.real:
-        rival = max(promised(c, look.regression) for c in look.real)
-        if (other := other_drive(start, look.regression, report, rival)) is not None:
-            return once_more(begun_with(start, other))
-    current = steps[-1].fit if steps else start
+    asked = revised and not steps and look.worth_it and look.real
+    if asked and (other := other_drive(start, look.regression, report, look.promise)) is not None:
+        return once_more(begun_with(start, other))
+    current = walked.final
     while look.worth_it and look.real and len(steps) < most:
-        alone = not_worth_adding(look.regression, max(promised(c, look.regression) for c in look.real), first)
+        alone = not_worth_adding(look.regression, look.promise, first)
         if alone and not hidden_by_each_other(look.regression, look.candidates, None, first, library):
             break
         found = _best_step(current, look, gains if not steps else {})
@@ -117,8 +116,18 @@ def continue_from(
         keep(Walked(start, tuple(steps), gains))
     if revised and steps and (lower := lower_start(start, current, report)) is not None:
         return once_more(lower)
+    return _concluded(Walked(start, tuple(steps), gains), look, at_best, ranking)
+
+
+def _concluded(walked: Walked, look: Look, at_best: Regression, ranking: tuple[Candidate, ...]) -> Discovery:
+    """What stays of a walk that adds nothing more: steps that held-out records refute or later ones make superfluous
+    are taken back, and each is asked anew what it could be mistaken for.
+
+    **Arguments:** `look`: at its last fit; `at_best`: where it began, with the `ranking` there.
+    """
+    start, first, library, report = walked.start, look.first, look.library, look.report
     regression, candidates = look.regression, look.candidates
-    steps = _without_refuted(start, steps, regression)
+    steps = _without_refuted(start, list(walked.steps), regression)
     alike: tuple[Parts, ...] = ()
     if steps:
         needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report)
@@ -127,16 +136,17 @@ def continue_from(
             steps = _replayed(start, needed, library, at_best)
             steps = _without_refuted(start, steps, prepare(working(steps[-1].fit)))  # the laws before it have changed
     steps = _on_all_samples(start, steps, report)
-    if (steps[-1].fit if steps else start) is not current:
-        regression = prepare(working(steps[-1].fit if steps else start))
+    final = steps[-1].fit if steps else start
+    if final is not walked.final:
+        regression = prepare(working(final))
         candidates = score(regression, library)
     blurred = [step for step in steps if step is not steps[-1] or step.partner]
-    steps = [_tied_at_the_end(s, steps[-1].fit, start, library, report) if s in blurred else s for s in steps]
+    steps = [_tied_at_the_end(s, final, start, library, report) if s in blurred else s for s in steps]
     steps = [_beside_parts(step, alike) for step in steps]
     remaining = tuple(significant(candidates))
     lacks = lacking(_after_effects(steps, regression), first, report) if steps else 0.0
-    verdict = _verdict(steps, regression, first, lacks, contradicted(steps[-1].fit if steps else start))
-    return Discovery(verdict, start, tuple(steps), ranking, gains, remaining, regression, lacks)
+    verdict = _verdict(steps, regression, first, lacks, contradicted(final))
+    return Discovery(verdict, start, tuple(steps), ranking, walked.gains, remaining, regression, lacks)
 
 
 def _starts_say_more(before: Fit, after: Fit) -> bool:
@@ -165,7 +175,8 @@ def _without_refuted(start: Fit, steps: list[Step], regression: Regression) -> l
     kept, left = list(steps), regression
     while kept:
         before, after = kept[-2].fit if len(kept) > 1 else start, kept[-1].fit
-        mimics = not (adequate(left) and foretold(after)) and not all(confirmed(step.fit, after) for step in kept[:-1])
+        unsure = not (adequate(left) and foretold(after))
+        mimics = unsure and not all(predicts_better(step.fit, after) for step in kept[:-1])
         if not (mimics or hurts(before, after)):
             break
         left = kept.pop().regression or left
@@ -194,7 +205,7 @@ def _after_effects(steps: list[Step], regression: Regression) -> Regression:
     return regression if last == len(steps) - 1 else prepare(working(steps[last].fit))
 
 
-def _replayed(start: Fit, needed: Pruned, library: Library, at_best: Regression) -> list[Step]:
+def _replayed(start: Fit, needed: Pruned, library: Registry, at_best: Regression) -> list[Step]:
     """The steps as they would have been without the terms that proved superfluous; `at_best`: where the walk began."""
     steps: list[Step] = []
     current = start
@@ -205,16 +216,14 @@ def _replayed(start: Fit, needed: Pruned, library: Library, at_best: Regression)
         found = confirm(regression, library[name], chosen)
         current = needed.fit if name == needed.names[-1] else accept(found, current)
         ties, tied = _weighed_ties(regression, found, significant(candidates), library, [found])
-        role = _role(
-            regression, found, steps[0].regression if steps and steps[0].regression is not None else regression
-        )
+        role = _role(regression, found, at_best)
         steps.append(
             Step(name, chosen.predicted_gain, found.gain, ties.names, role, current, ties.reasons, tied, regression)
         )
     return steps
 
 
-def _tied_at_the_end(step: Step, last: Fit, start: Fit, library: Library, report: Report) -> Step:
+def _tied_at_the_end(step: Step, last: Fit, start: Fit, library: Registry, report: Report) -> Step:
     """A step with the ties that are left once the later terms are in: what they explain had blurred the comparison."""
     if len(step.tie_set) < 2 or step.role != "effect" or last.model.carries(step.added):
         return step
@@ -332,7 +341,7 @@ def _accepted(tried: list[Confirmed], regression: Regression, current: Fit) -> I
 
 
 def _weighed_ties(
-    regression: Regression, found: Confirmed, real: list[Candidate], library: Library, tried: list[Confirmed]
+    regression: Regression, found: Confirmed, real: list[Candidate], library: Registry, tried: list[Confirmed]
 ) -> tuple[TieSet, tuple[Candidate, ...]]:
     """What an effect ties with, the nearest of those that had only been scored refitted; and the candidates that do."""
     rivals = possible(real, tried)

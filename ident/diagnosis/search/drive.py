@@ -21,7 +21,7 @@ from ...campaign.record import Trace
 from ...fit import Fit, fit
 from ...pulse import Report
 from ...response.system import assemble
-from ..evidence.criterion import VERY_STRONG, Left, behind, criteria
+from ..evidence.criterion import VERY_STRONG, Left, clearly_better, criteria
 from ..linearised.columns import push_columns
 from ..linearised.regression import Regression, by_record, prepare
 from ..linearised.shorten import CRAWLS
@@ -56,12 +56,12 @@ def other_drive(fitted: Fit, regression: Regression, report: Report, rival: floa
     *others, _ = criteria([*weighed, here])
     best = int(np.argmin(others))
     edge, drop = edges[best], regression.chi2 - float(left[best] @ left[best])
-    if drop < rival - VERY_STRONG or behind(weighed[best], here) > -VERY_STRONG:
+    if drop < rival - VERY_STRONG or not clearly_better(weighed[best], here):
         return None
     changed = with_edges(fitted.campaign, edge)
     try:
         shown = fit(fitted.model, with_edges(regression.fit.campaign, edge), initial=fitted.values, most=CRAWLS)
-        if behind(Left(prepare(shown).residual, numbers(edge)), here) > -VERY_STRONG:
+        if not clearly_better(Left(prepare(shown).residual, numbers(edge)), here):
             return None
     except Diverged:
         return None

@@ -19,7 +19,7 @@ from ...fit.linear.start_model import FURTHER
 from ...fit.linear.stretches import stretch_of
 from ...model import FREQUENCY, QUALITY, make_effect
 from ...pulse import Report
-from ..evidence.criterion import VERY_STRONG, Left, behind
+from ..evidence.criterion import Left, clearly_better
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
@@ -56,7 +56,7 @@ def with_its_mode(fitted: Fit, regression: Regression, report: Report) -> tuple[
         return fitted, regression
     if _same_line(found, 1 / found.value(f"{name}.period"), found.value(f"{name}.quality"), moves):
         return fitted, regression
-    clear = behind(Left(after.residual, after.numbers), Left(regression.residual, regression.numbers)) < -VERY_STRONG
+    clear = clearly_better(Left(after.residual, after.numbers), Left(regression.residual, regression.numbers))
     if not clear or after.chi2 - after.n > _GREATER_PART * (regression.chi2 - regression.n):
         return fitted, regression
     report(f"beside it another mode rings, {name}: error over noise {found.fitted.error_over_noise:.3g}")

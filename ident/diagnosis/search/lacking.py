@@ -10,9 +10,8 @@ coordinates, which is one question and not as many as there are sets of coordina
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from ...effects.dependence import Side, depends_on
+from ...pulse import Report
 from ..evidence.coloured_noise import chance_of
 from ..linearised.regression import Regression
 from ..unknown.coordinates import Stage, set_stage
@@ -20,16 +19,17 @@ from ..unknown.subsets import TRIED, rank, regress, smallest_sufficient, spline_
 
 _DOUBT = 0.0001  # of the first excess: structured misfit beyond which a law may be another of the same kind
 _ANOTHER_CURVE = 0.00002  # the same for a curve over the law's own coordinates, one test instead of many
-_CHANCE = 1e-3
+_CHANCE = 1e-3  # by which noise of that colour has such a structure, all that were tried together
 
 
-def lacking(regression: Regression, first: Regression, report: Callable[[str], None] = lambda _: None) -> float:
+def lacking(regression: Regression, first: Regression, report: Report = lambda _: None) -> float:
     """Share of the first excess that functions of the device's coordinates still find in what the effects leave.
 
     0 if it is little, or likely by chance (coloured noise allowed for); and of sweeps, whose points are no motion.
     """
     if not regression.trajectories.tape.spans:
         return 0.0
+    regression, first = regression.of_traces(), first.of_traces()
     excess = max(first.chi2 - first.n, 1e-9)
     report("does what is left have a structure?")
     stage = set_stage(regression)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -10,14 +9,13 @@ import numpy as np
 from ...campaign.campaign import Campaign
 from ...fit import Fit, fit
 from ...model import QUALITY
-from ..evidence.criterion import VERY_STRONG, behind
+from ...pulse import Report
+from ..evidence.criterion import clearly_better
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, working
 from ..linearised.trajectory import Diverged
 from .drive import other_drive
 from .steps import Step
-
-Report = Callable[[str], None]
 
 
 def begun_with(start: Fit, campaign: Campaign) -> Fit:
@@ -38,7 +36,7 @@ def lower_start(start: Fit, last: Fit, report: Report) -> Fit | None:
     initial = np.array([found.get(p.name, v) for p, v in zip(start.model.parameters, start.values, strict=True)])
     try:
         lower = fit(start.model, start.campaign, initial=initial)
-        if not behind(prepare(working(lower)), prepare(working(start))) < -VERY_STRONG:
+        if not clearly_better(prepare(working(lower)), prepare(working(start))):
             return None
     except (Diverged, FloatingPointError, np.linalg.LinAlgError):  # from there the motion has no bound
         return None

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from ...effects.effect import AbstractEffect, Parameter
+from ...effects.registry import Registry
 from ...fit import Fit
+from ...pulse import Report
 from ..evidence.criterion import STRONG, behind
 from ..evidence.enough import ANOTHER_LAW
 from ..evidence.family import is_family_of, is_that_member
@@ -42,9 +44,9 @@ class Parts(NamedTuple):
 def take_apart(
     last: Fit,
     added: Sequence[str],
-    library: Mapping[str, type[AbstractEffect]],
+    library: Registry,
     start: Fit,
-    report: Callable[[str], None],
+    report: Report,
 ) -> list[Parts]:
     """The added effects that simpler ones explain as well, up to the first that they explain better.
 
@@ -92,7 +94,7 @@ def take_apart(
     return alike
 
 
-def _or_its_member(regression: Regression, best: Candidate, simple: Mapping[str, type[AbstractEffect]]) -> Confirmed:
+def _or_its_member(regression: Regression, best: Candidate, simple: Registry) -> Confirmed:
     """The refit of the best candidate, or of a member of its family that does as well."""
     found = confirm(regression, simple[best.name], best)
     for member in score(regression, {n: e for n, e in simple.items() if is_family_of(simple[best.name], e())}):
@@ -103,9 +105,7 @@ def _or_its_member(regression: Regression, best: Candidate, simple: Mapping[str,
     return found
 
 
-def _simpler(
-    mine: AbstractEffect, last: Fit, library: Mapping[str, type[AbstractEffect]]
-) -> dict[str, type[AbstractEffect]]:
+def _simpler(mine: AbstractEffect, last: Fit, library: Registry) -> dict[str, type[AbstractEffect]]:
     """What may stand in an effect's place with others: what it contains, and, if it has more numbers than two effects
     need, any of which it has room for two."""
     room = _numbers(mine.declared()) // 2 if _numbers(mine.declared()) > _TWO else 0

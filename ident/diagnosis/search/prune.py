@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
 
-from ...effects.effect import AbstractEffect
+from ...effects.registry import Registry
 from ...fit import Fit
 from ...fit.rebuild import fit_at
-from ..evidence.criterion import VERY_STRONG, behind, criteria, predicts_worse
+from ...pulse import Report
+from ..evidence.criterion import VERY_STRONG, behind, criteria
 from ..evidence.enough import ANOTHER_LAW, SAME_SHAPE, laws_differ_by, superfluous
 from ..evidence.family import is_that_member
+from ..evidence.held_out import hurts, hurts_more
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
@@ -21,10 +22,8 @@ from ..ranking.score import Candidate, score, significant
 from .change import ENOUGH, try_without, values_without
 from .parts import Parts, take_apart
 
-Library = Mapping[str, type[AbstractEffect]]
 _MOST_CHANGES = 10  # each has to be for the better, but by two measures: criterion and held-out error
 _PROMISING = 0.5  # of what the score of the one in place promises: a rival that promises less is not tried
-_HURT = 1.02  # held-out error may grow by this factor before a term is refused
 
 
 class Pruned(NamedTuple):
@@ -36,41 +35,6 @@ class Pruned(NamedTuple):
     alike: tuple[Parts, ...]
 
 
-def hurts(before: Fit, after: Fit) -> bool:
-    """Whether held-out records are predicted worse, by more than laws of one kind and chance make of them."""
-    if before.holdout is None or after.holdout is None:
-        return False
-    if after.holdout.error_over_noise <= _HURT * before.holdout.error_over_noise:
-        return False
-    return _worse_in_each(before, after) and predicts_worse(before, after)
-
-
-def _worse_in_each(before: Fit, after: Fit) -> bool:
-    """Whether held-out records are predicted worse where each counts by its own error, whatever its noise floor: far
-    above the floors the record with the lowest would else decide alone, and outvote another that became ten times
-    better."""
-    pairs = [(a, b) for a, b in zip(before.scores, after.scores, strict=True) if a.holdout]
-    growth = [np.log(max(b.error_over_noise, 1.0) / max(a.error_over_noise, 1.0)) for a, b in pairs]
-    return bool(np.average(growth, weights=[a.n for a, _ in pairs]) > np.log(_HURT))
-
-
-def confirmed(before: Fit, after: Fit) -> bool:
-    """Whether held-out records are predicted better, or there are none."""
-    if before.holdout is None or after.holdout is None:
-        return True
-    return after.holdout.error_over_noise < before.holdout.error_over_noise
-
-
-def _hurts_more(before: Fit, after: Fit) -> bool:
-    """Whether held-out records lose more by another law than the fitted ones gain.
-
-    Beside an effect that is not sure yet, held-out error tells about that one's parameters rather than about the law.
-    """
-    if before.holdout is None or after.holdout is None or not hurts(before, after):
-        return False
-    return after.holdout.chi2 - before.holdout.chi2 > before.fitted.chi2 - after.fitted.chi2
-
-
 def _still_possible(after: Fit, before: Fit) -> bool:
     """Whether the effects that were possible before a change are so after it: a stop may have bent what is gone."""
     possible = lambda fit, effect: is_possible(fit.model, fit.values, effect, fit.scales)
@@ -78,7 +42,7 @@ def _still_possible(after: Fit, before: Fit) -> bool:
     return all(possible(after, e) for e in after.model.effects if e.name in able)
 
 
-def _rivals(name: str, regression: Regression, library: Library) -> list[Candidate]:
+def _rivals(name: str, regression: Regression, library: Registry) -> list[Candidate]:
     """Who may stand in an effect's place: whoever scores better, and the best of those that it is mistaken for."""
     scored = significant(score(regression, library))
     enough = _PROMISING * next((c.drop for c in scored if c.name == name), 0.0)
@@ -89,7 +53,7 @@ def _rivals(name: str, regression: Regression, library: Library) -> list[Candida
 
 
 def _replaced(
-    name: str, last: Fit, full: Regression, regression: Regression, library: Library
+    name: str, last: Fit, full: Regression, regression: Regression, library: Registry
 ) -> tuple[str, Fit] | None:
     """A rival in an effect's place, with the fit, if the criterion clearly prefers it; between laws that the fitted
     records do not tell apart, or by no more than a simpler one may lack in shape, the held-out ones decide.
@@ -118,11 +82,11 @@ def _replaced(
     there = prepare(after)
     lead = full.fit_chi2 - there.fit_chi2
     clearly = perhaps and behind(full, there) > margin and not (wider and lead < laws_differ_by(regression, best.chi2))
-    wins = (not _hurts_more(last, after) if clearly else alike and hurts(after, last)) and _still_possible(after, last)
+    wins = (not hurts_more(last, after) if clearly else alike and hurts(after, last)) and _still_possible(after, last)
     return (best.candidate.name, after) if wins else None
 
 
-def prune(last: Fit, added: list[str], library: Library, first: Regression, report: Callable[[str], None]) -> Pruned:
+def prune(last: Fit, added: list[str], library: Registry, first: Regression, report: Report) -> Pruned:
     """What is left of the added effects once each has been questioned.
 
     `first`: the regression before any was added.
@@ -148,7 +112,7 @@ def prune(last: Fit, added: list[str], library: Library, first: Regression, repo
 
 
 def _questioned(
-    names: list[str], last: Fit, library: Library, first: Regression, report: Callable[[str], None]
+    names: list[str], last: Fit, library: Registry, first: Regression, report: Report
 ) -> tuple[list[str], Fit]:
     """The effects and the fit after every change that is for the better."""
     for _ in range(_MOST_CHANGES):
@@ -161,7 +125,7 @@ def _questioned(
 
 
 def _changed(
-    names: list[str], last: Fit, library: Library, first: Regression, report: Callable[[str], None]
+    names: list[str], last: Fit, library: Registry, first: Regression, report: Report
 ) -> tuple[list[str], Fit] | None:
     """The effects and the fit after the first change that is for the better; None if there is none."""
     full = prepare(last)

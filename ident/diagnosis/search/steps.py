@@ -43,6 +43,11 @@ class Walked(NamedTuple):
     steps: tuple[Step, ...] = ()
     gains: Mapping[str, float] = MappingProxyType({})
 
+    @property
+    def final(self) -> Fit:
+        """The fit with all that was added."""
+        return self.steps[-1].fit if self.steps else self.start
+
 
 @dataclass(frozen=True, eq=False)
 class Discovery:
@@ -64,4 +69,5 @@ class Discovery:
 
     @property
     def final(self) -> Fit:
+        """The fit with all that was found."""
         return self.steps[-1].fit if self.steps else self.start

@@ -10,6 +10,7 @@ from scipy.special import chdtrc  # not `scipy.stats`, whose import takes half a
 
 from ...campaign.device import Platform
 from ...effects.effect import AbstractEffect
+from ...effects.registry import Registry
 from ...fit.linear.independent import independent_samples
 from ..evidence.criterion import VERY_STRONG
 from ..evidence.enough import ANOTHER_LAW
@@ -19,13 +20,11 @@ from ..linearised.regression import Regression
 from ..ranking.confirm import Confirmed
 from ..ranking.score import Candidate
 
-TIED_SIGNATURE = 0.99  # share of a signature that another effect reproduces, above which a refit has to decide
-KNOWN_SIGNATURE = 0.95  # the same for effects that are known to pass for one another
-AS_MUCH = 0.9  # of what the best one explains: an effect that explains less is no rival, however few samples there are
-EXACT_SIGNATURE = 0.9  # the same for effects that no record of a linear device tells apart
+_TIED = 0.99  # share of a signature that another effect reproduces, above which a refit has to decide
+_KNOWN = 0.95  # the same for effects that are known to pass for one another
+_EXACT = 0.9  # the same for effects that no record of a linear device tells apart
+_AS_MUCH = 0.9  # of what the best one explains: an effect that explains less is no rival, however few samples there are
 _CHANCE = 0.05  # probability, below which the further numbers of a law that contains another say something
-
-Library = Mapping[str, type[AbstractEffect]]
 
 
 class Tie(NamedTuple):
@@ -62,7 +61,7 @@ def tie_set(
     regression: Regression,
     best: Candidate,
     candidates: Iterable[Candidate],
-    library: Library,
+    library: Registry,
     confirmed: Iterable[Confirmed] = (),
 ) -> TieSet:
     """The effects between which the records do not choose.
@@ -95,9 +94,9 @@ def tie_set(
         wider = best.name in library[other.name].contains and bool(regression.fit.campaign.fitted)
         price = float(np.log(regression.n)) if wider else 1.0
         behind = n * float(np.log(left / least)) + price * (other.dof - best.dof)
-        as_much = left - least < max(VERY_STRONG, (1.0 - AS_MUCH) * (regression.excess + regression.n - least))
+        as_much = left - least < max(VERY_STRONG, (1.0 - _AS_MUCH) * (regression.excess + regression.n - least))
         alike = reproduced(regression, best, other)
-        enough = KNOWN_SIGNATURE if equivalence(best.name, other.name) else TIED_SIGNATURE
+        enough = _KNOWN if equivalence(best.name, other.name) else _TIED
         shape = ANOTHER_LAW * regression.excess
         as_simple = both and refits[other.name].model.numbers <= refits[best.name].model.numbers + 1
         near = as_simple and not wider and left - least < shape
@@ -114,7 +113,7 @@ def tie_set(
     for other in candidates:
         # Where both were refitted, transients may have told them apart: a force rings where a reading does not.
         judged = best.name in refits and other.name in refits
-        similar = in_motion or (not judged and reproduced(regression, best, other) > EXACT_SIGNATURE)
+        similar = in_motion or (not judged and reproduced(regression, best, other) > _EXACT)
         if other.name in exact and other.name not in named and similar:
             found.append(_tie(best, other, float("nan"), 1.0, library))
     return TieSet(best.name, tuple(sorted(found, key=lambda t: (not np.isnan(t.behind), t.behind))))
@@ -159,13 +158,13 @@ def _is_linear(regression: Regression) -> bool:
     return not regression.fit.model.effects
 
 
-def _tie(best: Candidate, other: Candidate, behind: float, alike: float, library: Library) -> Tie:
+def _tie(best: Candidate, other: Candidate, behind: float, alike: float, library: Registry) -> Tie:
     known = equivalence(best.name, other.name)
     if known is not None:
         why = known.why
     elif behind >= VERY_STRONG:
         why = f"it explains within {100 * ANOTHER_LAW:.2g} % as much, and laws of one kind differ by that"
-    elif alike > 0.95:
+    elif alike > _KNOWN:
         why = f"on these records it reproduces {100 * alike:.3g} % of the same trace"
     else:
         why = "it explains the misfit as well within the noise"
@@ -179,7 +178,7 @@ class Unseen(NamedTuple):
     why: str
 
 
-def unseen(regression: Regression, candidates: Sequence[Candidate], library: Library) -> tuple[Unseen, ...]:
+def unseen(regression: Regression, candidates: Sequence[Candidate], library: Registry) -> tuple[Unseen, ...]:
     """Effects that cannot be seen in these records: whatever they do, the model's own parameters absorb it."""
     model = regression.fit.model
     scored = {c.name for c in candidates} | set(model.names)

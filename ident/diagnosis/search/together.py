@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from ...effects.effect import AbstractEffect
+from ...effects.registry import Registry
 from ...fit import Fit
 from ..evidence.coloured_noise import behind_in_colour
-from ..evidence.criterion import VERY_STRONG, Left, behind
+from ..evidence.criterion import Left, clearly_better
 from ..evidence.enough import adequate, not_worth_adding, worth_a_name
+from ..evidence.held_out import hurts
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
 from ..ranking.confirm import accept, confirm
 from ..ranking.pairs import best_pair
 from ..ranking.score import Candidate, score
-from .prune import hurts
 from .steps import Step
 
 
@@ -26,7 +26,7 @@ def hidden_by_each_other(
     candidates: Sequence[Candidate],
     single: tuple[str, Regression] | None,
     first: Regression,
-    library: Mapping[str, type[AbstractEffect]],
+    library: Registry,
 ) -> tuple[str, str] | None:
     """Names of two effects that by their scores explain clearly more than the best single one, and than any two of
     which that is one: those the next step finds.
@@ -51,9 +51,9 @@ def hidden_by_each_other(
         with_it = best_pair(regression, candidates, name)
         if not worth_a_name(drop - (regression.best_chi2 - left.fit_chi2), first):
             return None  # the second would only refine the shape of the first
-        if adequate(left) or with_it is None or behind(pair, with_it) > -VERY_STRONG:
+        if adequate(left) or with_it is None or not clearly_better(pair, with_it):
             return None
-    if behind(pair, _instead(regression, single and single[1])) >= -VERY_STRONG:
+    if not clearly_better(pair, _instead(regression, single and single[1])):
         return None
     parts = () if single is None else library[single[0]].contains
     whole = [name for name in pair.names if name not in parts]
@@ -64,7 +64,7 @@ def both(
     current: Fit,
     regression: Regression,
     names: Sequence[str],
-    library: Mapping[str, type[AbstractEffect]],
+    library: Registry,
     single: Regression | None,
     first: Regression,
 ) -> tuple[list[Step], Regression] | None:
@@ -94,7 +94,7 @@ def both(
         return None
     if not_worth_adding(regression, regression.best_chi2 - now.fit_chi2, first):
         return None
-    better = behind(Left(now.residual, now.numbers), _instead(regression, single)) < -VERY_STRONG
+    better = clearly_better(Left(now.residual, now.numbers), _instead(regression, single))
     better = better and behind_in_colour(now, regression) <= 0
     rivals = (current,) if single is None else (current, single.fit)
     return (steps, now) if better and not any(hurts(rival, before) for rival in rivals) else None

@@ -9,16 +9,17 @@ from typing import NamedTuple
 
 from ...fit import Fit
 from ...pulse import Report
-from ..evidence.criterion import VERY_STRONG, behind
+from ..evidence.criterion import clearly_better
 from ..evidence.enough import adequate, superfluous, worth_a_name
+from ..evidence.held_out import hurts, predicts_better
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, working
 from ..linearised.trajectory import Diverged
 from ..ranking.look import BROKEN
 from ..unknown.effect_file import write_effect
 from ..unknown.find import Unknown, find_unknown, followed_noise
-from .beyond import Beyond, alone, free_name, go_beyond
-from .prune import confirmed, hurts
+from .beyond import Beyond, free_name, go_beyond
+from .change import without
 from .steps import Discovery, Step
 
 _NEARLY = 0.05  # of the first misfit: if named effects leave less, they are kept and the rest is looked for
@@ -132,18 +133,19 @@ def _by_itself(found: Discovery, first: Regression, report: Report) -> Fit | Non
     if not names:
         return None
     report(f"does the model still need {' and '.join(names)}?")
-    without = alone(found.final, names)
+    by_itself = without(found.final, names)  # what was written from their misfit may say what they did
     try:
-        fine = superfluous(prepare(working(without)), prepare(working(found.final)), first)
+        fine = superfluous(prepare(working(by_itself)), prepare(working(found.final)), first)
     except Diverged:  # without them the motion has no bound
         return None
-    return without if fine else None
+    return by_itself if fine else None
 
 
 def _says_more(named: Fit, written: Fit) -> bool:
     """Whether what was written in the place of named effects is better than they are by the criterion, which counts its
     numbers, and on records held out."""
     try:
-        return behind(prepare(working(written)), prepare(working(named))) < -VERY_STRONG and confirmed(named, written)
+        better = clearly_better(prepare(working(written)), prepare(working(named)))
+        return better and predicts_better(named, written)
     except Diverged:  # a motion without bound says nothing
         return False

@@ -31,6 +31,11 @@ class Stage(NamedTuple):
     sensor_unit: float
 
 
+def absorbed(side: Side, name: str) -> bool:
+    """Whether a term proportional to this coordinate is in every model already: stiffness, damping, gain."""
+    return name == "z" or (side != "sensor" and name in ("v", "V"))
+
+
 def set_stage(regression: Regression) -> Stage:
     """The coordinates along all fitted records."""
     trajectories, scales = regression.trajectories, regression.fit.scales

@@ -16,7 +16,6 @@ from ...effects.dependence import Side
 from ...model import FREQUENCY, QUALITY
 from ..evidence.coloured_noise import chance_of
 from ..linearised.regression import Regression
-from ..linearised.whiten import whiten
 from .coordinates import Stage, rows_of, set_stage
 from .formula import Formula, dictionary, long_formula, write_formula
 from .picture import Picture, draw
@@ -24,7 +23,7 @@ from .subsets import TRIED, Ranked, dimension, rank, regress, smallest_sufficien
 from .words import describe, noise_followed
 
 _LACKING = 0.1  # of what the splines leave: a formula that lacks no more says as much as the splines of all rivals
-_MOST_TERMS = 6
+_MOST_TERMS = 6  # a formula has fewer; where none says it, so many count
 # What a term of a formula counts, and that there is none, in coordinates, where several sets explain the same.
 _PER_TERM, _WORDLESS = 0.08, 1.0
 
@@ -94,7 +93,9 @@ def find_unknown(regression: Regression) -> Unknown:
     """The smallest set of coordinates whose functions explain what the fit leaves, and what that function is.
 
     The answer is meant for a misfit that no effect of the library explains; `p_value` says whether there is any.
+    Sweeps beside the traces are not asked: their points are no motion, along which a function could be known.
     """
+    regression = regression.of_traces()
     stage = set_stage(regression)
     ranked = rank(regression, stage)
     enough = smallest_sufficient(ranked)
@@ -158,11 +159,7 @@ def _possible(regression: Regression, stage: Stage, formula: Formula) -> bool:
     linear = lambda place: np.stack([place["z"] / stage.ranges["z"].largest, place["v"] / velocity,
                                      place["V"] / stage.ranges["V"].largest])  # fmt: skip
     known = rows_of(regression, stage, "force", linear)
-    trajectories = regression.trajectories
-    left = np.concatenate(
-        [whiten(p, r[None])[0] for p, r in zip(regression.whitenings, trajectories.residuals, strict=True)]
-    )
-    change = np.linalg.lstsq(known.T, left - by_terms, rcond=1e-10)[0][1] * stage.force_unit / velocity
+    change = np.linalg.lstsq(known.T, regression.left - by_terms, rcond=1e-10)[0][1] * stage.force_unit / velocity
     model, values = regression.fit.model, regression.fit.values
     _, damping = model.spring_and_damper(float(values[FREQUENCY]), float(values[QUALITY]), model.linear.mass)
     return damping - change > 0.0

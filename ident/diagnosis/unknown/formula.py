@@ -15,7 +15,7 @@ import numpy as np
 
 from ...effects.dependence import Side
 from ..linearised.regression import Regression
-from .coordinates import Stage, rows_of
+from .coordinates import Stage, absorbed, rows_of
 from .subsets import regress
 from .terms import Term, monomial, number, paired, remembered, single, table
 
@@ -24,7 +24,7 @@ _NEW = 1e-3  # squared share of a term that the others must leave for it to be a
 _WORTH = 0.2  # part of the remaining excess that a further term must remove
 _SAME, _LITTLE = 0.01, 0.1  # of what splines explain, and of what they leave: a formula that lacks no more says as much
 _BARELY = 0.02  # of χ² per sample: formulas closer than that are equally good, and the plainest is taken
-_LONGEST = 8
+_LONGEST = 8  # terms
 _FINER, _MORE = 2, 7  # rounds in which numbers are sought between those of a grid, and how many in each
 _BEYOND = 1.3  # times the last number of a grid: as far as is looked beyond it
 
@@ -189,8 +189,7 @@ def long_formula(
         found = fitted(regression, stage, side, words, [0], np.inf)
     if len(coordinates) > 1 or name == "1":
         return found
-    absorbed = name == "z" or (side != "sensor" and name in ("v", "V"))
-    words = _measured(regression, stage, side, table(name, stage.ranges[name], gauge=absorbed))
+    words = _measured(regression, stage, side, table(name, stage.ranges[name], gauge=absorbed(side, name)))
     if not words.terms:
         return found
     curve = fitted(regression, stage, side, words, range(len(words.terms)), _goal(regression, spline_drop))

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...effects.dependence import Side
 from ..linearised.regression import Regression
-from .coordinates import Stage
+from .coordinates import Stage, absorbed
 from .splines import Places
 from .subsets import Solution, spline_functions
 
@@ -32,11 +32,6 @@ class Picture(NamedTuple):
     error: np.ndarray
     unit: str
     record: str = ""
-
-
-def absorbed(side: Side, name: str) -> bool:
-    """Whether a term proportional to this coordinate is in every model already: stiffness, damping, gain."""
-    return name == "z" or (side != "sensor" and name in ("v", "V"))
 
 
 def draw(regression: Regression, stage: Stage, side: Side, coordinates: tuple[str, ...], solved: Solution) -> Picture:

@@ -23,7 +23,7 @@ from ..linearised.trajectory import Path
 # dV is V̇/ω, so that records of any frequency compare.
 UNITS = {"z": "m", "v": "m/s", "V": "V", "dV": "V", "t": "s", "rate": "V/s"}
 
-_SINGLE, _PAIRED, _DEGREE = 18, 6, 3
+_SINGLE, _PAIRED, _DEGREE = 18, 6, 3  # splines of one coordinate, of each of two; and their degree
 _WIDTHS = (0.02, 0.05, 0.1, 0.18, 0.3, 0.45, 0.6, 0.8)  # of the plays, in parts of the largest value
 _TIMES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 40.0)  # of the relaxations, in periods of the resonance
 

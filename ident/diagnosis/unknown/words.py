@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...effects.dependence import Side
+from ...fit.judge import GOOD
 
 if TYPE_CHECKING:
     from .find import Unknown
@@ -14,8 +15,6 @@ if TYPE_CHECKING:
 _NAMES = {"z": "the displacement z", "v": "the velocity v", "V": "the drive voltage V",
           "dV": "the rate of the drive (dV = V̇/ω)", "t": "the time t"}  # fmt: skip
 _SIDES = {"force": "a force on the stage", "drive": "a force through the drive", "sensor": "an error of the sensor"}
-
-
 _FOLLOWED = 0.97  # error over noise below which functions of the measured motion must have followed its noise
 
 
@@ -44,7 +43,7 @@ def describe(found: Unknown) -> tuple[str, ...]:
             f"Noise of the colour seen here would do as much by chance with probability {found.p_value:.2g}: there may "
             "be nothing missing at all."
         )
-    elif after > 1.1:
+    elif after > GOOD:
         sentences.append(f"It is not all: an error of {after:.2f} noise floors remains.")
     if found.alike:
         listed = "; ".join(what(r.side, r.coordinates) for r in found.alike)

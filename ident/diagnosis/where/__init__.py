@@ -1,1 +1,2 @@
-"""Where a model fails: by record, time, phase, motion, level, harmonic and frequency."""
+"""Where a model fails, by record, time, phase, motion, level, harmonic and frequency: `locate` looks, `words` says
+what stands out."""

@@ -69,8 +69,8 @@ class Where(NamedTuple):
         return min(self.p_value, self.whiteness.p_value, drive) < ALARMS
 
 
-_BINS = 12
-_HARMONICS = 8
+_BINS = 12  # of time, motion and phase
+_HARMONICS = 8  # of the drive
 _LAGS = np.arange(-16, 49) / 16  # of the resonance's period
 _BANDS = np.concatenate([np.arange(0.0, 1.5, 0.1), [1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0, 20.0]])
 

@@ -8,6 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import chdtrc, chndtr
 
+from ...campaign.noise.portmanteau import LAGS, SLIGHT, portmanteau
+
 
 class Correlation(NamedTuple):
     """A correlation function with its test.
@@ -22,32 +24,23 @@ class Correlation(NamedTuple):
     p_value: float
 
 
-_LJUNG_BOX = 24
-_SLIGHT = 0.05  # correlation that an estimated noise colour leaves of itself
-
-
 def whiteness(white: Sequence[np.ndarray], orders: Sequence[int]) -> Correlation:
     """Autocorrelation of white residuals of several records, and the portmanteau test.
 
-    Q = Σ_records n (n + 2) Σ_k ρ_k²/(n − k) is χ² with one degree of freedom per lag, less the `orders` of the
-    autoregressions that were estimated to whiten the records. A mean correlation below 0.05 is not called colour; a
-    mean that is left is, for noise has none.
-
-    Source: G. M. Ljung, G. E. P. Box, 1978, Biometrika 65, 297, doi:10.1093/biomet/65.2.297.
+    The Q of all records (see `portmanteau`) is χ² with one degree of freedom per lag, less the `orders` of the
+    autoregressions that were estimated to whiten them. A slight mean correlation is not called colour; a mean that is
+    left is, for noise has none.
     """
-    q, freedom, pooled, n_all = 0.0, 0, np.zeros(_LJUNG_BOX), 0
+    q, freedom, pooled, n_all = 0.0, 0, np.zeros(LAGS), 0
     for e, order in zip(white, orders, strict=True):
-        n = len(e)
-        last = min(_LJUNG_BOX, n // 4)
-        power = float(e @ e) or 1.0
-        rho = np.array([float(e[:-k] @ e[k:]) / power for k in range(1, last + 1)])
-        q += n * (n + 2) * float(np.sum(rho**2 / (n - np.arange(1, last + 1))))
-        freedom += max(last - order, 1)
-        pooled[:last] += n * rho
-        n_all += n
-    slight = n_all * _SLIGHT**2  # one lag as large as that in every record
+        rho, own = portmanteau(e)
+        q += own
+        freedom += max(len(rho) - order, 1)
+        pooled[: len(rho)] += len(e) * rho
+        n_all += len(e)
+    slight = n_all * SLIGHT**2  # one lag as large as that in every record
     p = 1.0 - float(chndtr(q, freedom, slight))
-    return Correlation(np.arange(1, _LJUNG_BOX + 1), pooled / n_all, 2.58 / np.sqrt(n_all), p)
+    return Correlation(np.arange(1, LAGS + 1), pooled / n_all, 2.58 / np.sqrt(n_all), p)
 
 
 def drive_correlation(

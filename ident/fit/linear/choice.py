@@ -111,8 +111,18 @@ def choose_linear(
     if not allowed:
         what = 'linear = "quasi-static" needs a drive that was measured, and a displacement that answers it'
         raise UserError(what, do="remove it, and let the records choose")
+    chosen, more = _chosen(records, stretches, allowed, modes, n)
+    return LinearChoice(tuple(sorted([*found, *more], key=lambda c: c.criterion)), chosen, told)
+
+
+def _chosen(
+    records: Sequence[Trace], stretches: Sequence[Stretch], allowed: Sequence[Candidate], modes: int | None, n: float
+) -> tuple[Candidate, list[Candidate]]:
+    """The best of the candidates, and those with further modes, of which it may be one.
+
+    Two modes together may resemble no single one: whichever form has won, more are looked for.
+    """
     chosen = min(allowed, key=lambda c: c.criterion)
-    # Two modes together may resemble no single one: whichever form has won, more are looked for.
     alone = [c for c in allowed if c.form == "oscillator"]
     one = min(alone, key=lambda c: c.criterion) if alone else None
     most = modes or next((m - 1 for m in range(2, MOST_MODES + 1) if not _room(one, m, n)), MOST_MODES) if one else 0
@@ -123,7 +133,7 @@ def choose_linear(
         chosen = more[-1]
     elif more:
         chosen = min([chosen, *more], key=lambda c: c.criterion)
-    return LinearChoice(tuple(sorted([*found, *more], key=lambda c: c.criterion)), chosen, told)
+    return chosen, more
 
 
 def _held(

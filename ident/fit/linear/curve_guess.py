@@ -19,10 +19,10 @@ import numpy as np
 from scipy import optimize
 
 from ...campaign.record import Sweep, same_level
-from .guess import DataScales, LinearGuess
+from .guess import LEAST_QUALITY, DataScales, LinearGuess
 
 _HALF_POWER = math.sqrt(0.5)
-_LEAST_QUALITY, _MOST_QUALITY = 0.5, 1e6
+_MOST_QUALITY = 1e6
 _RING_UPS = 100.0  # periods that stand for the duration of a record, where a curve has none
 
 
@@ -49,7 +49,7 @@ def _searched(sweeps: tuple[Sweep, ...], held: float | None) -> LinearGuess:
 
     ends = (
         (math.log(np.min(omega) / 2), math.log(np.max(omega) * 2)),
-        (math.log(_LEAST_QUALITY), math.log(_MOST_QUALITY)),
+        (math.log(LEAST_QUALITY), math.log(_MOST_QUALITY)),
     )
     starts = [(frequency, quality), (frequency, 3 * quality), (frequency, quality / 3)]
     found = []
@@ -74,7 +74,7 @@ def _peak(sweeps: Sequence[Sweep]) -> tuple[float, float]:
     top = int(np.argmax(a))
     high = np.flatnonzero(a >= _HALF_POWER * a[top])
     width = max(float(f[high[-1]] - f[high[0]]), float(np.median(np.diff(np.unique(f)))))
-    return float(f[top]), float(np.clip(f[top] / width, 2 * _LEAST_QUALITY, 1e4))
+    return float(f[top]), float(np.clip(f[top] / width, 2 * LEAST_QUALITY, 1e4))
 
 
 def _sign(sweeps: Sequence[Sweep], omega: float) -> float:

@@ -26,7 +26,7 @@ from .stretches import Stretch
 
 _EDGES = (-0.5, 0.0, 1.0)  # where searches for the edges begin: measured, on the samples, one late
 _EARLIEST, _LATEST = -1.0, 2.0  # no sample shows what is to come; and what is later is a lag, and no matter of edges
-_NEAR = 0.01
+_NEAR = 0.01  # of a sampling interval, to the latest edge: it then lies nowhere
 _NEARBY = 8.0  # times the frequency, quality or decay time beside a smooth drive: so far the search may go
 _STEPS = (0.01, 0.1, 0.2)  # first steps in ln of frequency and quality, or of a decay time, and of the edge
 

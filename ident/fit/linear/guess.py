@@ -19,9 +19,10 @@ from ...campaign.record import Trace
 from .decay import read_ringing
 from .stretches import Stretch, highest_content, liveliest, stretch_of, sums
 
-_QUALITIES = (4.0, 15.0, 60.0)
-_LEAST_QUALITY, _LOG_QUALITY = 0.5, 9.0  # below, nothing oscillates; beyond e⁹, nothing decays within a record
-_POINTS_PER_OCTAVE = 14
+_QUALITIES = (4.0, 15.0, 60.0)  # at each frequency of the grid
+LEAST_QUALITY = 0.5  # below, nothing oscillates
+_LOG_QUALITY = 9.0  # beyond e⁹, nothing decays within a record
+_POINTS_PER_OCTAVE = 14  # of the grid
 GRID_STEP = math.log(2) / _POINTS_PER_OCTAVE  # in ln f
 _LINES = 2  # of each record, where it is liveliest: between the points of the grid a sharp resonance is not seen
 _SAME = 0.005  # in ln f: so near two of them are tried once
@@ -68,7 +69,7 @@ def _searched(records: tuple[Trace, ...], nominal_frequency: float | None, held:
     step = min([_STEP, *(_CYCLE / ringing.cycles for ringing in ringings)])
     best = trials[0]
     # Without inertia in the records the search would run off to frequencies that no sample can follow.
-    within = [(math.log(grid.min() / 2), math.log(grid.max() * 2)), (math.log(_LEAST_QUALITY), _LOG_QUALITY)]
+    within = [(math.log(grid.min() / 2), math.log(grid.max() * 2)), (math.log(LEAST_QUALITY), _LOG_QUALITY)]
     for start in _distinct(trials)[:2]:
         found = optimize.minimize(
             lambda x: _misfit(stretches, math.exp(x[0]), math.exp(x[1]) if held is None else held),

@@ -28,15 +28,15 @@ from scipy import optimize
 from ...campaign.campaign import MOST_MODES
 from ...campaign.noise.recursive import recursive_filter
 from .free_modes import amplitudes, next_line
-from .guess import GRID_STEP
+from .guess import GRID_STEP, LEAST_QUALITY
 from .stretches import Stretch, free_motion, oscillator_filter
 
 _SAMPLES = 24_000  # that compare modes
-_QUALITIES = (8.0, 40.0)
-_FOLDS = 4
+_QUALITIES = (8.0, 40.0)  # of a further mode, at each frequency of the grid
+_FOLDS = 4  # groups of records, each predicted by the others
 _SLOPE = 1e-4  # step of ln f and ln Q by which slopes are taken
 _CLOSER = 1e-3  # of the misfit: a search goes on while its steps gain as much
-_LEAST_QUALITY, _MOST_QUALITY = 0.5, 1e4
+_MOST_QUALITY = 1e4
 
 
 class Mode(NamedTuple):
@@ -176,7 +176,7 @@ def _next(stretches: Sequence[Stretch], points: np.ndarray) -> np.ndarray:
 def _searched(stretches: Sequence[Stretch], points: np.ndarray, used: Sequence[np.ndarray] | None = None) -> np.ndarray:
     """The frequencies and qualities that leave the least, from a start."""
     misfit = lambda x: solved(*_rows(stretches, x.reshape(points.shape), True, used))[1]
-    low = np.full(points.shape, math.log(_LEAST_QUALITY))
+    low = np.full(points.shape, math.log(LEAST_QUALITY))
     high = np.full(points.shape, math.log(_MOST_QUALITY))
     low[:, 0] = math.log(min(0.5 / (p.step * len(p.response)) for p in stretches))
     high[:, 0] = math.log(max(0.5 / p.step for p in stretches))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -11,6 +11,7 @@ from ...campaign.campaign import Campaign
 from ...campaign.device import Oscillator
 from ...errors import UserError
 from ...model import Model, build_model, make_effect
+from ...pulse import Report
 from .choice import LEVELS, LinearChoice, choose_linear
 
 FURTHER = ("second-mode", "third-mode", "fourth-mode", "fifth-mode", "sixth-mode")
@@ -49,9 +50,7 @@ def _place(campaign: Campaign) -> str:
     return f"{campaign.path}, [model]" if campaign.path else ""
 
 
-def start_model(
-    campaign: Campaign, effects: Sequence[str] | None = None, report: Callable[[str], None] = lambda _: None
-) -> Model:
+def start_model(campaign: Campaign, effects: Sequence[str] | None = None, report: Report = lambda _: None) -> Model:
     """The model of `build_model`, on the linear form that the records choose, with the constant that they need and the
     starting values found on the way. What the campaign says of the linear part is left as it is said.
 

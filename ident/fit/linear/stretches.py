@@ -31,9 +31,9 @@ class Sums(NamedTuple):
 
 class Stretch(NamedTuple):
     """A record for the linear search: its liveliest stretch, the response divided by its `size`; `rate` of the drive,
-    per s; `rest`: whether it
-    starts from rest; `power` of the response about its mean; `order` of the derivative of the displacement that it is;
-    `edge` of a drive that is held, as of `Trace`; `sums` that have been asked for, by frequency and quality."""
+    per s; `rest`: whether it starts from rest; `power` of the response about its mean; `order` of the derivative of the
+    displacement that it is; `edge` of a drive that is held, as of `Trace`; `sums` that have been asked for, by
+    frequency and quality."""
 
     step: float
     drive: np.ndarray

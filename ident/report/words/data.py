@@ -19,7 +19,6 @@ from .quantity import Scale, reading_unit, scale, show_in, significant
 from .sheet import Column, Mark, Sheet, file_words
 from .sweeps import sweep_dict, sweep_remarks, sweep_words, what_the_sweeps_tell
 
-_SAME = SAME_LEVEL
 _SAME_FREQUENCY = 1.01  # a third of the half-width of a resonance of quality 15: nearer ones tell it no better
 
 _NOTHING_HELD_OUT = (
@@ -45,7 +44,7 @@ def what_the_records_tell(campaign: Campaign) -> tuple[str, ...]:
     drives = [_level(r) for r in driven]
     if fitted and not driven:
         found.append(_DECAYS)
-    if driven and max(drives) <= _SAME * min(drives) and len(driven) == len(fitted):
+    if driven and max(drives) <= SAME_LEVEL * min(drives) and len(driven) == len(fitted):
         found.append(
             "All fitted records have one drive level: what grows with amplitude (cubic stiffness, quadratic "
             "damping, saturation) can be absorbed by the linear part. A record at half the level separates them."
@@ -89,7 +88,7 @@ def _begins_at(record: Trace) -> float:
 
 
 def _differs(record: Trace, others: tuple[Trace, ...]) -> bool:
-    def far(a: float, b: float, same: float = _SAME) -> bool:
+    def far(a: float, b: float, same: float = SAME_LEVEL) -> bool:
         return max(a, b) > same * min(a, b)
 
     return all(

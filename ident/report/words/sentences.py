@@ -14,8 +14,9 @@ from ...campaign.quality.suspect import suspects_by_data
 from ...campaign.record import VAGUE
 from ...diagnosis.faulty.suspects import alone_off
 from ...fit.carry_over import expected_error
+from ...fit.judge import GOOD
 from ...fit.linear.one_tone import gain_of
-from ...fit.result import Fit
+from ...fit.result import NEGLIGIBLE_STEP, Fit
 from ...model import QUALITY
 from ...units import format_quantity
 from .linear import worse_than_static
@@ -23,10 +24,8 @@ from .own_numbers import own_number_words
 from .quantity import display_unit, reading_unit, show, significant
 from .tables import listed, ratio_text
 
-_STEP = 0.1  # error of the solver's step, in noise floors, that is still negligible
 _LOW = 0.8  # below this the floor must be too high: a fit of few parameters cannot get under the noise
 _SURPRISE = 4.0  # spreads from what is known beforehand: not one device in ten thousand
-GOOD = 1.1  # error over noise up to which the noise floor is reached (it is itself known to some ten per cent)
 
 
 _OTHER_KINDS = {"no-spring": "mass and damper without a spring", "quasi-static": "gain without inertia",
@@ -227,7 +226,7 @@ def _noise(fit: Fit) -> list[Sentence]:
 def _numerics(fit: Fit) -> list[Sentence]:
     found = []
     error = significant(fit.step_error, 2)
-    if fit.step_error <= _STEP:
+    if fit.step_error <= NEGLIGIBLE_STEP:
         text = f"Halving the solver's step changes no record by more than {error} of its noise floor: negligible."
         found.append(Sentence(text))
     else:

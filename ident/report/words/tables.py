@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from ...campaign.apart import TOLD, size_of
 from ...campaign.device import Device
 from ...fit.identifiability import Combination
-from ...fit.judge import RecordScore, Score
+from ...fit.judge import GOOD, RecordScore, Score
 from ...fit.result import Estimate, Fit
 from .quantity import Scale, reading_unit, scale, show, show_in, significant
 from .sheet import Column, Mark, Sheet, file_words
@@ -62,7 +62,7 @@ def record_sheet(fit: Fit) -> Sheet:
     common = error_scale(fit.fitted, fit.model.device, reading_unit(fit.campaign.records))
     ordered = sorted(fit.scores, key=lambda s: s.holdout)
     rows = [_score_row(file_words(s.name), "held out" if s.holdout else "fitted", s, common) for s in ordered]
-    marks: list[Mark] = ["warning" if s.error_over_noise > 1.1 else "" for s in ordered]
+    marks: list[Mark] = ["warning" if s.error_over_noise > GOOD else "" for s in ordered]
     rows += [_score_row(name, "", score, common) for name, score in totals]
     marks.extend("total" for _ in totals)
     unit, note = (

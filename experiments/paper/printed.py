@@ -1,4 +1,4 @@
-"""The paper's formulas as printed beside their corrected forms, to show the slips; nothing else in `ident` uses them.
+"""The paper's formulas as printed beside their corrected forms, to show the slips (`slips`).
 
 Source of everything here: Impacts of Residual Stress on Micro Vibratory Platform Used for Inertial Sensor Calibration,
 2020, Sensors 20, 3959. Plain NumPy, SI units.

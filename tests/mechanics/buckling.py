@@ -1,27 +1,10 @@
-"""Buckling of the segments: when the platform fails, said as data."""
+"""Where a segment buckles, in closed form: the stiffness must pass through zero there."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-import jax
 import jax.numpy as jnp
 
-from .scalar import Scalar
-from .stage import Beam
-
-
-class Buckling(NamedTuple):
-    """How far axial forces are from buckling.
-
-    - `margin_1`, `margin_2`: 1 − N/N_critical per segment; 1 without force, 0 at buckling, negative beyond.
-    - `margin`: the smaller of them; `beyond`: True where it is not positive.
-    """
-
-    margin_1: Scalar
-    margin_2: Scalar
-    margin: Scalar
-    beyond: jax.Array
+from ident.mechanics import Scalar
 
 
 def critical_reduced_force(r: Scalar) -> Scalar:
@@ -51,18 +34,3 @@ def critical_force(r: Scalar, bending: Scalar, length: Scalar) -> Scalar:
     Source: as `critical_reduced_force`.
     """
     return critical_reduced_force(r) * bending / length**2
-
-
-def buckling(beam: Beam, force_1: Scalar, force_2: Scalar) -> Buckling:
-    """Distance of axial forces from buckling, never NaN for finite forces.
-
-    m_j = 1 − N_j/N_critical,j
-
-    `force_1`, `force_2` in N, tension positive, any broadcastable shapes (whole trajectories, for example).
-
-    Source: Sensors 2020, 20, 3959, Fig. 12d ("the platform even failed").
-    """
-    margin_1 = 1 - force_1 * beam.per_force_1 / critical_reduced_force(beam.spring_1)
-    margin_2 = 1 - force_2 * beam.per_force_2 / critical_reduced_force(beam.spring_2)
-    margin = jnp.minimum(margin_1, margin_2)
-    return Buckling(margin_1, margin_2, margin, margin <= 0)

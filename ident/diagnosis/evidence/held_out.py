@@ -1,0 +1,86 @@
+"""What records that no fit has seen say of a model, and of another in its place."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...fit import Fit
+from ...fit.carry_over import expected_error
+from ...fit.linear.independent import independent_samples
+from .enough import floor_of
+
+_CONTRADICTED = 3.0  # times what is expected, an error held out that no wrong noise floor makes: those are within 2
+_HURT = 1.02  # held-out error may grow by this factor before a term is refused
+_CLEARLY_WORSE = 2.0  # of 2 ln(odds): less is not worth a mention (Kass, Raftery, as in `criterion`)
+
+
+def foretold(fit: Fit) -> bool:
+    """Whether the held-out records, if there are any, stand at the noise floor too, within what is known of it and what
+    the parameters' errors make of them."""
+    held = fit.holdout
+    floor = floor_of([r for r in fit.campaign.records if r.holdout])
+    return held is None or held.error_over_noise < floor or held.error_over_noise < floor * expected_error(fit)
+
+
+def contradicted(fit: Fit) -> bool:
+    """Whether the held-out records clearly say otherwise of a model that stands at the noise floor on the fitted ones:
+    the error there is many noise floors and a good part of the signal, and what the parameters' errors can make of it
+    is not enough."""
+    held = fit.holdout
+    if held is None or held.error_over_noise < _CONTRADICTED * max(fit.fitted.error_over_noise, 1.0):
+        return False
+    if held.error_over_signal < _CONTRADICTED * fit.fitted.error_over_signal:
+        return False
+    return held.error_over_noise > _CONTRADICTED * expected_error(fit)
+
+
+def predicts_better(before: Fit, after: Fit) -> bool:
+    """Whether held-out records are predicted better, or there are none."""
+    if before.holdout is None or after.holdout is None:
+        return True
+    return after.holdout.error_over_noise < before.holdout.error_over_noise
+
+
+def hurts(before: Fit, after: Fit) -> bool:
+    """Whether held-out records are predicted worse, by more than laws of one kind and chance make of them."""
+    if before.holdout is None or after.holdout is None:
+        return False
+    if after.holdout.error_over_noise <= _HURT * before.holdout.error_over_noise:
+        return False
+    return _worse_in_each(before, after) and _beyond_chance(before, after)
+
+
+def hurts_more(before: Fit, after: Fit) -> bool:
+    """Whether held-out records lose more by another law than the fitted ones gain.
+
+    Beside an effect that is not sure yet, held-out error tells about that one's parameters rather than about the law.
+    """
+    if before.holdout is None or after.holdout is None or not hurts(before, after):
+        return False
+    return after.holdout.chi2 - before.holdout.chi2 > before.fitted.chi2 - after.fitted.chi2
+
+
+def _worse_in_each(before: Fit, after: Fit) -> bool:
+    """Whether held-out records are predicted worse where each counts by its own error, whatever its noise floor: far
+    above the floors the record with the lowest would else decide alone, and outvote another that became ten times
+    better."""
+    pairs = [(a, b) for a, b in zip(before.scores, after.scores, strict=True) if a.holdout]
+    growth = [np.log(max(b.error_over_noise, 1.0) / max(a.error_over_noise, 1.0)) for a, b in pairs]
+    return bool(np.average(growth, weights=[a.n for a, _ in pairs]) > np.log(_HURT))
+
+
+def _beyond_chance(before: Fit, after: Fit) -> bool:
+    """Whether held-out traces are predicted worse, by more than their independent samples leave to chance; where only
+    sweeps are held out, whose points are independent, nothing is left to it."""
+    was, now = _missed(before), _missed(after)
+    if not len(was):
+        return True
+    n = independent_samples(was)
+    return not n * np.log(max(float(now @ now), 1e-300) / max(float(was @ was), 1e-300)) < _CLEARLY_WORSE
+
+
+def _missed(fit: Fit) -> np.ndarray:
+    """What a fit misses of its held-out records, in noise floors."""
+    pairs = zip(fit.campaign.traces, fit.readings, strict=True)
+    parts = [((r.response - told) / r.noise.sigma)[r.counted] for r, told in pairs if r.holdout]
+    return np.concatenate(parts) if parts else np.zeros(0)
