@@ -250,6 +250,7 @@ def _with_residual_noise(campaign: Campaign, found: Minimum) -> Campaign:
         elif isinstance(record, Sweep) and not record.holdout and curves is not None:
             size = float(np.sqrt(np.mean(rows[curves.places(next(parts))] ** 2)))
             noise = replace(record.noise, sigma=size * record.noise.sigma, method="residual of the fit")
-            phases = size * record.phase_noise
-            records[i] = replace(record, noise=noise, relative_noise=size * record.relative_noise, phase_noise=phases)
+            scaled = {name: None if (told := getattr(record, name)) is None else size * told
+                      for name in ("relative_noise", "phase_noise", "own_noise")}  # fmt: skip
+            records[i] = replace(record, noise=noise, **scaled)
     return replace(campaign, records=tuple(records))
