@@ -28,6 +28,7 @@ from .race import cost_of, race
 from .result import Fit, SigmaChoice, Start
 from .settled import Search, settled
 from .starts import base_values, first_guess, random_points, scales_of, starting_points
+from .unseen import hold_unseen
 
 _KEPT_STARTS = 4  # of the grid, the ones whose first error is smallest
 _IN_A_RACE = 6  # the same of starts whose ends are only compared
@@ -71,6 +72,8 @@ def fit(
     """
     if not campaign.fitted_sweeps:  # a curve tells gain and quality, whatever the traces do
         model = hold_quality(hold_gain(model, campaign.fitted), campaign.fitted)
+    else:
+        model = hold_unseen(model, campaign)
     all_else = with_quality(model)
     search = partial(minimise, robust=robust, most=most, until=until)
     found = search(model, campaign, starts=starts, seed=seed, initial=initial, begun=begun, report=report)
@@ -120,7 +123,7 @@ def minimise(
     scales = scales_of(campaign, guess.frequency)
     base = told[0] if told else base_values(model, guess, scales)
     tape = lay_out(records, max(guess.frequency, float(base[0])), guess.quality, model)
-    curves = lay_curves(sweeps, model.steps_per_period) if sweeps else None
+    curves = lay_curves(sweeps, model) if sweeps else None
     static, data = assemble(model, campaign, records, tape, base, scales, curves=curves)
     report(f"compiling the model ({len(static.free)} parameters, {len(records) + len(sweeps)} records)")
     points = told or starting_points(model, base, scales)

@@ -114,7 +114,7 @@ def _with(values: np.ndarray, sweeps: Sequence[Sweep], kind: Kind, logarithm: fl
 def _missed(model: Model, values: np.ndarray, sweeps: Sequence[Sweep], steps: np.ndarray) -> tuple[float, float, int]:
     """χ² of some sweeps, what steps (p, m) of the values would do to it, and how many numbers they have."""
     equation = Equation(model)
-    curves = lay_curves(sweeps, model.steps_per_period).weighed(equation, values)
+    curves = lay_curves(sweeps, model).weighed(equation, values)
     steady = curves.solve(equation, values)
     left = curves.residuals(steady)
     return float(left @ left), float(np.sum(curves.slopes(steady, steps) ** 2)), len(left)
@@ -126,7 +126,7 @@ def _search(model: Model, values: np.ndarray, sweeps: Sequence[Sweep], kind: Kin
     best = _Found(kind, 0.0, np.inf, np.inf)
     for _ in range(_ROUNDS):
         here, there = _with(values, sweeps, kind, x)
-        curves = lay_curves(there, model.steps_per_period).weighed(equation, here)
+        curves = lay_curves(there, model).weighed(equation, here)
         steady = curves.solve(equation, here)
         left = curves.residuals(steady)
         if kind == "drive":

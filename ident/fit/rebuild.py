@@ -45,7 +45,7 @@ def fit_at(
         tape = lay_out(records, max(guess.frequency, first), guess.quality, model)
     else:
         tape = divided(records, substeps)
-    curves = lay_curves(campaign.fitted_sweeps, model.steps_per_period) if campaign.fitted_sweeps else None
+    curves = lay_curves(campaign.fitted_sweeps, model) if campaign.fitted_sweeps else None
     static, data = assemble(model, campaign, records, tape, np.asarray(values, float), scales, curves=curves)
     if curves is not None:
         data = data._replace(curves=curves.weighed(static.equation, np.asarray(values, float)))
