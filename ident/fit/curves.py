@@ -35,7 +35,7 @@ from ..response.periodic import Periodic, steps_per_period
 _SHARE = 0.1  # of the noise floor of all points together: so far the solver's step may move the response
 _REACH = 0.5  # of the scale of an unknown: as far as a slope is followed
 _NEAR = 1e-2  # of it: what a slope leaves of such a step is its square, and as small as the last one of a search
-_BENT = ("sensor", ("z",))  # what a sensor does that is not linear
+BENT = ("sensor", ("z",))  # what a sensor does that is not linear
 _ACROSS = 3.0  # λ where there is one: one motion answers wherever no reading falls faster than the cube of its size
 _FINEST, _COARSEST = 1e-6, 1e-3  # of the response, whatever the noise
 
@@ -184,7 +184,7 @@ def lay_curves(sweeps: Sequence[Sweep], model: Model) -> Curves:
         np.maximum(measured, deviation),  # below its noise an amplitude says no more than that it is small
         join([np.full(len(s.frequency), s.load) for s in sweeps]),
         join([np.full(len(s.frequency), s.quantity == "half-peak-to-peak") for s in sweeps]) > 0,
-        np.array(_ACROSS if any(depends_on(effect) == _BENT for effect in model.effects) else 0.0),
+        np.array(_ACROSS if any(depends_on(effect) == BENT for effect in model.effects) else 0.0),
     )
     phase = join([unknown(s) if s.phase is None else s.phase for s in sweeps])
     noise = float(np.min(deviation / np.maximum(measured, deviation)))

@@ -17,7 +17,7 @@ RESONANCE, QUALITY = 40.0, 25.0
 PHASES = np.linspace(0, 2 * np.pi, 400, endpoint=False)
 
 
-def _sweep(level: float, fold: float, steep: float, phase: bool, seed: int) -> Sweep:
+def bent_sweep(level: float, fold: float, steep: float, phase: bool, seed: int) -> Sweep:
     """Reading z − fold (z − tanh(steep z)/steep), which falls at last where fold > 1."""
     rising = RESONANCE * (1 + np.concatenate([np.linspace(-10, -2.5, 8), np.linspace(-2.2, 12, 34)]) / QUALITY)
     f, up = np.concatenate([rising, rising[::-1]]), np.arange(84) < 42
@@ -38,7 +38,7 @@ def _sweep(level: float, fold: float, steep: float, phase: bool, seed: int) -> S
 @pytest.mark.parametrize("phase", [True, False], ids=["phase", "amplitude"])
 @pytest.mark.parametrize(("fold", "steep"), [(0.8, 1.5), (1.0, 2.0), (2.5, 1.0)], ids=["weak", "saturates", "folds"])
 def test_a_bent_characteristic_is_found_from_the_linear_model(fold: float, steep: float, phase: bool) -> None:
-    sweeps = tuple(_sweep(level, fold, steep, phase, k) for k, level in enumerate((1 / 3, 2 / 3, 1.0)))
+    sweeps = tuple(bent_sweep(level, fold, steep, phase, k) for k, level in enumerate((1 / 3, 2 / 3, 1.0)))
     device = Oscillator(output="m")
     found = fit(Model(device) + built_in()["sensor-nonlinearity"](device), Campaign("", sweeps, device))
     assert found.fitted.error_over_noise == pytest.approx(1.0, abs=0.1)
