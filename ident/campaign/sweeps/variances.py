@@ -71,7 +71,7 @@ def _possible(estimate: np.ndarray, covariance: np.ndarray) -> np.ndarray:
     one after another, the most doubtful first."""
     estimate, error = estimate.copy(), np.sqrt(np.diag(covariance))
     for k in np.argsort(estimate / np.maximum(error, 1e-300)):
-        z = estimate[k] / max(error[k], 1e-300)
+        z = float(estimate[k] / max(error[k], 1e-300))
         if z < _DECIDED:
             estimate += covariance[:, k] / error[k] * (_mean_above(z) - z) if error[k] > 0 else 0.0
     return np.maximum(estimate, 1e-3 * error)
