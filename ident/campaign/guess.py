@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -13,8 +14,8 @@ from ident.units import CURRENT, LENGTH, NUMBER, VOLTAGE, Dimension, base_unit, 
 from .device import Device, Oscillator, Platform
 from .drive import drive_rate
 from .quality.checks import PLATFORM_RATE, PLATFORM_TRAVEL, travel_of
-from .sweeps.form import curve_form
-from .tables.amplitude_unit import AmplitudeUnit, amplitude_unit
+from .sweeps.form import curve_form, level_in
+from .tables.amplitude_unit import AmplitudeUnit, amplitude_unit, split_convention
 from .tables.columns import Role, match_columns, sweep_roles, trace_roles
 from .tables.table import Column, Table
 
@@ -189,6 +190,9 @@ def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
                     travel = max(travel, _travel(found[name], name) if name in _RESPONSES else 0.0)
         if kind == "trace" and "time" in found and "drive" in found:
             other.append(_slow_or_fast(found["time"], found["drive"]))
+        if kind == "sweep" and "level" not in found and (said := level_in(Path(table.name).stem)):
+            unit = find_unit(split_convention(said)[0].split()[-1])
+            inputs |= set() if unit is None else {unit.dimension}
         if kind == "sweep" and "frequency" in found:
             other.append(_elsewhere(found["frequency"]))
     reading = outputs.pop() if len(outputs) == 1 else None

@@ -166,6 +166,8 @@ class Sweep:
     - `noise`: its `sigma` is the part of the amplitude noise that is the same at every point.
     - `relative_noise`: the part that grows with the amplitude, a fraction of it.
     - `phase_noise`: rad, what the phase scatters beyond sigma/amplitude.
+    - `own_noise`: (3, n) these three at each point, where levels differ in them (a range of the instrument for each);
+      None: they are the same at all.
     - `stronger`: (n,) share by which the drive that acted is larger than the one that the table tells, where levels
       differ in that; None: it is as told.
     """
@@ -185,6 +187,7 @@ class Sweep:
     dwell: np.ndarray | None = None
     relative_noise: float = 0.0
     phase_noise: float = 0.0
+    own_noise: np.ndarray | None = None
     stronger: np.ndarray | None = None
 
     @property
@@ -200,18 +203,28 @@ class Sweep:
     @property
     def deviation(self) -> np.ndarray:
         """(n,) standard deviation of the amplitudes, m: √(σ² + (r a)²)."""
-        return np.hypot(self.noise.sigma, self.relative_noise * self.amplitude)
+        constant, relative, _ = self.noises
+        return np.hypot(constant, relative * self.amplitude)
 
     @property
     def phase_deviation(self) -> np.ndarray:
         """(n,) standard deviation of the phases, rad: √((σ/a)² + σ_φ²), at most that of a phase nobody knows."""
         smallest = np.maximum(self.amplitude, 1e-300)
-        return np.minimum(np.hypot(self.noise.sigma / smallest, self.phase_noise), np.pi / np.sqrt(3.0))
+        constant, _, phase = self.noises
+        return np.minimum(np.hypot(constant / smallest, phase), np.pi / np.sqrt(3.0))
+
+    @property
+    def noises(self) -> np.ndarray:
+        """(3, n) constant (m), relative, and phase noise (rad) of each point."""
+        if self.own_noise is not None:
+            return self.own_noise
+        same = np.array([self.noise.sigma, self.relative_noise, self.phase_noise])
+        return np.repeat(same[:, None], len(self.frequency), axis=1)
 
     def only(self, rows: np.ndarray) -> Sweep:
         """Some of the points, in the order given."""
-        names = ("frequency", "level", "amplitude", "up", "phase", "dwell", "stronger")
-        return replace(self, **{name: value[rows] for name in names if (value := getattr(self, name)) is not None})
+        names = ("frequency", "level", "amplitude", "up", "phase", "dwell", "stronger", "own_noise")
+        return replace(self, **{name: value[..., rows] for name in names if (value := getattr(self, name)) is not None})
 
     @property
     def runs(self) -> tuple[Run, ...]:

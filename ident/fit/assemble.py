@@ -79,7 +79,7 @@ def assemble_fit(
         tape = lay_out(records, max(guess.frequency, float(base[FREQUENCY])), guess.quality, model)
     else:
         tape = divided(records, substeps)
-    curves = lay_curves(sweeps, model.steps_per_period) if sweeps else None
+    curves = lay_curves(sweeps, model) if sweeps else None
     return assemble(model, campaign, records, tape, base if values is None else values, scales, curves=curves)
 
 

@@ -31,7 +31,7 @@ def expected_error(fit: Fit) -> float:
             )
     if sweeps:
         equation = Equation(fit.model)
-        curves = lay_curves(sweeps, fit.model.steps_per_period).weighed(equation, fit.values)
+        curves = lay_curves(sweeps, fit.model).weighed(equation, fit.values)
         moved = curves.slopes(curves.solve(equation, fit.values), uncertain_steps(fit))
         total, n = total + float(np.sum(moved**2)), n + moved.shape[1]
     expected = float(np.sqrt(1.0 + total / n))

@@ -180,7 +180,7 @@ def read_curves(model: Model, values: np.ndarray, sweeps: Sequence[Sweep]) -> tu
     if not sweeps:
         return ()
     equation = Equation(model)
-    curves = lay_curves(sweeps, model.steps_per_period).weighed(equation, values)
+    curves = lay_curves(sweeps, model).weighed(equation, values)
     found = curves.solve(equation, values)
     return told(curves, found.model, curves.residuals(found), found.converged)
 

@@ -26,6 +26,8 @@ import numpy as np
 
 from ..campaign.record import Sweep
 from ..campaign.sweeps.settled import settled
+from ..effects.dependence import depends_on
+from ..model import Model
 from ..response import Equation
 from ..response.controlled import Controlled, Points, at_amplitude
 from ..response.periodic import Periodic, steps_per_period
@@ -33,6 +35,8 @@ from ..response.periodic import Periodic, steps_per_period
 _SHARE = 0.1  # of the noise floor of all points together: so far the solver's step may move the response
 _REACH = 0.5  # of the scale of an unknown: as far as a slope is followed
 _NEAR = 1e-2  # of it: what a slope leaves of such a step is its square, and as small as the last one of a search
+BENT = ("sensor", ("z",))  # what a sensor does that is not linear
+_ACROSS = 3.0  # λ where there is one: one motion answers wherever no reading falls faster than the cube of its size
 _FINEST, _COARSEST = 1e-6, 1e-3  # of the response, whatever the noise
 
 
@@ -113,7 +117,8 @@ class Curves:
 
     def residuals(self, found: Controlled) -> np.ndarray:
         """(count,) (model − measured) in noise floors: of all amplitudes, then of the phases."""
-        ratio = found.needed * (self.measured / self.points.amplitude) / self.points.level
+        raised = (self.measured / self.points.amplitude) ** (1 / (1 + self.points.tilt))
+        ratio = found.needed * raised / self.points.level
         return self.rows(-np.log(ratio * np.exp(1j * np.where(self.phased, self.phase, -np.angle(ratio)))))
 
     def rows(self, logarithms: np.ndarray) -> np.ndarray:
@@ -138,7 +143,8 @@ class Curves:
         off = []
         for there in self.beside(here):
             good = there.converged & here.converged
-            off.append(np.log(np.where(good, there.needed / here.needed, there.points.amplitude / amplitude)))
+            linear = (there.points.amplitude / amplitude) ** (1 / (1 + self.points.tilt))
+            off.append(np.log(np.where(good, there.needed / here.needed, linear)))
         return self.with_deviations(np.array(off))
 
     def beside(self, here: Controlled) -> tuple[Controlled, Controlled]:
@@ -165,9 +171,8 @@ class Curves:
         return np.linalg.inv(np.linalg.cholesky(spread))
 
 
-def lay_curves(sweeps: Sequence[Sweep], finest: int) -> Curves:
-    """The points of sweeps, their noise carried through a linear model; `finest`: solver steps per period that the
-    model needs."""
+def lay_curves(sweeps: Sequence[Sweep], model: Model) -> Curves:
+    """The points of sweeps for a model, their noise carried through its linear part."""
     kept = tuple(settled(sweep, sweeps) for sweep in sweeps)
     own = lambda parts: (np.asarray(part, float)[rows] for part, rows in zip(parts, kept, strict=True))
     join = lambda parts: np.concatenate(list(own(parts)))
@@ -179,6 +184,7 @@ def lay_curves(sweeps: Sequence[Sweep], finest: int) -> Curves:
         np.maximum(measured, deviation),  # below its noise an amplitude says no more than that it is small
         join([np.full(len(s.frequency), s.load) for s in sweeps]),
         join([np.full(len(s.frequency), s.quantity == "half-peak-to-peak") for s in sweeps]) > 0,
+        np.array(_ACROSS if any(depends_on(effect) == BENT for effect in model.effects) else 0.0),
     )
     phase = join([unknown(s) if s.phase is None else s.phase for s in sweeps])
     noise = float(np.min(deviation / np.maximum(measured, deviation)))
@@ -186,8 +192,8 @@ def lay_curves(sweeps: Sequence[Sweep], finest: int) -> Curves:
     ends = np.cumsum([0, *(int(np.count_nonzero(rows)) for rows in kept)])
     places = tuple(slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True))
     laid = Curves(tuple(sweeps), kept, points, measured, phase, deviation, join([s.phase_deviation for s in sweeps]),
-                  steps_per_period(finest, float(allowed)), np.zeros((0, 2, 2)), places)  # fmt: skip
-    linear = (deviation / points.amplitude).astype(complex)
+                  steps_per_period(model.steps_per_period, float(allowed)), np.zeros((0, 2, 2)), places)  # fmt: skip
+    linear = (deviation / points.amplitude / (1 + points.tilt)).astype(complex)
     return replace(laid, white=laid._whitening(np.array([linear, -linear])))
 
 

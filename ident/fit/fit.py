@@ -26,6 +26,7 @@ from .race import cost_of, race
 from .result import Fit, SigmaChoice, Start
 from .settled import Search, settled
 from .starts import base_values, first_guess, random_points, scales_of, starting_points
+from .unseen import hold_unseen
 
 _KEPT_STARTS = 4  # of the grid, the ones whose first error is smallest
 _IN_A_RACE = 6  # the same of starts whose ends are only compared
@@ -69,6 +70,8 @@ def fit(
     """
     if not campaign.fitted_sweeps:  # a curve tells gain and quality, whatever the traces do
         model = hold_quality(hold_gain(model, campaign.fitted), campaign.fitted)
+    else:
+        model = hold_unseen(model, campaign)
     all_else = with_quality(model)
     search = partial(minimise, robust=robust, most=most, until=until)
     found = search(model, campaign, starts=starts, seed=seed, initial=initial, begun=begun, report=report)
@@ -246,6 +249,7 @@ def _with_residual_noise(campaign: Campaign, found: Minimum) -> Campaign:
         elif isinstance(record, Sweep) and not record.holdout and curves is not None:
             size = float(np.sqrt(np.mean(rows[curves.places(next(parts))] ** 2)))
             noise = replace(record.noise, sigma=size * record.noise.sigma, method="residual of the fit")
-            phases = size * record.phase_noise
-            records[i] = replace(record, noise=noise, relative_noise=size * record.relative_noise, phase_noise=phases)
+            scaled = {name: None if (told := getattr(record, name)) is None else size * told
+                      for name in ("relative_noise", "phase_noise", "own_noise")}  # fmt: skip
+            records[i] = replace(record, noise=noise, **scaled)
     return replace(campaign, records=tuple(records))

@@ -29,6 +29,7 @@ _PLACE: dict[Kind, int] = {"resonance": FREQUENCY, "quality": QUALITY}
 MISSED = 1.1  # error over noise: a floor is itself known to some ten per cent
 _GREATER_PART = 0.5  # of what is left of a level beyond noise
 _VERY_STRONG = 10.0  # of 2 ln of a likelihood ratio: by so much one number explains more than the two others
+_RESONANCE = ("oscillator", "overdamped", "base")  # forms of the linear part in which the places above hold one
 _ROUNDS = 8
 _FARTHEST = 0.3  # of the logarithm of a number, in one round
 _SETTLED = 0.1  # of its error bar: a step that moves it no further is the last
@@ -59,10 +60,10 @@ class _Found(NamedTuple):
 
 def own_numbers(fit: Fit) -> tuple[OwnNumber, ...]:
     """The held-out levels to which a number of their own says the greater part of what the model misses there, and
-    clearly more than another one would; none where the errors of the parameters may be the reason, or the model does
-    not even describe what was fitted."""
+    clearly more than another one would; none where the errors of the parameters may be the reason, the model has no
+    resonance, or does not even describe what was fitted."""
     model, values, found = fit.model, fit.values, []
-    if fit.fitted.error_over_noise > MISSED or not np.all(np.isfinite(fit.covariance)):
+    if model.form not in _RESONANCE or fit.fitted.error_over_noise > MISSED or not np.all(np.isfinite(fit.covariance)):
         return ()
     steps = uncertain_steps(fit)
     for level, own in _by_level(fit.campaign.heldout_sweeps):
@@ -113,7 +114,7 @@ def _with(values: np.ndarray, sweeps: Sequence[Sweep], kind: Kind, logarithm: fl
 def _missed(model: Model, values: np.ndarray, sweeps: Sequence[Sweep], steps: np.ndarray) -> tuple[float, float, int]:
     """χ² of some sweeps, what steps (p, m) of the values would do to it, and how many numbers they have."""
     equation = Equation(model)
-    curves = lay_curves(sweeps, model.steps_per_period).weighed(equation, values)
+    curves = lay_curves(sweeps, model).weighed(equation, values)
     steady = curves.solve(equation, values)
     left = curves.residuals(steady)
     return float(left @ left), float(np.sum(curves.slopes(steady, steps) ** 2)), len(left)
@@ -125,7 +126,7 @@ def _search(model: Model, values: np.ndarray, sweeps: Sequence[Sweep], kind: Kin
     best = _Found(kind, 0.0, np.inf, np.inf)
     for _ in range(_ROUNDS):
         here, there = _with(values, sweeps, kind, x)
-        curves = lay_curves(there, model.steps_per_period).weighed(equation, here)
+        curves = lay_curves(there, model).weighed(equation, here)
         steady = curves.solve(equation, here)
         left = curves.residuals(steady)
         if kind == "drive":

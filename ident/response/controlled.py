@@ -8,8 +8,12 @@ It is the force of the actuator that is asked about, s times what the measured l
 actuator that saturates may have none with which it reaches as far. What the drive adds to the reading past the stage
 counts s times, too: beside a force alone it would leave two answers beyond an antiresonance, and none at it.
 
-The unknowns are the state y at the beginning of a period and the share s; the equations Φ(y; s) = y and |Y₁| = A are
-solved by Newton's method from the balance of the fundamental alone, or from the next point.
+A sensor that is bent may read the same of two motions, or never as much as was measured. Not the amplitude alone is
+asked for then, but amplitude and share on a line across the curve, |Y₁| s^λ = A, which the motion crosses once where it
+grows with the force and the reading falls no faster than its power λ.
+
+The unknowns are the state y at the beginning of a period and the share s; the equations Φ(y; s) = y and |Y₁| s^λ = A
+are solved by Newton's method from the balance of the fundamental alone, or from the next point.
 
 Source: D. A. W. Barton, J. Sieber, Systematic experimental exploration of bifurcations with noninvasive control, Phys.
 Rev. E 87 (2013) 052916 (the same idea in the laboratory); W. Krack, J. Gross, Harmonic Balance for Nonlinear Vibration
@@ -34,17 +38,18 @@ _FARTHEST = 0.5  # of the scale of an unknown, in one step
 
 class Points(NamedTuple):
     """What was measured, (points,): `frequency` Hz, drive `level` V, `amplitude` m, `load` kg; `swing`: whether the
-    amplitude is half the peak-to-peak value instead of the fundamental."""
+    amplitude is half the peak-to-peak value instead of the fundamental; `tilt`: λ, () or (points,)."""
 
     frequency: np.ndarray
     level: np.ndarray
     amplitude: np.ndarray
     load: np.ndarray
     swing: np.ndarray
+    tilt: np.ndarray = np.zeros(())
 
     def some(self, rows: np.ndarray) -> Points:
         """Some of them."""
-        return Points(*(part[rows] for part in self))
+        return Points(*(part[rows] if part.ndim else part for part in self))
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +185,8 @@ def at_amplitude(
     if np.any(lost):
         w[lost] = first[lost]
         seen.put(lost, model.look(w[lost], seat.some(lost), BY_SHARE))
-    return Controlled(model, points, w, seat, _equations(seen, seat, points)[1], seen, found, search.beside)
+    jacobian = _equations(seen, seat, points, w[:, SHARE])[1]
+    return Controlled(model, points, w, seat, jacobian, seen, found, search.beside)
 
 
 class _Search(NamedTuple):
@@ -210,7 +216,7 @@ def _newton(
         own, there = points.some(left), seat.some(left)
         seen = model.look(w[left], there, BY_SHARE, directions)
         more, seen = seen.along(slice(n + 1, None)), seen.along(slice(n + 1))
-        equations, jacobian = _equations(seen, there, own)
+        equations, jacobian = _equations(seen, there, own, w[left, SHARE])
         now = np.max(np.abs(equations), axis=1)
         # At the kink of a play full steps may lead to and fro for ever.
         damped[left] = np.clip(np.where(now > miss[left], 0.5, 2.0) * damped[left], _LEAST, 1.0)
@@ -258,6 +264,7 @@ def begin(model: Periodic, points: Points) -> np.ndarray:
     motion, share = points.amplitude * np.exp(-1j * np.angle(needed)), np.maximum(np.abs(needed), 1e-6)
     # Beside what the drive adds to the reading the stage moves more than is read, or less.
     less = points.amplitude / np.maximum(np.abs(motion + share * _past(model, points)), 1e-3 * points.amplitude)
+    less *= (less * share) ** (-points.tilt / (1 + points.tilt))
     motion, share = less * motion, less * share
     moved = ride(model, points.level, points.frequency, points.load, motion)
     velocity = np.real(2j * np.pi * points.frequency * motion)
@@ -271,13 +278,15 @@ def _past(model: Periodic, points: Points) -> np.ndarray:
     return ride(model, points.level, points.frequency, points.load, np.zeros(len(points.level), complex)).added
 
 
-def _equations(seen: Look, seat: Seat, points: Points) -> tuple[np.ndarray, np.ndarray]:
+def _equations(seen: Look, seat: Seat, points: Points, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Equations (points, n + 1), each in units of its scale, and their derivatives by y and s."""
-    n = seen.miss.shape[1]
+    n, share = seen.miss.shape[1], np.maximum(share, 1e-6)
+    across = share**points.tilt / points.amplitude
     size = np.where(points.swing, seen.swing, np.abs(seen.tone))
     turned = np.real(np.conj(seen.tone) * seen.tone_slope) / np.maximum(np.abs(seen.tone), 1e-300)
-    change = np.where(points.swing, seen.swing_slope, turned) / points.amplitude
-    equations = np.column_stack([seen.miss / seat.scale[:, :n], size / points.amplitude - 1.0])
+    change = np.where(points.swing, seen.swing_slope, turned) * across
+    change[n] += points.tilt * size * across / share
+    equations = np.column_stack([seen.miss / seat.scale[:, :n], size * across - 1.0])
     slopes = np.concatenate([seen.miss_slope / seat.scale[None, :, :n], change[..., None]], axis=2)
     return equations, np.moveaxis(slopes[: n + 1], 0, 2)
 

@@ -86,7 +86,12 @@ def _between(place: tuple[int, float], other: tuple[int, float], folds: Sequence
 
 
 def _nearest(place: tuple[int, float], ahead: float, folds: Sequence[Fold], branch: Branch) -> Fold | None:
-    """The fold that ends the stretch of the curve on which a place is, in the direction of the run."""
-    f = float(branch.at(*place)[-1])
-    ends = [fold for fold in folds if (fold.frequency - f) * ahead >= 0]
+    """The fold that ends the stretch of the curve on which a place is, in the direction of the run; where it could be
+    followed no further (at the corner that a stop makes of a fold), its last point."""
+    f, ends = float(branch.at(*place)[-1]), list(folds)
+    if branch.gap is not None:
+        last = branch.gap + (place[0] > branch.gap)
+        ends = [fold for fold in folds if (fold.index > branch.gap) == (place[0] > branch.gap)]
+        ends.append(Fold(last, float(branch.frequency[last]), float(abs(branch.tone[last]))))
+    ends = [fold for fold in ends if (fold.frequency - f) * ahead >= 0]
     return min(ends, key=lambda fold: abs(fold.index - place[0]), default=None)

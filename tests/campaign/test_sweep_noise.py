@@ -81,6 +81,41 @@ def test_files_of_one_device_share_their_noise_however_many_they_are():
     assert alone == 0
 
 
+def test_no_kind_of_noise_is_taken_for_absent():
+    """The likeliest constant part is zero in one case of ten here, and points far from the peak would decide a fit."""
+    parts = []
+    for seed in range(20):
+        whole, *_ = _sweep(0.0, True, (3e-4, 2e-3, 2e-3), seed)
+        found = sweep_noise(whole.only(np.flatnonzero(whole.level == LEVELS[-1])))
+        parts.append(found.noise.sigma / 3e-4)
+    assert min(parts) > 0.3 and np.median(parts) == pytest.approx(1.0, abs=0.25) and max(parts) < 2.5
+
+
+def test_passes_up_and_down_tell_what_too_few_neighbours_do_not():
+    """Between points that lie far apart a curve may bend, at one frequency it does not."""
+    ratios = []
+    for seed in range(6):
+        whole, amplitude, _ = _sweep(0.12, False, (1e-3, 2e-3, 2e-3), seed)
+        ratios.append(np.median(sweep_noise(whole).deviation / amplitude))
+    assert 0.9 < np.mean(ratios) < 1.1 and max(ratios) < 1.15
+
+
+def test_each_level_has_a_floor_of_its_own_where_ranges_differ():
+    quiet, *_ = _sweep(0.0, True, (1e-4, 1e-3, 1e-3), 1)
+    loud, *_ = _sweep(0.0, True, (3e-3, 1e-3, 1e-3), 2)
+    top = quiet.level == LEVELS[-1]
+    arrays = {name: np.where(top, getattr(loud, name), getattr(quiet, name)) for name in ("amplitude", "phase")}
+    notes: list[str] = []
+    (found,) = seen_together([sweep_noise(replace(quiet, **arrays))], notes)
+    assert isinstance(found, Sweep) and found.own_noise is not None and "noise floor of its own" in notes[-1]
+    constant = found.noises[0]
+    assert np.median(constant[top]) == pytest.approx(3e-3, rel=0.25)
+    assert np.median(constant[~top]) < 3e-4
+    assert "1 V" in notes[-1]
+    (same,) = seen_together([sweep_noise(quiet)], [])
+    assert isinstance(same, Sweep) and same.own_noise is None
+
+
 def test_a_flank_that_was_passed_once_has_the_noise_of_its_points_and_not_of_their_distances():
     sweep, *_ = _sweep(0.0, True, (1e-6, 1e-4, 1e-4), 3)
     rows = np.flatnonzero(sweep.up & (sweep.level == 1.0) & (sweep.frequency < RESONANCE))

@@ -57,6 +57,8 @@ TABLES = {
                              [F, LEVEL, *(1e6 / np.sqrt(2) * p for p in (METRES.real, METRES.imag))], ""),
     "a lock-in that shows all": ("Frequency (Hz),level (V),X (um),Y (um),R (um),Theta (deg)",
                                  [F, LEVEL, 1e6 * METRES.real, 1e6 * METRES.imag, 1e6 * SIZE, DEGREES], ""),
+    "a lock-in that shows no angle": ("Frequency (Hz),level (V),X (um),Y (um),Demod R (um)",
+                                      [F, LEVEL, 1e6 * METRES.real, 1e6 * METRES.imag, 1e6 * SIZE], ""),
     "parts by the campaign": ("f (Hz),level (V),a,b", [F, LEVEL, 1e6 * METRES.real, 1e6 * METRES.imag],
                               'columns = { real = "a", imaginary = "b" }\nunits = { amplitude = "um" }'),
     "response per drive": ("f (Hz),level (V),H (um/V),phase (deg)", [F, LEVEL, 1e6 * RATIO, DEGREES], ""),
@@ -317,6 +319,21 @@ def test_a_campaign_for_curves_of_any_device_is_proposed(write, device, level, s
     in_order = lambda rows: rows[:, np.lexsort((rows[0], rows[2], np.round(rows[1] / level, 3)))]
     np.testing.assert_allclose(in_order(found), in_order(true), rtol=1e-5)
     assert all(sweep.phase is not None for sweep in campaign.sweeps)
+
+
+def test_levels_of_a_force_in_the_names_of_files(tmp_path: Path) -> None:
+    """Beside them the only column in volts is what was read."""
+    for level in LEVELS:
+        own = level == LEVEL
+        write_table(tmp_path / f"beam {level:g} N.csv", "frequency (Hz),demod R (Vrms),phase (deg)",
+                    [F[own], 1e5 * SIZE[own] / np.sqrt(2), DEGREES[own]])  # fmt: skip
+    paths = sorted(tmp_path.glob("*.csv"))
+    (tmp_path / "campaign.toml").write_text(propose(paths, tmp_path), encoding="utf-8")
+    campaign = read_campaign(tmp_path)
+    assert isinstance(campaign.device, Oscillator)
+    assert (campaign.device.output, campaign.device.input) == ("V", "N")
+    assert sorted(float(sweep.level[0]) for sweep in campaign.sweeps) == pytest.approx(sorted(LEVELS))
+    assert max(np.max(sweep.amplitude) for sweep in campaign.sweeps) == pytest.approx(np.max(1e5 * SIZE), rel=1e-4)
 
 
 def test_a_sweep_far_from_every_resonance_of_a_platform_is_another_device(tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ from ident.fit import Fit, fit
 from ident.fit.reading import read
 from ident.model import Model
 from ident.report.figures.where import where_figure
+from tests.fit.test_curves import FREQUENCY, QUALITY, sweep
 
 VALUES = np.array([100.0, 20.0, 4e5])  # Hz, 1, output/s² per volt
 NOISE = 0.003
@@ -144,3 +145,18 @@ def test_the_figure_draws(regression: Regression) -> None:
 
 def test_a_frequency_has_no_power_of_ten() -> None:
     assert [hertz(value) for value in (10090.3, 432.0, 0.33333, 1e6)] == ["10090", "432", "0.3333", "1000000"]
+
+
+def test_curves_are_looked_at_along_their_own_axes() -> None:
+    """A curve has no time, no turning points and no waveform."""
+    device = Oscillator(output="m")
+    sweeps = tuple(sweep(level, 0.0, True, k) for k, level in enumerate((0.2, 0.3)))
+    # Of a larger quality factor only the peaks differ.
+    r = sweeps[0].frequency / FREQUENCY
+    size = lambda q: 1 / np.hypot(1 - r**2, r / q)
+    sharper = replace(sweeps[1], amplitude=sweeps[1].amplitude * size(1.3 * QUALITY) / size(QUALITY))
+    found = locate(prepare(fit(Model(device), Campaign("", (sweeps[0], sharper), device))))
+    assert found.of_curves and found.displacement.edges[0] == 0.0
+    assert found.time.edges[[0, -1]] == pytest.approx([38.0, 43.5])
+    said = summary(found)
+    assert "peak" in said and " Hz" in said and "stage" not in said and "%" not in said.split("Of the misfit")[0]

@@ -19,10 +19,11 @@ from ..tables.table import Column, Table, is_number
 _REAL = frozenset(["re", "real", "realteil", "inphase"])
 _IMAGINARY = frozenset(["im", "imag", "imaginary", "imaginaer", "imaginär", "quadrature", "quad"])
 _PAIRS = ((_REAL, _IMAGINARY), (frozenset("x"), frozenset("y")), (frozenset("i"), frozenset("q")))
+_ANGLE = frozenset(["phase", "theta", "phi", "arg", "angle"])
 _WHOLE = frozenset(["r", "mag", "magnitude", "amp", "amplitude", "betrag"])
 
-LEVEL = re.compile(r"(?<![A-Za-z0-9.,])(\d+(?:[.,p]\d+)?)[ _]?(m?V)[ _]?(rms|pp|pk|peak)?(?![A-Za-z])")
-"""A drive level in the name of a column or of a file: "3V", "0.5 Vpp", "200_mV"."""
+LEVEL = re.compile(r"(?<![A-Za-z0-9.,])(\d+(?:[.,p]\d+)?)[ _]?(m?[VNA])[ _]?(rms|pp|pk|peak)?(?![A-Za-z])")
+"""A drive level in the name of a column or of a file, of voltage, force or current: "3V", "0.5 Vpp", "200_mV"."""
 _UP = re.compile(r"(?i)(?<![a-z])(up|upwards?|fwd|forward|rising|increasing)(?![a-z])")
 _DOWN = re.compile(r"(?i)(?<![a-z])(down|dn|downwards?|bwd|backward|reverse|falling|decreasing)(?![a-z])")
 
@@ -72,8 +73,11 @@ def _polar(table: Table, given: Mapping[str, str | int]) -> Table:
         return table
     real, imaginary = pair
     others = tuple(column for column in table.columns if column not in pair)
-    if "real" not in given and any(_WHOLE & set(_words(column)) for column in others):
-        return replace(table, columns=others)  # a lock-in's R and theta stand beside its X and Y
+    whole = [column for column in others if _WHOLE & set(_words(column))]
+    if "real" not in given and whole:  # a lock-in's R and theta stand beside its X and Y
+        if any(_ANGLE & set(_words(column)) for column in others):
+            return replace(table, columns=others)
+        others = tuple(column for column in others if column not in whole)  # R alone holds less than X and Y
     response = real.numbers() + 1j * imaginary.numbers()
     header = f"{real.header} and {imaginary.header}"
     words = [word for word in _words(real) if word not in _REAL]

@@ -96,7 +96,7 @@ def _level(
     """The unit of the drive level, and (n,) its peaks in V."""
     if column is None:
         value = spec.level
-        if value is None and (said := level_in(spec.path.stem)) and unit == "V":
+        if value is None and (said := level_in(spec.path.stem)) and _is_in(split_convention(said)[0], unit):
             plain, how = split_convention(said)
             value = parse_quantity(plain) * TO_PEAK[how]
             notes.append(f'{spec.file}: the drive level is read from the name of the file (level = "{said}").')
@@ -112,6 +112,12 @@ def _level(
         do = "correct it, or delete the row: without a drive there is no curve"
         raise UserError("a drive level must be positive", where=column.place(int(bad[0])), do=do)
     return channel, level
+
+
+def _is_in(quantity: str, unit: str) -> bool:
+    """Whether a quantity as a name states it, "2 mN", is one of those measured in a unit."""
+    told, wanted = find_unit(quantity.split()[-1]), find_unit(unit)
+    return told is not None and wanted is not None and told.dimension == wanted.dimension
 
 
 def _levels(column: Column, roles: tuple[Role, ...], notes: list[str]) -> tuple[AmplitudeUnit, np.ndarray]:

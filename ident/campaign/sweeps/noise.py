@@ -6,32 +6,25 @@ polynomial of the frequency, so that the peak is not taken for noise; jumps cut 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..record import NoiseFloor, Sweep
 from .jump import jump_of
+from .variances import Scatter, shares, variances_of
+from .way_back import way_back
 
 _NEAR = (-2, -1, 1, 2)
 _WIDE = (-3, -1, 1, 3)
 _AROUND = (-3, -2, -1, 1, 2, 3)
-_CLIP = 3.0  # standard deviations beyond which a residual counts no more: the rest of a corner, an outlier
-_KEPT = 0.99402  # E[min(x², 9)] of a standard normal x, by which clipping is undone
 _FAINT = 8.0  # standard deviations below which 1/a is no longer linear in the noise: there the amplitude itself serves
 _BENT = 2.0
 """Two cubics, through near and through wider neighbours, differ by 1.25 times the error of the nearer one, but by 0.3 σ
 only from noise. Where they differ by more than twice that, the points are too far apart to show their noise."""
 _FEWEST = 8
+_ALIKE = 2.0  # a point serves in five residuals: they hold about half the information of as many independent ones
 _FINEST = 1e-9  # of the largest amplitude: finer steps are those of rounding
-
-
-@dataclass(frozen=True)
-class _Scatter:
-    """Squared residuals, and how much of σ², r² and σ_φ² each has: E[squared] = share @ (σ², r², σ_φ²)."""
-
-    squared: np.ndarray
-    share: np.ndarray
 
 
 def sweep_noise(sweep: Sweep) -> Sweep:
@@ -49,7 +42,7 @@ def sweep_noise(sweep: Sweep) -> Sweep:
         method = "assumed: 1 % of the rms amplitude (too few points to tell)"
         floor = NoiseFloor(0.01 * size, method=method, relative_error=1.0)
         return replace(sweep, noise=floor, relative_noise=0.0, phase_noise=0.01)
-    variances, errors = _variances(scatter)
+    variances, errors = variances_of(scatter)
     upper = False
     for _ in range(8):
         found = _noisy(sweep, variances)
@@ -58,9 +51,12 @@ def sweep_noise(sweep: Sweep) -> Sweep:
         if fewer is None or upper:
             break
         scatter, before = fewer, variances
-        variances, errors = _variances(scatter)
+        variances, errors = variances_of(scatter)
         if np.allclose(variances, before, rtol=0.02):
             break
+    again = None if upper else way_back(sweep, variances)
+    if again is not None:
+        variances, errors = variances_of(scatter.beside(again))
     return _said(_noisy(sweep, variances), variances, errors, len(scatter.squared), size, upper)
 
 
@@ -99,13 +95,16 @@ def _resolution(amplitude: np.ndarray) -> float:
     return step
 
 
-def _scatter(sweep: Sweep, variances: np.ndarray | None) -> _Scatter | None:
+def _scatter(sweep: Sweep, variances: np.ndarray | None) -> Scatter | None:
     """The residuals of all runs; with a first idea of the variances, of the points that lie near enough together."""
     found = [_of_piece(sweep, piece, variances) for piece in _pieces(sweep)]
     found = [one for one in found if one is not None]
     if not found:
         return None
-    return _Scatter(np.concatenate([s.squared for s in found]), np.concatenate([s.share for s in found]))
+    together = found[0]
+    for one in found[1:]:
+        together = together.beside(one)
+    return together
 
 
 def _pieces(sweep: Sweep) -> list[np.ndarray]:
@@ -119,7 +118,7 @@ def _pieces(sweep: Sweep) -> list[np.ndarray]:
     return [rows for rows in found if len(rows) > len(_AROUND)]
 
 
-def _of_piece(sweep: Sweep, rows: np.ndarray, variances: np.ndarray | None) -> _Scatter | None:
+def _of_piece(sweep: Sweep, rows: np.ndarray, variances: np.ndarray | None) -> Scatter | None:
     """Relative residuals of each inner point against the cubic through two neighbours on either side.
 
     Interpolated is 1/H, or 1/a² without phase; where the noise is not small beside a, H or a itself.
@@ -135,11 +134,11 @@ def _of_piece(sweep: Sweep, rows: np.ndarray, variances: np.ndarray | None) -> _
     ratio = (a[around] / a[centre][:, None]) ** power
     ratio = ratio * np.exp(1j * np.sign(power) * (phase[around] - phase[centre][:, None]))
     residual = (1.0 - (near * ratio).sum(1)) / np.abs(power[:, 0])
-    along, across = _shares(np.concatenate([np.ones((len(centre), 1)), near * ratio], 1), sizes)
+    along, across = shares(np.concatenate([np.ones((len(centre), 1)), near * ratio], 1), sizes)
     kept = np.isfinite(residual) & np.all(np.isfinite(along), 1)
     if variances is not None:
         bend = np.abs(((near - wide) * ratio).sum(1) / power[:, 0]) ** 2
-        expected = sum(share @ variances for share in _shares((near - wide) * ratio, sizes[:, 1:]))
+        expected = sum(share @ variances for share in shares((near - wide) * ratio, sizes[:, 1:]))
         kept &= bend < _BENT**2 * expected
     if not np.any(kept):
         return None
@@ -147,7 +146,7 @@ def _of_piece(sweep: Sweep, rows: np.ndarray, variances: np.ndarray | None) -> _
     if sweep.phase is not None:
         squared = np.concatenate([squared, (residual.imag**2)[kept]])
         share = np.concatenate([share, across[kept]])
-    return _Scatter(squared, share)
+    return Scatter(squared, share, np.full(len(squared), _ALIKE))
 
 
 def _cubic(frequency: np.ndarray, centre: np.ndarray, offsets: tuple[int, ...]) -> np.ndarray:
@@ -159,41 +158,3 @@ def _cubic(frequency: np.ndarray, centre: np.ndarray, offsets: tuple[int, ...]) 
         ..., 0
     ]
     return weights
-
-
-def _shares(parts: np.ndarray, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How much of σ², r² and σ_φ² a weighted sum of relative errors has, along the response and across it."""
-    along, across = np.real(parts) ** 2, np.imag(parts) ** 2
-    constant = ((along + across) / sizes**2).sum(1)
-    one = np.stack([constant, along.sum(1), across.sum(1)], 1)
-    return one, np.stack([constant, across.sum(1), along.sum(1)], 1)
-
-
-def _variances(scatter: _Scatter) -> tuple[np.ndarray, np.ndarray]:
-    """(3,) σ², r², σ_φ² and the covariance of their errors: reweighted least squares on the squared residuals.
-
-    The weights 1/variance² make it the likelihood equation of Gaussian residuals; what is beyond `_CLIP` is clipped.
-    """
-    from scipy.optimize import nnls  # here, because its import costs more than reading a campaign
-
-    used = np.flatnonzero(np.any(scatter.share > 0, 0))
-    scale = np.array([np.median(scatter.squared / np.maximum(scatter.share[:, k], 1e-300)) for k in used]) / 0.455
-    scale = np.maximum(scale, 1e-300)
-    share = scatter.share[:, used] * scale
-    theta = np.full(len(used), 1.0 / len(used))
-    for _ in range(60):
-        expected = np.maximum(share @ theta, 1e-300)
-        squared = np.minimum(scatter.squared, _CLIP**2 * expected) / _KEPT
-        new = nnls(share / expected[:, None], squared / expected)[0]
-        done = np.max(np.abs(new - theta)) < 1e-6 * np.max(np.abs(new))
-        theta = 0.5 * theta + 0.5 * new
-        if done:
-            break
-    expected = np.maximum(share @ theta, 1e-300)
-    weighted = share / expected[:, None]
-    # A point serves in five residuals: they hold about half the information of as many independent ones.
-    covariance = np.linalg.pinv(weighted.T @ weighted / 2.0) * 2.0
-    variances, errors = np.zeros(3), np.zeros((3, 3))
-    variances[used] = theta * scale
-    errors[np.ix_(used, used)] = covariance * np.outer(scale, scale)
-    return variances, errors

@@ -36,13 +36,15 @@ def with_repeatability(sweep: Sweep, group: Sequence[Sweep], notes: list[str]) -
     excess = float(np.median([share for share in shares if share is not None] or [0.0]))
     if excess <= 0.0:
         return sweep
-    total = float(np.hypot(sweep.relative_noise, np.sqrt(excess)))
+    total, own = float(np.hypot(sweep.relative_noise, np.sqrt(excess))), sweep.own_noise
+    if own is not None:
+        own = np.stack([own[0], np.hypot(own[1], np.sqrt(excess)), own[2]])
     notes.append(
         f"{sweep.name}: up and down differ by {100 * np.sqrt(2 * excess):.2g} % where both lie on one branch, more "
         "than neighbouring points scatter; that counts as noise."
     )
     method = f"{sweep.noise.method}; and {100 * np.sqrt(excess):.2g} % by which up and down differ"
-    return replace(sweep, relative_noise=total, noise=replace(sweep.noise, method=method))
+    return replace(sweep, relative_noise=total, own_noise=own, noise=replace(sweep.noise, method=method))
 
 
 def _excess(sweep: Sweep, run: Run, other: Sweep, back: Run) -> float | None:

@@ -8,12 +8,14 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import ndtri
 
-from ..record import Record, Run, Sweep
+from ..record import Record, Run, Sweep, same_level
 from .jump import jump_of, loop_runs_backwards
 from .noise import sweep_noise
 from .repeatability import with_repeatability
 
-_BY_CHANCE = 0.0124  # that the noise of one of the files leaves the common one so far: 2.5 standard errors, were it one
+_BY_CHANCE = (
+    0.0124  # that the noise of one of the levels leaves the common one so far: 2.5 standard errors, were it one
+)
 
 
 def seen_together(records: Sequence[Record], notes: list[str]) -> list[Record]:
@@ -21,7 +23,7 @@ def seen_together(records: Sequence[Record], notes: list[str]) -> list[Record]:
     found = list(records)
     for group in _groups(found):
         _turn(found, group, notes)
-        _share_noise(found, group)
+        _share_noise(found, group, notes)
         together = [record for k in group for record in [found[k]] if isinstance(record, Sweep)]
         for k, record in zip(group, together, strict=True):
             if record.noise.relative_error > 0:  # nobody gave it
@@ -69,21 +71,57 @@ def _jump(record: Record, run: Run):
     return jump_of(record, run.rows)
 
 
-def _share_noise(records: list[Record], group: list[int]) -> None:
-    """One noise for the files whose own estimates agree with it: a file alone tells its two parts apart but poorly."""
-    own = [(k, record) for k in group for record in [records[k]]
+def _share_noise(records: list[Record], group: list[int], notes: list[str]) -> None:
+    """One noise for the levels of all files whose own estimates agree with it, as a level alone tells its parts apart
+    but poorly; and one of its own for each level that leaves it further than by chance."""
+    own = [record for k in group for record in [records[k]]
            if isinstance(record, Sweep) and 0 < record.noise.relative_error < 1]  # fmt: skip
-    if len(own) < 2:
+    levels = [
+        (record.name, rows, sweep_noise(record.only(rows))) for record in own for rows in same_level(record.level)
+    ]
+    levels = [(name, rows, alone) for name, rows, alone in levels if alone.noise.relative_error < 1]
+    if len(levels) < 2:
         return
-    common = sweep_noise(_joined([record for _, record in own]))
-    farthest = -ndtri(_BY_CHANCE / (2 * len(own)))
-    for k, record in own:
-        shared = replace(
-            record, noise=common.noise, relative_noise=common.relative_noise, phase_noise=common.phase_noise
-        )
-        apart = abs(float(np.log(np.median(shared.deviation) / np.median(record.deviation))))
-        if apart < farthest * float(np.hypot(record.noise.relative_error, common.noise.relative_error)):
-            records[k] = shared
+    common = sweep_noise(_joined(own))
+    farthest = -ndtri(_BY_CHANCE / (2 * len(levels)))
+    for k in group:
+        record = records[k]
+        if not isinstance(record, Sweep) or not any(record is one for one in own):
+            continue
+        shared = _with_noise_of(record, common)
+        apart = []
+        for name, rows, alone in levels:
+            if name == record.name:
+                times = float(np.median(alone.deviation) / np.median(shared.deviation[rows]))
+                if abs(np.log(times)) > farthest * float(
+                    np.hypot(alone.noise.relative_error, common.noise.relative_error)
+                ):
+                    apart.append((rows, alone, times))
+        records[k] = _with_levels(shared, apart, notes)
+
+
+def _with_noise_of(sweep: Sweep, other: Sweep) -> Sweep:
+    return replace(sweep, noise=other.noise, relative_noise=other.relative_noise, phase_noise=other.phase_noise)
+
+
+def _with_levels(sweep: Sweep, apart: list[tuple[np.ndarray, Sweep, float]], notes: list[str]) -> Sweep:
+    """The sweep with some levels, given by their rows, that have a noise of their own; by how many times larger than
+    the common one is said."""
+    if len(apart) == 1 and len(apart[0][0]) == len(sweep.frequency):
+        return _with_noise_of(sweep, apart[0][1])
+    if not apart:
+        return sweep
+    noises, volts = sweep.noises.copy(), sweep.drive_channel
+    for rows, alone, _ in apart:
+        noises[:, rows] = alone.noises
+    told = ", ".join(
+        f"{np.median(alone.level) / volts.factor:.4g} {volts.unit} {times:.2g} times" for _, alone, times in apart
+    )
+    notes.append(
+        f"{sweep.name}: its levels scatter differently: {told} as much as all of them together; what is named has a "
+        "noise floor of its own."
+    )
+    return replace(sweep, own_noise=noises)
 
 
 def _joined(sweeps: Sequence[Sweep]) -> Sweep:

@@ -83,7 +83,7 @@ _AMPLITUDE = _words(
     "a, amp, amplitude, mag, magnitude, r, amplitude z, z amplitude, z amp, amplitude response, gain, h, frf, s21, "
     "betrag, transfer function, receptance"
 )
-_AMPLITUDE_STRONG = _words("amp, amplitude, mag, magnitude, gain, frf")
+_AMPLITUDE_STRONG = _words("amp, amplitude, mag, magnitude, gain, frf, demod, demodulator")
 _LEVEL = _DRIVE | _words(
     "level, drive level, drive amplitude, voltage amplitude, v, voltage, drive amp, amplitude drive"
 )

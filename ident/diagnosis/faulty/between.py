@@ -28,7 +28,7 @@ from ..linearised.regression import Regression, by_record, prepare, stack
 from ..linearised.trajectory import Diverged
 from ..unknown.subsets import regress
 from .between_levels import differing_levels
-from .differing import Differing
+from .differing import Differing, numbers_of
 
 _ROUNDS = 6  # of the records' numbers and the device's in turn
 _SETTLED = 0.3  # of its error bar: a step that moves no number further ends them
@@ -116,7 +116,8 @@ def _found(fitted: Fit, kind: Kind) -> Differing | None:
             sizes[i], errors[i] = _by_itself(now, trace, kind, most)
     now = fit(fitted.model, _with(campaign, kind, sizes), initial=now.values, most=1)
     names = tuple(trace.name for trace in campaign.traces)
-    return Differing(kind, names, sizes, errors, now) if np.all(np.isfinite(sizes)) else None
+    found = Differing(kind, names, sizes, errors, now, numbers_of(now, kind))
+    return found if np.all(np.isfinite(sizes)) else None
 
 
 def _apart(regression: Regression, slopes: Sequence[np.ndarray]) -> np.ndarray:

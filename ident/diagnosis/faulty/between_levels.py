@@ -45,9 +45,8 @@ def differing_levels(fitted: Fit) -> Differing | None:
         logarithms[k], errors[k] = own_drive(now.model, now.values, levels.of(k))
     sizes = np.expm1(logarithms)
     now = fit(fitted.model, levels.driven(sizes), initial=now.values, most=1)
-    return (
-        Differing("drive", levels.names, sizes[:, None], errors[:, None], now) if np.all(np.isfinite(sizes)) else None
-    )
+    found = Differing("drive", levels.names, sizes[:, None], errors[:, None], now, len(inside) - 1)
+    return found if np.all(np.isfinite(sizes)) else None
 
 
 def _steps(regression: Regression, levels: _Levels) -> Solution:
@@ -78,7 +77,8 @@ class _Levels:
             all_of[rows] = k
         parts = np.split(all_of, np.cumsum([len(sweep.level) for sweep in sweeps])[:-1])
         self.which = {sweep.name: part for sweep, part in zip(sweeps, parts, strict=True)}
-        self.inside = np.unique(np.concatenate([self.which[sweep.name] for sweep in campaign.fitted_sweeps]))
+        fitted = [self.which[sweep.name] for sweep in campaign.fitted_sweeps]
+        self.inside = np.unique(np.concatenate([np.zeros(0, int), *fitted]))
 
     def driven(self, sizes: np.ndarray) -> Campaign:
         """The campaign with drives that are larger by shares, (levels,)."""

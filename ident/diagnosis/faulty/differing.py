@@ -8,7 +8,6 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ...campaign.apart import TOLD, Kind, Told, size_of
-from ...campaign.record import same_level
 from ...fit import Fit, fit
 
 _MOVED = 0.3  # of its error bar: by so much a number is another one
@@ -18,22 +17,16 @@ _DRIVE = Told("drive", 100.0, "%", "does the force fall behind what it is called
 
 class Differing(NamedTuple):
     """Records or levels, by their `names`, that differ in one `kind` of numbers: `sizes` and `errors` (names, q),
-    shares or (delays) samples, their mean zero over the fitted ones where the device has such a number too; and the
-    `fit` of the same model to the records as a device like the others would have given them."""
+    shares or (delays) samples, their mean zero over the fitted ones where the device has such a number too; the `fit`
+    of the same model to the records as a device like the others would have given them; and how many `numbers` more
+    than one device has it had."""
 
     kind: Kind | Literal["drive"]
     names: tuple[str, ...]
     sizes: np.ndarray
     errors: np.ndarray
     fit: Fit
-
-    @property
-    def numbers(self) -> int:
-        """How many numbers more than one device has."""
-        campaign = self.fit.campaign
-        if self.kind == "drive":
-            return len(same_level(np.concatenate([sweep.level for sweep in campaign.fitted_sweeps]))) - 1
-        return numbers_of(self.fit, self.kind)
+    numbers: int
 
     @property
     def words(self) -> str:
@@ -41,7 +34,7 @@ class Differing(NamedTuple):
         levels = self.kind == "drive"
         told = _DRIVE if self.kind == "drive" else TOLD[self.kind]
         shown = [told.times * s[0] for s in self.sizes] if levels else [size_of(t) for t in self.fit.campaign.traces]
-        doubt = lambda error: f" ± {told.times * error[0]:.1g}" if len(error) == 1 else ""
+        doubt = lambda error: f" ± {told.times * error[0]:.1g}" if len(error) == 1 and np.isfinite(error[0]) else ""
         each = ", ".join(f"{size:+.2g}{doubt(error)} {told.unit} {'at' if levels else 'in'} {name}"
                          for name, size, error in zip(self.names, shown, self.errors, strict=True))  # fmt: skip
         said = f"The {'levels' if levels else 'records'} agree only if each has a {told.what} of its own: {each}."

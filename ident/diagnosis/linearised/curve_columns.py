@@ -189,14 +189,16 @@ def _columns(
             real[::2] + 1j * real[1::2], [q, 2 * q, 3 * q, (3 + q) * q, (3 + 2 * q) * q]
         )
         push_bent, driven_bent, shown_bent = (part.reshape(q, q, -1) for part in bent)
-        past, by_force = shown / steady.tone, -steady.needed / (gain * steady.share * points.level)
+        past, by_force = shown / steady.tone, -1.0 / (gain * steady.share * points.level)
         past_bent = shown_bent / steady.tone
         by_past = -steady.needed * (stretch - 1.0)
+        # Where amplitude and share are asked for together, a larger share goes with a smaller amplitude.
+        across = lambda x: x - points.tilt * stretch * x.real
         parts.append((
-            by_force * push + by_past * past.real,
-            by_force * push_bent + by_past * np.real(past_bent - 0.5 * past[:, None] * past),
-            driven / (gain * points.level) + steady.share * past,
-            driven_bent / (gain * points.level) + steady.share * past_bent,
+            steady.needed * across(by_force * push) + by_past * past.real,
+            steady.needed * across(by_force * push_bent) + by_past * np.real(past_bent - 0.5 * past[:, None] * past),
+            across(driven / (gain * points.level)) + steady.share * past,
+            across(driven_bent / (gain * points.level)) + steady.share * past_bent,
         ))  # fmt: skip
     drives, bends, shares, share_bends = (np.concatenate(part) for part in zip(*parts, strict=True))
     return drives, bends, shares, share_bends

@@ -18,7 +18,7 @@ from ..evidence.enough import another_law
 from ..linearised.anchor import prepare_at_best
 from ..linearised.regression import Regression
 from .confirm import Confirmed, confirm
-from .refits import by_refits
+from .refits import bent_readings, by_refits
 from .score import Candidate, score, significant
 
 _SHORTLIST = 3  # twice as many if refits keep less than the scores promised
@@ -40,13 +40,19 @@ class Look:
     def worth_it(self) -> bool:
         """Whether scores can be believed, or as much is left as is worth refits instead: what a verdict would say that
         the library lacks is, a finer shape is not."""
-        return self.regression.credible or another_law(self.regression.chi2 - self.regression.n, self.first)
+        return self.regression.credible or self._much_left
+
+    @property
+    def _much_left(self) -> bool:
+        return another_law(self.regression.chi2 - self.regression.n, self.first)
 
     @cached_property
     def candidates(self) -> list[Candidate]:
         """Every effect that the model lacks, best first; by short refits where scores cannot be believed."""
         self.report(f"scoring {len(self.library) - len(self.regression.fit.model.names)} effects")
         scored = score(self.regression, self.library, self.report)
+        if self.regression.plane is not None and self._much_left:
+            scored = bent_readings(self.regression, scored, self.library)
         if self.regression.credible or not self.worth_it:
             return scored
         return by_refits(self.regression, scored, self.library, self.report)

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
 import numpy as np
 
+from ...effects.dependence import depends_on
 from ...effects.effect import AbstractEffect
 from ...effects.registry import Registry
+from ...fit.curves import BENT
 from ...pulse import Report
 from ..linearised.regression import Regression
 from ..side_by_side import at_once
-from .confirm import base_of, start_of, weigh, with_effect
-from .score import Candidate
+from .confirm import base_of, start_of, weigh, with_effect, without_unseen
+from .score import Candidate, refit_chance
 
 FEW = 15  # steps of least squares: enough to tell who gains much
+_SMALL = 0.1  # of the size that the score predicts
 _REFITTED = 12  # of the candidates, by their scores: those further down have never gained much
 
 
@@ -32,6 +36,43 @@ def by_refits(
     found = at_once(lambda one: _glimpsed(regression, one, library[one.name]), few, report, "refits")
     order = sorted(found, key=lambda c: -(c.drop - c.dof * np.log(regression.n)))
     return [*order, *candidates[_REFITTED:]]
+
+
+def bent_readings(regression: Regression, candidates: Sequence[Candidate], library: Registry) -> list[Candidate]:
+    """The candidates, those that bend the reading of curves by what a short refit of them gains, in the order of gains.
+
+    Scores take the motion from the reading. Where a sensor saturates that is not the motion, and what it hides beside
+    the peaks the linear model has taken for damping; from a small bend of either sign a refit finds its way.
+    """
+    found = [_bent(regression, one, library[one.name]) if _bends(library[one.name]) else one for one in candidates]
+    return sorted(found, key=lambda c: -(c.drop - c.dof * np.log(regression.n)))
+
+
+def _bends(effect: type[AbstractEffect]) -> bool:
+    return effect.overrides("sensor") and depends_on(effect()) == BENT
+
+
+def _bent(regression: Regression, candidate: Candidate, effect: type[AbstractEffect]) -> Candidate:
+    """A candidate with the size and the fall of χ² that a short refit reaches, if it is more than was promised."""
+    before = regression.fit
+    model = without_unseen(with_effect(before, effect), candidate)
+    own = {p.name: p for p in model.effects[-1].declared()}
+    shapes = [p.grid for p in own.values() if p.kind == "shape" and p.fitted]
+    starts = []
+    for sign, shape in itertools.product((_SMALL, -_SMALL), itertools.product(*shapes)):
+        bent = iter(shape)
+        values = {name: sign * abs(value) if own[name].kind == "amplitude" else next(bent)
+                  for name, value in candidate.values.items()}  # fmt: skip
+        start = start_of(model, candidate._replace(values=values), before.scales)
+        starts.append(np.concatenate([base_of(regression), start]))
+    found = weigh(regression, model, candidate, starts, FEW)
+    drop = regression.best_chi2 - found.chi2
+    if not (found.possible and drop > candidate.drop):
+        return candidate
+    size = dict(zip(own, found.values[len(before.values) :].tolist(), strict=True))
+    p = refit_chance(candidate, found.chi2, regression)
+    return candidate._replace(drop=drop, predicted_gain=float(np.clip(found.gain, 0, 1)), values=size,
+                              beside=found.values[: len(before.values)], p_value=p)  # fmt: skip
 
 
 def _glimpsed(regression: Regression, candidate: Candidate, effect: type[AbstractEffect]) -> Candidate:

@@ -313,6 +313,11 @@ def kept_more_than_chance(candidate: Candidate, chi2: float, regression: Regress
     A score is of first order, or of second in few of the terms: without phases one may promise what no refit can keep.
     """
     tried = sum(c is not None for c in regression.scored.values())
+    return refit_chance(candidate, chi2, regression) * tried < NAMED_BY_CHANCE
+
+
+def refit_chance(candidate: Candidate, chi2: float, regression: Regression) -> float:
+    """The probability that noise alone lets a refit of a candidate fall to `chi2`."""
     freedom = max(regression.n - candidate.dof - regression.absorbed.shape[1], 1)
     fall = max(regression.best_chi2 - chi2, 0.0) / candidate.dof
-    return float(fdtrc(candidate.dof, freedom, fall / max(chi2 / freedom, 1e-300))) * tried < NAMED_BY_CHANCE
+    return float(fdtrc(candidate.dof, freedom, fall / max(chi2 / freedom, 1e-300)))

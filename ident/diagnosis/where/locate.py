@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...campaign.drive import drive_frequency
-from ...campaign.record import Sweep
+from ...campaign.record import Sweep, same_level
 from ...model import QUALITY
 from ..linearised.regression import Regression
 from .views import View, chance_of, from_sums, view
@@ -46,6 +46,8 @@ class Where(NamedTuple):
       chance.
     - `time`, `phase`, `displacement`, `velocity`, `spectrum`: pooled over the fitted records; `harmonics`: of the
       drive, 0 is the constant part, and alone where no record is periodic; `phase` is then None. Of sweeps both are.
+    - Of curves alone `time` is the frequency, Hz, `displacement` the amplitude, and `velocity` how far from the largest
+      amplitude of its level a point lies, in half-power widths.
     - `whiteness`: autocorrelation of the residual; `drive`: its cross-correlation with the drive, if there is one.
     """
 
@@ -68,9 +70,15 @@ class Where(NamedTuple):
         drive = 1.0 if self.drive is None else self.drive.p_value
         return min(self.p_value, self.whiteness.p_value, drive) < ALARMS
 
+    @property
+    def of_curves(self) -> bool:
+        """Whether only curves were fitted."""
+        return self.harmonics is None
+
 
 _BINS = 12  # of time, motion and phase
 _HARMONICS = 8  # of the drive
+_FLANKS = 4.0  # half-power widths from the peak, beyond which a curve is its flank
 _LAGS = np.arange(-16, 49) / 16  # of the resonance's period
 _BANDS = np.concatenate([np.arange(0.0, 1.5, 0.1), [1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 10.0, 20.0]])
 
@@ -108,17 +116,27 @@ def locate(regression: Regression) -> Where:
         place = np.concatenate([getattr(s, field)[s.known] for s in samples])
         return view(axis, place, np.linspace(low, high, _BINS + 1), squares, floor_error)
 
+    def axes() -> tuple[View, View, View]:
+        if regression.fit.campaign.fitted:
+            return (pooled("part of the record", "time", 0, 1), pooled("displacement ÷ its largest", "z", -1, 1),
+                    pooled("velocity ÷ its largest", "v", -1, 1))  # fmt: skip
+        band = np.concatenate([s.frequency for s in samples if s.frequency is not None])
+        return (pooled("frequency (Hz)", "frequency", float(np.min(band)), float(np.max(band))),
+                pooled("amplitude ÷ its largest", "z", 0, 1),
+                pooled("half-power widths", "v", -_FLANKS, _FLANKS))  # fmt: skip
+
     resonance = 1.0 / regression.fit.scales.period
+    time, displacement, velocity = axes()
     freedom = float(regression.n - regression.absorbed.shape[1])
     white = [s.white for s in samples]
     return Where(
         _by_record(regression, samples),
         regression.chi2 - freedom,
         chance_of(regression.chi2, freedom, floor_error),
-        pooled("part of the record", "time", 0, 1),
+        time,
         _by_phase(samples, floor_error),
-        pooled("displacement ÷ its largest", "z", -1, 1),
-        pooled("velocity ÷ its largest", "v", -1, 1),
+        displacement,
+        velocity,
         _by_harmonic(samples, resonance, float(regression.fit.values[QUALITY])),
         _by_frequency(samples, resonance, floor_error),
         whiteness(white, [len(r.noise.ar) for r in records]),
@@ -168,19 +186,32 @@ def _all_points(regression: Regression) -> list[_Samples]:
         twice = lambda x, many=many: np.tile(x, many)
         frequency, amplitude = curves.points.frequency[points], curves.measured[points]
         speed = amplitude * frequency
+        aside = speed / np.max(speed) if regression.fit.campaign.fitted else _from_peak(regression, points)
         found.append(
             _Samples(
                 regression.residual[own],
                 np.ones(count, dtype=bool),
                 np.linspace(0, 1, count, endpoint=False),
                 twice(amplitude / np.max(sweep.amplitude)),
-                twice(speed / np.max(speed)),
+                twice(aside),
                 None,
                 None,
                 0.0,
                 twice(frequency),
             )
         )
+    return found
+
+
+def _from_peak(regression: Regression, points: slice) -> np.ndarray:
+    """How far points of curves lie above the largest amplitude of their level, in half-power widths."""
+    assert regression.plane is not None
+    curves = regression.plane.curves
+    frequency, level, amplitude = curves.points.frequency[points], curves.points.level[points], curves.measured[points]
+    found = np.zeros(len(frequency))
+    for rows in same_level(level):
+        top = frequency[rows][np.argmax(amplitude[rows])]
+        found[rows] = (frequency[rows] - top) / top * float(regression.fit.values[QUALITY])
     return found
 
 

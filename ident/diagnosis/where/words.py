@@ -136,15 +136,17 @@ def _chosen(view: View | None, factor: float = 1.5) -> tuple[np.ndarray, float, 
 def _motion(where: Where) -> Statement | None:
     """Where in the motion: turning points, the middle, one side; whichever of displacement and velocity says more."""
     found = []
-    for view, names in ((where.displacement, _DISPLACEMENT), (where.velocity, _VELOCITY)):
+    of_traces, of_curves = (_DISPLACEMENT, _VELOCITY), (_AMPLITUDE, _FROM_PEAK)
+    both = zip((where.displacement, where.velocity), of_curves if where.of_curves else of_traces, strict=True)
+    for view, names in both:
         chosen, share, p = _chosen(view)
-        places = np.abs(view.centres[chosen])
+        places = np.abs(view.centres[chosen]) / np.max(np.abs(view.edges))
         if share < 0.3 or not len(places):
             continue
         signs = np.sign(view.centres[chosen])
         side = 0 if len(set(signs)) > 1 else int(signs[0])
         zone = "outer" if places.min() > 0.55 else "inner" if places.max() < 0.45 else "one side" if side else ""
-        if zone:
+        if zone and (zone, 0 if zone == "inner" else side) in names:
             axis: Axis = "displacement" if view is where.displacement else "velocity"
             found.append(Statement(axis, names[zone, 0 if zone == "inner" else side], share, p))
     return max(found, key=lambda s: s.share, default=None)
@@ -168,6 +170,20 @@ _VELOCITY = {
 }
 
 
+_AMPLITUDE = {
+    ("outer", 1): "at the largest amplitudes",
+    ("inner", 0): "at small amplitudes",
+}
+_FROM_PEAK = {
+    ("outer", 0): "far from the peaks",
+    ("outer", 1): "far above the peaks",
+    ("outer", -1): "far below the peaks",
+    ("inner", 0): "at the peaks",
+    ("one side", 1): "above the peaks",
+    ("one side", -1): "below the peaks",
+}
+
+
 def _time(where: Where) -> Statement | None:
     chosen, share, p = _chosen(where.time)
     if share < 0.3 or not np.any(chosen):
@@ -176,6 +192,8 @@ def _time(where: Where) -> Statement | None:
     if bins[-1] - bins[0] + 1 > len(bins) + 1 or len(bins) > len(chosen) // 2:
         return None
     low, high = where.time.edges[bins[0]], where.time.edges[bins[-1] + 1]
+    if where.of_curves:
+        return Statement("frequency", f"between {hertz(float(low))} and {hertz(float(high))} Hz", share, p)
     place = f"the first {100 * high:.0f} %" if low == 0 else f"the last {100 * (1 - low):.0f} %" if high == 1 else None
     words = f"in {place} of the records" if place else f"between {100 * low:.0f} and {100 * high:.0f} % of the records"
     return Statement("time", words, share, p)
@@ -206,7 +224,7 @@ def _tones(where: Where) -> list[Statement]:
             share = float(max(view.excess[k], 0.0) / max(where.misfit, view.excess[view.excess > 0].sum(), 1e-300))
             if view.p_value[k] * len(view.excess) < ALARMS and share > 0.2:
                 found.append(Statement("harmonic", _ORDINALS[k], share, float(view.p_value[k])))
-    if found:
+    if found or where.of_curves:
         return found
     chosen, share, p = _chosen(where.spectrum, 3.0)
     bins = np.flatnonzero(chosen)

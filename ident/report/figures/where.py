@@ -31,18 +31,27 @@ def where_figure(where: Where) -> Figure:
         figure.text(0.012, 0.965 - 0.037 * i, line, fontsize=9.5, color=INK, va="center", weight=bold)
     top, low, height = 0.49, 0.085, 0.26
     _records(new_axes(figure, 0.145, top, 0.10, height), where, bool(said & {"record", "level"}))
-    for left, view, axis, title in (
+    panels = [
         (0.305, where.time, "time", "over the records' time"),
         (0.555, where.displacement, "displacement", "by displacement"),
         (0.805, where.velocity, "velocity", "by velocity"),
-    ):
+    ]
+    if where.of_curves:
+        panels = [
+            (0.305, where.displacement, "displacement", "by amplitude"),
+            (0.555, where.velocity, "velocity", "by distance from the peak"),
+        ]
+    for left, view, axis, title in panels:
         _bins(new_axes(figure, left, top, _WIDTH, height), view, axis in said, title)
-    if where.phase is None or where.harmonics is None or len(where.harmonics.ratio) == 1:
+    if where.of_curves:
+        _bins(new_axes(figure, 0.055, low, 0.435, height), where.time, "frequency" in said, "by frequency")
+    elif where.phase is None or where.harmonics is None or len(where.harmonics.ratio) == 1:
         _bands(new_axes(figure, 0.055, low, 0.435, height), where, "frequency" in said)
     else:
         _bins(new_axes(figure, 0.055, low, _WIDTH, height), where.phase, "phase" in said, "by the drive's phase")
         _harmonics(new_axes(figure, 0.305, low, _WIDTH, height), where.harmonics, "harmonic" in said)
-    _correlation(new_axes(figure, 0.555, low, _WIDTH, height), where.whiteness, 1.0, "lag (samples)",
+    lag = "lag (points)" if where.of_curves else "lag (samples)"
+    _correlation(new_axes(figure, 0.555, low, _WIDTH, height), where.whiteness, 1.0, lag,
                  "with itself: noise stays in the band")  # fmt: skip
     if where.drive is not None:
         _correlation(new_axes(figure, 0.805, low, _WIDTH, height), where.drive, where.resonance,

@@ -1,0 +1,57 @@
+"""What a pass and its way back over the same frequencies differ by, as a measure of their noise.
+
+Two readings at one frequency need no curve between them: their difference is noise alone, wherever both passes lie on
+one branch. If the device has changed between the passes they differ by more than neighbouring points scatter;
+`repeatability` says so, and they are none.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..record import SAME_LEVEL, Run, Sweep
+from .variances import Scatter, shares
+
+_OTHER_BRANCH = 0.15  # of the larger amplitude: the least that a jump changes, as in `jump`
+_USUAL = 0.455  # median of the square of a standard normal
+_CLEAR = 2.0  # times the variance of the neighbours, beyond which passes are called different, as in `repeatability`
+
+
+def way_back(sweep: Sweep, variances: np.ndarray) -> Scatter | None:
+    """The differences of passes up and down at each level, relative to the amplitude; None where there are none, or
+    they are larger than `variances`, (3,) of σ, r and σ_φ, explain."""
+    if sweep.dwell is not None:  # a fast sweep differs from its way back by physics
+        return None
+    pairs = [(a, b) for a in sweep.runs for b in sweep.runs if a.up and not b.up and _same(a, b)]
+    found = [one for a, b in pairs if (one := _differences(sweep, a, b)) is not None]
+    if not found:
+        return None
+    whole = found[0]
+    for one in found[1:]:
+        whole = whole.beside(one)
+    expected = np.maximum(whole.share @ variances, 1e-300)
+    return whole if float(np.median(whole.squared / expected)) < _CLEAR * _USUAL else None
+
+
+def _same(a: Run, b: Run) -> bool:
+    return abs(b.level / a.level - 1) < SAME_LEVEL - 1
+
+
+def _differences(sweep: Sweep, up: Run, down: Run) -> Scatter | None:
+    same = np.isclose(sweep.frequency[up.rows][:, None], sweep.frequency[down.rows], rtol=1e-6)
+    here, there = up.rows[np.any(same, axis=1)], down.rows[np.argmax(same, axis=1)[np.any(same, axis=1)]]
+    a, b = sweep.amplitude[here], sweep.amplitude[there]
+    apart = np.abs(a - b) > _OTHER_BRANCH * np.maximum(a, b)
+    apart |= np.append(apart[1:], False) | np.append(False, apart[:-1])  # one flank of a jump
+    here, there, size = here[~apart], there[~apart], 0.5 * (a + b)[~apart]
+    if not len(here) or not np.all(size > 0):
+        return None
+    turn = np.zeros(len(here)) if sweep.phase is None else sweep.phase[here] - sweep.phase[there]
+    first, second = sweep.amplitude[here] / size, sweep.amplitude[there] / size * np.exp(-1j * turn)
+    sizes = np.column_stack([sweep.amplitude[here], sweep.amplitude[there]])
+    along, across = shares(np.column_stack([first, -second]), sizes)
+    squared, share = (first - second).real ** 2, along
+    if sweep.phase is not None:
+        squared = np.concatenate([squared, (first - second).imag ** 2])
+        share = np.concatenate([share, across])
+    return Scatter(squared, share, np.ones(len(squared)))
