@@ -24,6 +24,7 @@ def regression(error: float, reached: float | None = None, doubt: float = 0.03, 
     fit = SimpleNamespace(campaign=SimpleNamespace(fitted=records, fitted_sweeps=()), freedom=freedom)
     residual = error * WHITE
     return SimpleNamespace(
+        whitenings=(),
         chi2=N * error**2, fit_chi2=N * (reached or error) ** 2, n=N, fit=fit, residual=residual, instead_of=None,
         to_explain=max(N * (error**2 - 1), 1e-9),
     )  # fmt: skip

@@ -58,6 +58,7 @@ def test_in_a_pair_a_law_takes_the_place_of_a_part_of_it() -> None:
     ]
     noise = SimpleNamespace(fitted=[SimpleNamespace(noise=SimpleNamespace(relative_error=0.0))], fitted_sweeps=[])
     told = lambda left: SimpleNamespace(
+        whitenings=(),
         n=400, residual=left, numbers=3, chi2=float(left @ left), to_explain=float(left @ left) - 400, credible=True,
         fit=SimpleNamespace(campaign=noise), instead_of=None, best_chi2=float(left @ left), fit_chi2=float(left @ left),
     )  # fmt: skip
@@ -84,6 +85,7 @@ def test_a_pair_whose_refits_keep_little_of_what_is_left_is_no_pair(
     noise = SimpleNamespace(fitted=[SimpleNamespace(noise=SimpleNamespace(relative_error=0.0))], fitted_sweeps=[])
     far = 100 * np.random.default_rng(3).normal(size=400)
     told = lambda left: SimpleNamespace(
+        whitenings=(),
         n=400, residual=left, numbers=3, chi2=float(left @ left), to_explain=float(left @ left) - 400, instead_of=None,
         fit=SimpleNamespace(campaign=noise, holdout=None), best_chi2=float(left @ left), fit_chi2=float(left @ left),
     )  # fmt: skip

@@ -35,10 +35,10 @@ class _Past(NamedTuple):
         return convolved(self.taps, values)
 
 
-def _colour(regression: Regression, k: int, left: np.ndarray) -> _Past | ForceNoise:
-    """The noise that is left of the k-th record: an autoregression of order 12, or noise of the force, which has fewer
-    numbers, if that describes it better."""
-    past, force = _Past(prediction_filter(left[None])), force_noise(regression, k, left)
+def _colour(regression: Regression, k: int, left: np.ndarray, before: np.ndarray | None = None) -> _Past | ForceNoise:
+    """The noise that is left of the k-th record: an autoregression of order 12, of what was left `before` if that is
+    given; or noise of the force, which has fewer numbers, if that describes it better."""
+    past, force = _Past(prediction_filter((left if before is None else before)[None])), force_noise(regression, k, left)
     price = np.log(max(len(left), 2)) / max(len(left), 1)
     worth = lambda way, numbers: np.log(max(float(np.var(way.whiten(left))), 1e-300)) + numbers * price
     return past if force is None or worth(force, 1) > worth(past, past.begins) else force
@@ -50,30 +50,36 @@ def chance(regression: Regression, basis: np.ndarray, tried: int) -> float:
     What remains after the candidate is modelled as coloured noise, record by record; candidate and residual are
     whitened with it and the F test is made there.
     """
-    return _by_chance(regression, regression.residual - basis @ (basis.T @ regression.residual), basis, tried)
+    return _by_chance(regression, basis, tried)
 
 
 def chance_of(regression: Regression, basis: np.ndarray) -> float:
     """Probability of such a fall of χ² by chance.
 
     A small misfit is first supposed to be noise throughout, and everything is whitened by its own colour; a large one
-    cannot be, and only what the functions leave is (`chance`).
+    cannot be, and only what the functions leave is (`chance`). Noise of the force is only what they leave: it has the
+    colour of the device's own answers, and would be whatever a law makes of them.
 
     **Arguments:** `basis` (n, dof), orthonormal.
     """
-    if regression.chi2 > _SMALL * regression.n:
-        return chance(regression, basis, basis.shape[1])
-    return _by_chance(regression, regression.residual, basis, basis.shape[1])
+    small = regression.chi2 <= _SMALL * regression.n
+    return _by_chance(regression, basis, basis.shape[1], regression.residual if small else None)
 
 
-def _by_chance(regression: Regression, left: np.ndarray, basis: np.ndarray, tried: int) -> float:
-    """The F test of so many functions, `basis`, where noise of the colour of what is `left`, (n,), is white."""
-    colours = [_colour(regression, k, left[own]) for k, own in enumerate(regression.places)]
+def _by_chance(regression: Regression, basis: np.ndarray, tried: int, before: np.ndarray | None = None) -> float:
+    """The F test of so many functions, `basis`, where noise of the colour of what they leave is white; or, as an
+    autoregression, of what was left `before`, (n,)."""
+    left = regression.residual - basis @ (basis.T @ regression.residual)
+    colours = [
+        _colour(regression, k, left[own], None if before is None else before[own])
+        for k, own in enumerate(regression.places)
+    ]
     # Where noise of the force rules some frequencies the others tell the parameters otherwise than all did alike.
     absorbed = regression.absorbed[:, : regression.absorbed.shape[1] * any(isinstance(c, ForceNoise) for c in colours)]
     white = []
     for colour, own in zip(colours, regression.places, strict=True):
-        columns = [left[own], regression.residual[own], basis[own], absorbed[own]]
+        noise = left if before is None or isinstance(colour, ForceNoise) else before
+        columns = [noise[own], regression.residual[own], basis[own], absorbed[own]]
         found = colour.whiten(np.column_stack(columns))
         white.append(found[:, 1:] / (float(np.std(found[:, 0])) or 1.0))
     target, regressors, beside = np.split(np.concatenate(white), [1, 1 + basis.shape[1]], axis=1)

@@ -54,10 +54,11 @@ class Pushed(NamedTuple):
     share: float
 
 
-@lru_cache(maxsize=16)  # a verdict and its words ask
 def pushed_by_noise(regression: Regression) -> Pushed | None:
     """What is left of all records as noise of sensor and force, the sensor's as the floors say; None where a line
     stands out of that in one of them, or the model is no oscillator."""
+    if not regression.whitenings:
+        return None
     fit, square, most = regression.fit, 0.0, (-1.0, 0.0)
     records, linear = fit.campaign.fitted, fit.model.linear
     per_volt = abs(float(fit.values[GAIN])) * linear.force_per_gain / linear.mass  # m/s² for a volt
