@@ -122,12 +122,14 @@ def diagnose(
     where = locate(regression)
     look = first_look(fitted, library, report)
     suspects = find_suspects(fitted, lambda: look, report)
-    if any(suspect.first for suspect in suspects):
-        nothing = Discovery("ambiguous", fitted, (), (), {}, (), regression)
-        return Diagnosis(nothing, where, suspects=suspects)
-    before = None if walked.steps else apart_before(look, report)
+    first = [suspect for suspect in suspects if suspect.first]
+    faulty = any(suspect.settles for suspect in first)  # else it may be the worst of several that each have a number
+    before = None if walked.steps or faulty else apart_before(look, report)
     if before is not None and (said := _read_apart(before, regression, library, report, keep)) is not None:
         return said
+    if first:
+        nothing = Discovery("ambiguous", fitted, (), (), {}, (), regression)
+        return Diagnosis(nothing, where, suspects=suspects)
     found = continue_from(walked, library, report, keep=keep, look=look)
     sharper = sharpened(found.final)
     if sharper is not None:

@@ -39,7 +39,8 @@ class Suspect:
     """A record that disagrees in a way that no device explains.
 
     **Arguments:** `size` in `unit`; `probability` that the record is faulty; `says`: the finding in words, without the
-    name of the file; `first`: whether it explains more than any effect does, so that no physics is named before.
+    name of the file; `first`: whether it explains more than any effect does, so that no physics is named before;
+    `settles`: whether so read, and with one effect at most, all records stand at their noise.
     """
 
     file: str
@@ -49,6 +50,7 @@ class Suspect:
     probability: float
     says: str
     first: bool = False
+    settles: bool = True
 
     @property
     def sentence(self) -> str:

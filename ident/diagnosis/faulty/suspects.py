@@ -244,7 +244,8 @@ def _suspect(fitted: Fit, best: Fault, sound: _Explained, faulty: _Explained) ->
     if faulty.model.names != fitted.model.names:
         words += f", with {faulty.model.names[-1]} in the model"
     sure = _SURE if best.worst <= _FLOOR else _LIKELY
-    return Suspect(name, told.kind, told.size, told.unit, sure, words, first=True)
+    settles = faulty.worst <= _FLOOR
+    return Suspect(name, told.kind, told.size, told.unit, sure, words, first=True, settles=settles)
 
 
 def _beyond_an_effect(told: Nuisance, values: np.ndarray) -> bool:
