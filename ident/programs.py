@@ -54,13 +54,14 @@ class _Held:
                 return held
             lock = self._locks.setdefault(key, threading.Lock())
         with lock:
-            if (held := self._programs.get(key)) is None:
-                held = obtain()
-        with self._lock:
-            self._programs[key] = held
-            self._locks.pop(key, None)
-            while len(self._programs) > _MOST:
-                self._programs.popitem(last=False)
+            if (held := self._programs.get(key)) is not None:
+                return held
+            held = obtain()
+            with self._lock:  # before those who wait for it go on: they would obtain it again
+                self._programs[key] = held
+                self._locks.pop(key, None)
+                while len(self._programs) > _MOST:
+                    self._programs.popitem(last=False)
         return held
 
 

@@ -72,11 +72,10 @@ def _with_hum(found: Fit, traces: list[Trace], periods: float) -> list[Trace]:
     pairs = list(zip(traces, found.readings, strict=True))
     heard = [Heard((r.response - told)[r.skip :], r.drive[r.skip :], r.step) for r, told in pairs]
     few = [tones_of(one) is not None for one in heard]
-    shown = [
-        {hz for hz in _hum_of(record, reading, found, long, apart=True) if not (any(few) and may_make(one, hz))}
-        for (record, reading), one in zip(pairs, heard, strict=True)
-        for long in [[hz for hz in HUM if hz >= periods * one.width]]
-    ]
+    shown = []
+    for (record, reading), one in zip(pairs, heard, strict=True):
+        lines = _hum_of(record, reading, found, [hz for hz in HUM if hz >= periods * one.width], apart=True)
+        shown.append({hz for hz in lines if not (any(few) and may_make(one, hz))})
     needed = min(2, sum(few) or len(traces))
     mains = [hz for hz in HUM if sum(hz in one for one in shown) >= needed]
     others = lines_of_surroundings(heard) if all(r.masked is None for r in traces) else []

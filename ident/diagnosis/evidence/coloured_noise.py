@@ -44,31 +44,12 @@ def _colour(regression: Regression, k: int, left: np.ndarray, before: np.ndarray
     return past if force is None or worth(force, 1) > worth(past, past.begins) else force
 
 
-def chance(regression: Regression, basis: np.ndarray, tried: int) -> float:
+def chance(regression: Regression, basis: np.ndarray, tried: int, before: np.ndarray | None = None) -> float:
     """Probability of such a fall of χ² by chance, the colour of what is left taken into account.
 
     What remains after the candidate is modelled as coloured noise, record by record; candidate and residual are
-    whitened with it and the F test is made there.
+    whitened with it and the F test is made there. As an autoregression it may be that of what was left `before`, (n,).
     """
-    return _by_chance(regression, basis, tried)
-
-
-def chance_of(regression: Regression, basis: np.ndarray) -> float:
-    """Probability of such a fall of χ² by chance.
-
-    A small misfit is first supposed to be noise throughout, and everything is whitened by its own colour; a large one
-    cannot be, and only what the functions leave is (`chance`). Noise of the force is only what they leave: it has the
-    colour of the device's own answers, and would be whatever a law makes of them.
-
-    **Arguments:** `basis` (n, dof), orthonormal.
-    """
-    small = regression.chi2 <= _SMALL * regression.n
-    return _by_chance(regression, basis, basis.shape[1], regression.residual if small else None)
-
-
-def _by_chance(regression: Regression, basis: np.ndarray, tried: int, before: np.ndarray | None = None) -> float:
-    """The F test of so many functions, `basis`, where noise of the colour of what they leave is white; or, as an
-    autoregression, of what was left `before`, (n,)."""
     left = regression.residual - basis @ (basis.T @ regression.residual)
     colours = [
         _colour(regression, k, left[own], None if before is None else before[own])
@@ -92,14 +73,27 @@ def _by_chance(regression: Regression, basis: np.ndarray, tried: int, before: np
     return float(fdtrc(tried, freedom, drop / tried / rest))
 
 
+def chance_of(regression: Regression, basis: np.ndarray) -> float:
+    """Probability of such a fall of χ² by chance.
+
+    A small misfit is first supposed to be noise throughout, and everything is whitened by its own colour; a large one
+    cannot be, and only what the functions leave is (`chance`). Noise of the force is only what they leave: it has the
+    colour of the device's own answers, and would be whatever a law makes of them.
+
+    **Arguments:** `basis` (n, dof), orthonormal.
+    """
+    small = regression.chi2 <= _SMALL * regression.n
+    return chance(regression, basis, basis.shape[1], regression.residual if small else None)
+
+
 def behind_in_colour(after: Weighed, before: Regression) -> float:
     """By how much the criterion of a refit is worse than that of the fit before, in the colour of what it leaves.
 
     A force that no law describes may be small, but a mass without a spring adds it up twice: what is left then lies far
     above the sensor's noise, as smooth as the motion, and a law that bends takes its slowest part, which weighs most
     where all frequencies count alike, and adds to the rest. What a refit leaves is therefore taken as coloured noise,
-    record by record: by the same, what was left before must be more. At the noise floor it is white,
-    and nothing changes. Points of sweeps have no colour.
+    record by record: by the same, what was left before must be more. At the noise floor it is white, and nothing
+    changes. Points of sweeps have no colour.
     """
     if before.plane is not None:
         return behind(after, before)

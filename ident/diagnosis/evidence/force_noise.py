@@ -46,6 +46,16 @@ class ForceNoise(NamedTuple):
         return recursive_filter(self.numerator, self.denominator, values)
 
 
+class _Device(NamedTuple):
+    """A and B, as a record's floor whitens it; the `gain` |B/A|² at the frequencies of n samples, (n//2,), divided by
+    its mean `size`, as B is by the root of that."""
+
+    a: np.ndarray
+    b: np.ndarray
+    gain: np.ndarray
+    size: float
+
+
 class Pushed(NamedTuple):
     """What a model leaves, taken as noise of sensor and force: its `level`, in noise floors, and the `share` that the
     force's is of the drive's rms in the record that shows it most; zero where nothing drives."""
@@ -71,7 +81,7 @@ def pushed_by_noise(regression: Regression) -> Pushed | None:
         if np.max(np.abs(np.fft.rfft(white)) ** 2) / len(white) > np.log(len(white)) + _NO_LINE:
             return None
         square += float(white @ white)
-        *_, size = _through_the_device(regression, k, len(left))
+        size = _through_the_device(regression, k, len(left)).size
         pushed = regression.whitenings[k].scale * np.sqrt(noise.ratio / size)  # m/s²
         most = max(most, (noise.ratio, pushed / (per_volt * float(np.std(records[k].drive)) or np.inf)))
     return Pushed(float(np.sqrt(square / regression.n)), float(most[1]))
@@ -101,18 +111,20 @@ def _score(power: np.ndarray, gain: np.ndarray) -> float:
     return float(gain @ (power / np.mean(power) - 1)) / float(np.linalg.norm(gain))
 
 
+def _through_the_device(regression: Regression, k: int, n: int) -> _Device:
+    fit, record = regression.fit, regression.fit.campaign.fitted[k]
+    taps = tuple(float(tap) for tap in regression.whitenings[k].filter)
+    return _device(float(fit.values[FREQUENCY]), float(fit.values[QUALITY]), record.step, record.order, taps, n)
+
+
 @lru_cache(maxsize=64)  # every candidate asks for it
-def _through_the_device(regression: Regression, k: int, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """A; B as the k-th record's floor whitens it; |B/A|² at the frequencies of n samples, (n//2,), divided by its mean
-    as B is by the root of that; and the mean, (m s²/m)²."""
-    fit = regression.fit
-    record, taps = fit.campaign.fitted[k], regression.whitenings[k].filter
-    b, a = oscillator_filter(float(fit.values[FREQUENCY]), float(fit.values[QUALITY]), record.step, record.order)
+def _device(frequency: float, quality: float, step: float, order: int, taps: tuple[float, ...], n: int) -> _Device:
+    b, a = oscillator_filter(frequency, quality, step, order)
     b = np.convolve(b, taps)
     turning = np.exp(-2j * np.pi / n * np.arange(1, n // 2 + 1))
     gain = np.abs(np.polyval(b[::-1], turning) / np.polyval(a[::-1], turning)) ** 2
     size = float(np.mean(gain))
-    return a, b / np.sqrt(size), gain / size, size
+    return _Device(a, b / np.sqrt(size), gain / size, size)
 
 
 def _factor(a: np.ndarray, b: np.ndarray, rho: float) -> np.ndarray:
