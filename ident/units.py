@@ -266,3 +266,10 @@ def exponents(name: str) -> dict[str, int]:
     if any(rest):
         raise UserError(f"the unit {name!r} is not one of mechanics and voltage", do="use kg, m, s, N, Pa, Hz and V")
     return {"kg": kg + ampere, "m": m + 2 * ampere, "s": s - 3 * ampere, "V": -ampere}
+
+
+@cache
+def in_reading(name: str, order: int) -> str:
+    """A unit whose metres are those of a reading, where that is the `order`-th derivative of the displacement."""
+    later = -order * exponents(name)["m"]
+    return f"{name}*s^{later}" if later else name

@@ -76,6 +76,12 @@ class Campaign:
         return tuple(r for r in self.traces if not r.holdout)
 
     @property
+    def order(self) -> int:
+        """Which derivative of the displacement the traces are, 0, 1 or 2; 0 where they differ."""
+        orders = {record.order for record in self.traces}
+        return orders.pop() if len(orders) == 1 else 0
+
+    @property
     def heldout(self) -> tuple[Trace, ...]:
         """The traces that only judge."""
         return tuple(r for r in self.traces if r.holdout)

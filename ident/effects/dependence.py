@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal
+from typing import Any, Literal
 
 from .effect import AbstractEffect, Drive, State
 
@@ -35,6 +35,15 @@ def _works_without(effect: AbstractEffect, side: Side, missing: str) -> bool:
     return True
 
 
+def told_in_reading(effect: AbstractEffect) -> bool:
+    """Whether the metres of an effect are those of what the sensor reads, be that a velocity or an acceleration; one
+    that asks for the order of that has a motion of its own."""
+    if not effect.overrides("sensor") or effect.overrides("force"):
+        return False
+    state, drive = State(1e-6, 1e-6, effect.state0()), Drive(1e-6, 1e-6, 1.0, 1.0)
+    return _answers(lambda order: effect.sensor(state, drive._replace(order=order), 0.0), None)
+
+
 def runs_by_a_clock(effect: AbstractEffect) -> bool:
     """Whether an effect changes with the time since the first sample, its memory included."""
     state, drive = State(1e-6, 1e-6, effect.state0()), Drive(1e-6, 1e-6, 1.0, 1.0)
@@ -46,9 +55,9 @@ def runs_by_a_clock(effect: AbstractEffect) -> bool:
     return any(_answers(law, 0.0) and not _answers(law, None) for law in asked)
 
 
-def _answers(law: Callable[[float | None], object], t: float | None) -> bool:
+def _answers(law: Callable[[Any], object], asked: float | None) -> bool:
     try:
-        law(t)
+        law(asked)
     except (TypeError, ValueError, AttributeError, ArithmeticError):
         return False
     return True

@@ -40,12 +40,13 @@ def assemble(
     priors = [campaign.priors.get(parameters[i].name) for i in free]
     values, equation = np.asarray(values, float), Equation(model)
     frequency = float(values[FREQUENCY])
-    histories = equation.history_units if any(record.start != "rest" for record in records) else ()
+    moving = any(record.start != "rest" for record in records)
+    states = 2 + len(equation.history_units) * moving
     data = Data(
         tape,
         np.concatenate([np.zeros(0), *(record.response for record in records)]),
         np.concatenate([np.zeros(0), *(weight_of(record, frequency) for record in records)]),
-        np.array([start_scale(record, frequency, histories) for record in records]).reshape(-1, 2 + len(histories)),
+        np.array([start_scale(record, frequency, equation)[:states] for record in records]).reshape(-1, states),
         values,
         bounds[:, 0],
         bounds[:, 1],
@@ -56,7 +57,7 @@ def assemble(
         curves,
     )
     moving = bool(np.any(data.start_scale))
-    static = Static(equation, free, moving, len(fitted) + (2 + len(histories)) * moving)
+    static = Static(equation, free, moving, len(fitted) + states * moving)
     return static, at_values(data, static, values)
 
 
@@ -96,13 +97,14 @@ def weight_of(record: Trace, frequency: float) -> np.ndarray:
     return (counted if record.masked is None else counted & ~record.masked) / record.noise.sigma
 
 
-def start_scale(record: Trace, frequency: float, histories: Sequence[str]) -> np.ndarray:
-    """Typical displacement, velocity and hidden states, in their units, of a record that does not start at rest, else
-    zero."""
+def start_scale(record: Trace, frequency: float, equation: Equation) -> np.ndarray:
+    """Typical displacement, velocity and hidden states of an equation of motion, in their units, of a record that does
+    not start at rest, else zero. A reading of acceleration, in m/s², is as large as ω² displacements."""
     omega = 2 * np.pi * frequency
     amplitude = (float(np.max(np.abs(record.response))) or 1.0) / omega**record.order
     sizes = {"m": amplitude, "V": float(np.max(np.abs(record.drive))) or 1.0, "s": 1.0 / omega}
-    hidden = [math.prod(sizes.get(base, 1.0) ** power for base, power in exponents(unit).items()) for unit in histories]
+    hidden = [math.prod(sizes.get(base, 1.0) ** power for base, power in exponents(unit).items())
+              for unit in equation.history_units_of(record.order)]  # fmt: skip
     return (record.start != "rest") * np.array([amplitude, amplitude * omega, *hidden])
 
 

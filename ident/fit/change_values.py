@@ -14,17 +14,18 @@ from ..units import parse_quantity, unit
 from .access import position
 
 
-def changed_values(model: Model, values: np.ndarray, changes: Mapping[str, float | str]) -> np.ndarray:
-    """The parameter values (m,) SI with those of `changes`: SI numbers, or texts with a unit.
+def changed_values(model: Model, values: np.ndarray, changes: Mapping[str, float | str], order: int = 0) -> np.ndarray:
+    """The parameter values (m,) SI with those of `changes`: SI numbers, or texts with a unit; `order`
+    of the derivative of the displacement that is read.
 
     **Raises:** UserError for a name that the model does not have, or a value that its parameter cannot take.
     """
-    values = np.array(values, float)
+    values, units = np.array(values, float), model.units(order)
     for name, told in changes.items():
         index = position([p.name for p in model.parameters], name)
         parameter = model.parameters[index]
         if isinstance(told, str) and not is_number(told):
-            value = parse_quantity(told, unit(parameter.unit).dimension, where=name)
+            value = parse_quantity(told, unit(units[index]).dimension, where=name)
         elif isinstance(told, (str, int, float, np.number)):
             value = float(told)
         else:

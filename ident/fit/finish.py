@@ -70,7 +70,7 @@ def finish(model: Model, campaign: Campaign, minimum: Minimum, sigma: SigmaChoic
         model=model,
         campaign=campaign,
         values=values,
-        estimates=_estimates(parameters, values, free, matrix, judged.determined, data),
+        estimates=_estimates(parameters, model.units(campaign.order), values, free, matrix, judged.determined, data),
         free=static.free,
         covariance=matrix,
         combinations=judged.combinations,
@@ -111,6 +111,7 @@ def _at_bound(value: float, lower: float, upper: float, error: float) -> bool:
 
 def _estimates(
     parameters: Sequence[ModelParameter],
+    units: Sequence[str],
     values: np.ndarray,
     free: list[int],
     matrix: np.ndarray,
@@ -121,7 +122,7 @@ def _estimates(
     for i, parameter in enumerate(parameters):
         value = float(values[i])
         if i not in free:
-            estimates.append(Estimate(parameter.name, value, None, parameter.unit, False, ("held",)))
+            estimates.append(Estimate(parameter.name, value, None, units[i], False, ("held",)))
             continue
         k = free.index(i)
         error = float(np.sqrt(max(matrix[k, k], 0.0)))
@@ -136,5 +137,5 @@ def _estimates(
         known = determined[k] and np.isfinite(error) and error > 0
         edge = "at-bound" in flags and np.isfinite(data.upper[k])
         shown = error if known and not edge else None
-        estimates.append(Estimate(parameter.name, value, shown, parameter.unit, True, flags))
+        estimates.append(Estimate(parameter.name, value, shown, units[i], True, flags))
     return tuple(estimates)

@@ -67,7 +67,7 @@ class Prediction(NamedTuple):
 def predict(fit: Fit, data: Any, values: Mapping[str, float | str] | None = None) -> Prediction:
     """The reading of a fitted model for a record or a drive; see `Fit.predict`."""
     record = record_of(fit.campaign, data)
-    model, at = fit.model, changed_values(fit.model, fit.values, values or {})
+    model, at = fit.model, changed_values(fit.model, fit.values, values or {}, fit.campaign.order)
     reading, by_value, by_start = _with_slopes(model, at, record)
     kept = [k for k, i in enumerate(fit.free) if at[i] == fit.values[i]]
     covariance = fit.covariance[np.ix_(kept, kept)]

@@ -100,7 +100,7 @@ def simulate_state(
 ) -> Simulation:
     """The same from model, campaign and values."""
     model, campaign, known = state
-    changed = changed_values(model, known, values)
+    changed = changed_values(model, known, values, campaign.order)
     chosen = wanted(campaign.traces, records) if records else campaign.traces
     if not chosen:
         raise UserError("the campaign has no traces", do="a forward model needs the drive of a trace")

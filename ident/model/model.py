@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ..campaign.device import Device, Platform
+from ..effects.dependence import told_in_reading
 from ..effects.effect import AbstractEffect
 from ..errors import UserError
+from ..units import in_reading
 from .linear import LinearPart, linear_part
 from .parameters import ModelParameter
 
@@ -118,6 +120,11 @@ class Model:
             ]  # fmt: skip
         start = dict(self.start)
         return tuple(self._as_told(parameter, start) for parameter in own)
+
+    def units(self, order: int) -> tuple[str, ...]:
+        """Units of the parameters where the sensor reads the `order`-th derivative of the displacement."""
+        read = {effect.name for effect in self.effects if order and told_in_reading(effect)}
+        return tuple(in_reading(p.unit, order) if p.name.partition(".")[0] in read else p.unit for p in self.parameters)
 
     def _times(self) -> tuple[ModelParameter, ModelParameter]:
         """The first two parameters: those of spring and damper."""

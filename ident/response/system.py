@@ -11,9 +11,10 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from ..effects.dependence import runs_by_a_clock
+from ..effects.dependence import runs_by_a_clock, told_in_reading
 from ..effects.effect import AbstractEffect, Drive, State
 from ..model import Model
+from ..units import in_reading
 from .lane import Numbers
 from .memory import follows_drive_alone
 
@@ -76,7 +77,15 @@ class Equation:
     @cached_property
     def history_units(self) -> tuple[str, ...]:
         """Units of all hidden states."""
-        return tuple(unit for effect in self.model.effects for unit in effect.hidden_units)
+        return self.history_units_of(0)
+
+    def history_units_of(self, order: int) -> tuple[str, ...]:
+        """The same in a record whose sensor reads the `order`-th derivative of the displacement."""
+        units: list[str] = []
+        for effect in self.model.effects:
+            read = order > 0 and told_in_reading(effect)
+            units += [in_reading(unit, order) if read else unit for unit in effect.hidden_units]
+        return tuple(units)
 
 
 class Block(NamedTuple):
@@ -118,7 +127,7 @@ class System(NamedTuple):
 
         Past an antiresonance a reading would else be answered by two shares, or by none.
         """
-        past = effect.overrides("sensor") and not effect.overrides("force")
+        past = behind_the_sensor(effect)
         return self.drive(self.share * voltage, self.share * rate) if past else self.drive(voltage, rate)
 
     def apart(self, z: Any, v: Any, voltage: Any, rate: Any) -> tuple[Any, Any]:
@@ -128,6 +137,11 @@ class System(NamedTuple):
     def seen_by(self, effect: AbstractEffect, z: Any, v: Any, voltage: Any, rate: Any) -> tuple[Any, Any]:
         """Displacement and velocity as an effect sees them: a sensor stands beside the device."""
         return self.apart(z, v, voltage, rate) if effect.overrides("force") else (z, v)
+
+    def read(self, z: Any, v: Any, acceleration: Any, jerk: Any) -> tuple[Any, Any]:
+        """What the sensor reads of a motion, and the rate of that."""
+        ordered = lambda *of: jnp.where(self.order > 1, of[2], jnp.where(self.order > 0, of[1], of[0]))
+        return ordered(z, v, acceleration), ordered(v, acceleration, jerk)
 
     def push(self, voltage: Any) -> Any:
         """Force of the drive itself."""
@@ -180,23 +194,9 @@ def derivative(
     system: System, parts: tuple[slice | None, ...], y: tuple[Any, ...], at: tuple[Any, ...]
 ) -> tuple[Any, ...]:
     """(ż, v̇, hidden rates) of the state `y` at `at` = (V, V̇, t), and the remembered force if there is one."""
-    voltage, rate, t, *remembered = at
-    z, v, *hidden = y
-    apart, pace = system.apart(z, v, voltage, rate)
-    given, force, rates = sum(remembered, system.push(voltage)), -system.damping * pace - system.stiffness * apart, []
-    for effect, own in zip(system.effects, parts, strict=True):
-        if own is None:
-            continue
-        memory = tuple(hidden[own])
-        state = State(*system.seen_by(effect, z, v, voltage, rate), memory)
-        drive = system.drive_of(effect, voltage, rate)
-        if effect.overrides("force"):
-            force = force + effect.force(state, drive, t)
-        if effect.overrides("drive"):
-            given = given + effect.drive(memory, drive, t)
-        if memory:
-            rates += effect.rate(state, drive, t)
-    return (v, (system.share * given + force) / system.mass, *rates)
+    v, acceleration = y[1], _acceleration(system, parts, y, at)
+    rates = _rates(system, parts, y, at, acceleration)
+    return (v, acceleration, *(rate for own in rates for rate in own))
 
 
 def reading(
@@ -204,12 +204,76 @@ def reading(
 ) -> Any:
     """What the sensor shows of the state `y` and its acceleration at `at` = (V, V̇, t)."""
     voltage, rate, t = at
-    z, v, *hidden = y
-    shown = jnp.where(system.order > 1, acceleration, jnp.where(system.order > 0, v, z))
-    for effect, own in zip(system.effects, parts, strict=True):
-        if own is not None and effect.overrides("sensor"):
-            shown = shown + effect.sensor(State(z, v, tuple(hidden[own])), system.drive_of(effect, voltage, rate), t)
+    sensors = [pair for pair in zip(system.effects, parts, strict=True) if pair[0].overrides("sensor")]
+    read, its_rate = (
+        _read(system, parts, y, at, acceleration) if sensors else system.read(y[0], y[1], acceleration, 0.0)
+    )
+    shown = read
+    for effect, own in sensors:
+        if own is not None:
+            state = State(read, its_rate, tuple(y[2:][own]))
+            shown = shown + effect.sensor(state, system.drive_of(effect, voltage, rate), t)
     return shown
+
+
+def behind_the_sensor(effect: AbstractEffect) -> bool:
+    """Whether an effect sees what the sensor reads, and not the motion of the stage."""
+    return effect.overrides("sensor") and not effect.overrides("force")
+
+
+def _acceleration(system: System, parts: tuple[slice | None, ...], y: tuple[Any, ...], at: tuple[Any, ...]) -> Any:
+    voltage, rate, t, *remembered = at
+    z, v, *hidden = y
+    apart, pace = system.apart(z, v, voltage, rate)
+    given, force = sum(remembered, system.push(voltage)), -system.damping * pace - system.stiffness * apart
+    for effect, own in zip(system.effects, parts, strict=True):
+        if own is None:
+            continue
+        memory, drive = tuple(hidden[own]), system.drive_of(effect, voltage, rate)
+        if effect.overrides("force"):
+            force = force + effect.force(State(*system.seen_by(effect, z, v, voltage, rate), memory), drive, t)
+        if effect.overrides("drive"):
+            given = given + effect.drive(memory, drive, t)
+    return (system.share * given + force) / system.mass
+
+
+def _rates(
+    system: System, parts: tuple[slice | None, ...], y: tuple[Any, ...], at: tuple[Any, ...], acceleration: Any,
+    sensors: bool = True,
+) -> list[tuple[Any, ...]]:  # fmt: skip
+    """Rates of the hidden states, effect by effect; zeros of those behind the sensor if these are not asked for."""
+    voltage, rate, t = at[:3]
+    z, v, *hidden = y
+    found: list[tuple[Any, ...]] = []
+    for effect, own in zip(system.effects, parts, strict=True):
+        if own is None or own.start == own.stop:
+            continue
+        behind = behind_the_sensor(effect)
+        if behind and not sensors:
+            found.append(tuple(0.0 * h for h in hidden[own]))
+            continue
+        seen = _read(system, parts, y, at, acceleration) if behind else system.seen_by(effect, z, v, voltage, rate)
+        state = State(*seen, tuple(hidden[own]))
+        found.append(tuple(effect.rate(state, system.drive_of(effect, voltage, rate), t)))
+    return found
+
+
+def _read(
+    system: System, parts: tuple[slice | None, ...], y: tuple[Any, ...], at: tuple[Any, ...], acceleration: Any
+) -> tuple[Any, Any]:
+    """What the sensor reads of the motion itself, and its rate.
+
+    That of an acceleration is how the forces change along the motion, V̇ held, and what follows the drive alone. Where
+    nothing asks for it, it is not computed.
+    """
+    z, v = y[:2]
+    hidden = (rate for own in _rates(system, parts, y, at, acceleration, sensors=False) for rate in own)
+    steady = tuple(0.0 * x for x in at[3:])
+    onward = ((v, acceleration, *hidden), (at[1], 0.0 * at[1], 1.0, *steady))
+    numbers = lambda tree: jax.tree.map(lambda x: jnp.asarray(x, float), tree)
+    of_motion = lambda y, at: _acceleration(system, parts, y, at)
+    jerk = jax.jvp(of_motion, numbers((tuple(y), tuple(at))), numbers(onward))[1]
+    return system.read(z, v, acceleration, jerk)
 
 
 def at_rest(equation: Equation, values: Numbers) -> float:

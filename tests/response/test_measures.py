@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,15 +14,18 @@ from scipy.interpolate import CubicSpline
 from ident.campaign import read_campaign
 from ident.campaign.record import MEASURES
 from ident.diagnosis.linearised.regression import prepare
+from ident.diagnosis.ranking.confirm import confirm
 from ident.diagnosis.ranking.score import score
 from ident.effects.registry import built_in
 from ident.errors import UserError
 from ident.fit import fit
 from ident.fit.linear.start_model import start_model
+from ident.model import Model
 
 F0, Q, GAIN, K3, OFFSET = 12.0, 25.0, 40.0, 3e5, 0.3
 STEP, N = 1 / 600, 3000
 NOISE = 1e-3  # of the signal
+Sensor = Callable[[np.ndarray], np.ndarray]
 
 
 def motion(seed: int, hardening: float) -> tuple[np.ndarray, ...]:
@@ -39,8 +43,10 @@ def motion(seed: int, hardening: float) -> tuple[np.ndarray, ...]:
     return t, u, solved.y[0], solved.y[1], a
 
 
-def campaign(folder: Path, measures: str, hardening: float = 0.0, offset: float = 0.0) -> Path:
-    """A folder with two records, one held out, that measure such a thing."""
+def campaign(
+    folder: Path, measures: str, hardening: float = 0.0, offset: float = 0.0, sensor: Sensor = lambda read: read
+) -> Path:
+    """A folder with two records, one held out, that measure such a thing; `sensor`: what it makes of the reading."""
     order = MEASURES.index(measures)  # type: ignore[arg-type]
     unit = ("m", "m/s", "m/s^2")[order]
     text = 'device = { kind = "oscillator", output = "m" }\n'
@@ -48,7 +54,7 @@ def campaign(folder: Path, measures: str, hardening: float = 0.0, offset: float 
         t, u, *states = motion(seed, hardening)
         size = float(np.std(states[order]))
         zero = offset * GAIN * (2 * np.pi * F0) ** (order - 2)
-        read = states[order] + zero + NOISE * size * np.random.default_rng(seed).normal(size=N)
+        read = sensor(states[order]) + zero + NOISE * size * np.random.default_rng(seed).normal(size=N)
         table, header = np.stack([t, u, read], 1), f"time (s),drive (V),response ({unit})"
         np.savetxt(folder / f"{seed}.csv", table, "%.9g", ",", header=header, comments="")
         text += f'[[record]]\nfile = "{seed}.csv"\nholdout = {holdout}\nmeasures = "{measures}"\n'
@@ -76,6 +82,57 @@ def test_the_missing_effect_is_the_one_of_the_displacement(tmp_path: Path, measu
     candidates = score(prepare(found), built_in())
     assert candidates[0].name == "cubic-stiffness"
     assert np.isclose(candidates[0].values["k3"], K3, rtol=0.2)
+
+
+CORNER, LATE = 4.0, 1 / F0 / 12  # 1/s, s
+
+
+def high_pass(read: np.ndarray) -> np.ndarray:
+    """A capacitor at the input, switched on with the record: reading = x − r q, q̇ = x − r q."""
+    x = CubicSpline(STEP * np.arange(N), read)
+    rate = lambda t, q: x(t) - CORNER * q
+    solved = solve_ivp(rate, (0, STEP * (N - 1)), [0.0], "DOP853", STEP * np.arange(N), rtol=1e-9, atol=1e-12)
+    return read - CORNER * solved.y[0]
+
+
+def low_pass(read: np.ndarray) -> np.ndarray:
+    """A filter of the first order, at zero when the record begins."""
+    x = CubicSpline(STEP * np.arange(N), read)
+    rate = lambda t, q: (x(t) - q) / LATE
+    return solve_ivp(rate, (0, STEP * (N - 1)), [0.0], "DOP853", STEP * np.arange(N), rtol=1e-9, atol=1e-12).y[0]
+
+
+def saturating(read: np.ndarray) -> np.ndarray:
+    """To the arctangent, by a tenth at three standard deviations of the first record."""
+    size = 5.0 * min((np.std(x) for x in motion(1, 0.0)[2:]), key=lambda x: abs(np.log(x / np.std(read))))
+    return size * np.arctan(read / size)
+
+
+@pytest.mark.parametrize("measures", MEASURES)
+@pytest.mark.parametrize(
+    ("sensor", "name", "parameter", "unit"),
+    [
+        (high_pass, "ac-coupling", "corner", "1/s"),
+        (low_pass, "sensor-lag", "time", "s"),
+        (saturating, "sensor-nonlinearity", "cubic", "1/m^2"),
+    ],
+)
+def test_a_sensor_acts_on_what_it_reads(
+    tmp_path: Path, measures: str, sensor: Sensor, name: str, parameter: str, unit: str
+) -> None:
+    read = read_campaign(campaign(tmp_path, measures, sensor=sensor))
+    found = fit(Model(read.device), read)
+    regression = prepare(found)
+    candidate = next(c for c in score(regression, built_in()) if c.name == name)
+    confirmed = confirm(regression, built_in()[name], candidate)
+    best = fit(confirmed.model, read, initial=confirmed.values)
+    assert best.holdout is not None
+    assert best.fitted.error_over_noise < 1.1 and best.holdout.error_over_noise < 1.2
+    told, order = best[f"{name}.{parameter}"], read.order
+    seen = motion(1, 0.0)[2 + order]
+    true = {"corner": CORNER, "time": LATE, "cubic": 1 / 3 / (5.0 * float(np.std(seen))) ** 2}[parameter]
+    assert np.isclose(told.value, true, rtol=0.02 if parameter != "cubic" else 0.2)
+    assert told.unit == (unit if parameter != "cubic" or not order else f"1/m^2*s^{2 * order}")
 
 
 def test_a_unit_of_acceleration_says_that_it_is_one(tmp_path: Path) -> None:

@@ -29,6 +29,7 @@ from .nuisance import Nuisance, best_scale, nuisances, rms, stretched
 
 _SCALES = (0.5, 2.0, 0.1, 10.0, 0.9, 1.1, 0.95, 1.05, 0.98, 1.02, 0.99, 1.01)  # of time, tried first
 _DELAYS = (-10, -6, -4, -2.5, -1.5, -0.7, 0, 0.7, 1.5, 2.5, 4, 6, 10)  # samples that all records may be late
+_OF_A_SAMPLE = 2e-4  # to which a delay of all records is found: a motion of 50 samples a period moves 3e-5 of itself
 _TRIED = 3  # explanations of a record that are fitted together with the others, the best first
 _ROUNDS = 3  # of the fault's number and the device's in turn
 _ROUNDS_BESIDE = 20  # the same beside an effect: a gain that was a quarter off took twelve
@@ -159,8 +160,10 @@ def common_delay(fitted: Fit) -> Fault | None:
     record, a converter's the same number of samples. Decays alone have no drive to come late to."""
     if not any(record.driven for record in fitted.campaign.fitted):
         return None
-    steps = {record.step for record in fitted.campaign.fitted}
-    alike = [_common_delay(fitted, None)] + [_common_delay(fitted, min(steps))] * (len(steps) > 1)
+    steps = [record.step for record in fitted.campaign.fitted]
+    alike = [_common_delay(fitted, None)]
+    if max(abs(late) for late in _DELAYS) * (max(steps) / min(steps) - 1) > _OF_A_SAMPLE:  # times are written rounded
+        alike.append(_common_delay(fitted, min(steps)))
     return min(filter(None, alike), key=lambda fault: rms(fault.left, 1.0), default=None)
 
 
@@ -187,7 +190,7 @@ def _common_delay(fitted: Fit, step: float | None) -> Fault | None:
 
     coarse = min(sorted(_DELAYS, key=abs), key=lambda late: error(late, _FEW))
     reach = max(0.75, abs(coarse) / 2)
-    bounds, options = (coarse - reach, coarse + reach), {"xatol": 2e-4}
+    bounds, options = (coarse - reach, coarse + reach), {"xatol": _OF_A_SAMPLE}
     best: Any = minimize_scalar(error, bounds=bounds, method="bounded", options=options)
     late = float(best.x)
     found = _minimum(model, read_so(late), known.get(late, fitted.values))

@@ -27,7 +27,7 @@ from ...programs import program
 from ...response import Equation, Tape
 from ...response.lane import Numbers
 from ...response.memory import Seen, memory_along, shaping
-from ...response.system import Block, System, assemble
+from ...response.system import Block, System, assemble, behind_the_sensor
 from ...response.tape import BLOCK, BLOCKS, Chunk
 
 _COLUMNS = (4, 12, 36)  # solved together: three programs serve any number of them; 36 are those of a pair of splines
@@ -35,7 +35,8 @@ _SETS = 4  # rows of terms are computed in multiples of this
 
 
 class Motion(NamedTuple):
-    """Displacement and velocity on the half-step grid as each block sees them, (BLOCKS, 2 BLOCK + 1), m and m/s."""
+    """Displacement and velocity on the half-step grid as each block sees them, (BLOCKS, 2 BLOCK + 1), m and m/s; or, of
+    a sensor, what it reads of the motion and the rate of that."""
 
     z: Numbers
     v: Numbers
@@ -45,7 +46,7 @@ class Dynamics(NamedTuple):
     """A model linearised along a motion, per chunk.
 
     **Arguments:** `mass`, (BLOCKS,) kg; `stiffness` and `damping`, (BLOCKS, 2 BLOCK + 1), −∂a/∂z and −∂a/∂v; `by_z`,
-    `by_v`: (BLOCKS, BLOCK) derivatives of the reading at the beginning of each step; `by_a`: (BLOCKS,) the same by the
+    `by_v`: (BLOCKS, BLOCK) derivatives of the reading at the beginning of each step; `by_a`: the same by the
     acceleration that a push gives at once.
     """
 
@@ -108,8 +109,8 @@ def contributions(
     """What the terms of a model change in the force on the stage and in the reading, along given motions; by chunks.
 
     **Arguments:** `values` and `directions`, (d, m): at which parameter values, and along which direction, each row is
-    taken; `moved`, the motion of the stage, and what the sensor has `seen`, per chunk; `histories`, (d, records, h):
-    what came before each record added to the hidden states (`Equation.histories`).
+    taken; `moved`, the motion of the stage, and what the sensor has `seen` of it, per chunk; `histories`, (d, records,
+    h): what came before each record added to the hidden states (`Equation.histories`).
 
     **Returns:** forces (BLOCKS, 2 BLOCK + 1, d), N, and readings (BLOCKS, BLOCK, d), m, per unit of the direction;
     empty where the model has none.
@@ -120,9 +121,7 @@ def contributions(
     directions = np.concatenate([directions, np.zeros((more, directions.shape[1]))])
     histories = np.concatenate([histories, np.repeat(histories[-1:], more, axis=0)])
     asked, equation, pasts = asked.along(directions), asked.equation, _by_block(tape, histories)
-    carry = tuple(
-        tuple((np.zeros((len(values), len(e.state0()))),) * 2 for e in equation.model.effects) for _ in range(2)
-    )
+    carry = tuple((np.zeros((len(values), len(e.state0()))),) * 2 for e in equation.model.effects)
     for chunk, path, own, past in zip(tape.chunks, moved, seen, pasts, strict=True):
         carry, force, shown = terms(asked, equation.constants, values, directions, path, own, past, carry, chunk)
         yield np.asarray(force)[..., :d], np.asarray(shown)[..., :d]
@@ -146,25 +145,22 @@ def terms(
     carry: tuple, chunk: Chunk,
 ) -> tuple:  # fmt: skip
     """One chunk of `contributions`; `pasts`: the histories of its blocks; `carry`: hidden states and their derivatives,
-    on the path of the stage and on what the sensor has seen, per effect."""
-    parts = asked.equation.histories
+    per effect."""
 
     def remembered(values: Any, past: Any, hidden: tuple) -> tuple:
         system = assemble(asked.equation, constants, values)
-        sides = zip((asked.push, asked.show), (moved, seen), hidden, strict=True)
-        found = [_memories(system, parts, motion, past, h, chunk) if own else (h, ()) for own, motion, h in sides]
-        return tuple(zip(*found, strict=True))
+        return _memories(system, asked.equation.histories, moved, seen, past, hidden, chunk)
 
     def acting(values: Any, paths: tuple) -> tuple:
         system, force, shown = assemble(asked.equation, constants, values), jnp.zeros((0, 0)), jnp.zeros((0, 0))
         if asked.push:
-            force = _at_points(_force, system, moved, paths[0], chunk, 1)
+            force = _at_points(_force, system, moved, paths, chunk, 1)
         if asked.show:
-            shown = _at_points(_shown, system, seen, paths[1], chunk, 2)
+            shown = _at_points(_shown, system, seen, paths, chunk, 2)
         return force, shown
 
     def along(values: Any, direction: Any, past: Any, carry: tuple) -> tuple:
-        hidden, change = (tuple(tuple(pair[k] for pair in side) for side in carry) for k in range(2))
+        hidden, change = (tuple(pair[k] for pair in carry) for k in range(2))
         memory = lambda values, hidden: remembered(values, past, hidden)
         if asked.bent:
             (ends, paths), (dends, bends) = jax.jvp(memory, (values, hidden), (direction, change))
@@ -172,16 +168,17 @@ def terms(
         else:
             (ends, paths), dends = memory(values, hidden), change
             force, shown = jax.jvp(lambda values: acting(values, paths), (values,), (direction,))[1]
-        return tuple(tuple(zip(a, b, strict=True)) for a, b in zip(ends, dends, strict=True)), force, shown
+        return tuple(zip(ends, dends, strict=True)), force, shown
 
     return jax.vmap(along, out_axes=(0, -1, -1))(values, directions, pasts, carry)
 
 
 def _memories(
-    system: System, parts: tuple[slice, ...], motion: Motion, pasts: Any, hidden: tuple, chunk: Chunk
+    system: System, parts: tuple[slice, ...], moved: Motion, seen: Motion, pasts: Any, hidden: tuple, chunk: Chunk
 ) -> tuple[tuple, tuple]:
-    """Hidden states of each effect at the end of a chunk, (h,), and along a motion in it, (BLOCKS, h, points); `pasts`,
-    (BLOCKS, h), what the history of each block's record added to those with which it begins, by `parts`."""
+    """Hidden states of each effect at the end of a chunk, (h,), and in it, (BLOCKS, h, points), along the motion that
+    the stage has `moved` or, behind the sensor, what that has `seen`; `pasts`, (BLOCKS, h), what the history of each
+    block's record added to those with which it begins, by `parts`."""
     points = 2 * BLOCK + 1
     if not any(h.shape[0] for h in hidden):
         return hidden, tuple(jnp.zeros((BLOCKS, 0, points)) for _ in hidden)
@@ -197,11 +194,12 @@ def _memories(
                 found.append(path)
                 continue
             drive = chunk.voltage[k], chunk.rate[k]
-            moved = here.seen_by(effect, motion.z[k], motion.v[k], *drive)
-            seen = Seen(*moved, *drive, block.times(points, 0.5), block.step, block.omega, here.gain, block.moving)
-            fresh = jnp.stack([jnp.asarray(x, float) for x in effect.begun(seen.first)])
+            z, v = seen if behind_the_sensor(effect) else moved
+            motion = here.seen_by(effect, z[k], v[k], *drive)
+            there = Seen(*motion, *drive, block.times(points, 0.5), block.step, block.omega, here.gain, block.moving)
+            fresh = jnp.stack([jnp.asarray(x, float) for x in effect.begun(there.first)])
             fresh = fresh + pasts[k, part.start - 2 : part.stop - 2]
-            end, along = memory_along(effect, tuple(jnp.where(chunk.first[k] > 0, fresh, h)), seen)
+            end, along = memory_along(effect, tuple(jnp.where(chunk.first[k] > 0, fresh, h)), there)
             ends.append(jnp.stack(end))
             found.append(lax.dynamic_update_index_in_dim(path, jnp.stack(along), k, 0))
         return tuple(ends), tuple(found)
@@ -239,7 +237,7 @@ def _force(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any
 
 
 def _shown(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any) -> Any:
-    """What the sensor adds to what it reads of the motion."""
+    """What the sensor adds to what it reads of the motion, `z`, with its rate `v`."""
     drive, shown = system.drive(u, r), 0.0 * z
     for effect, h in zip(system.effects, hidden, strict=True):
         if effect.overrides("sensor"):
@@ -248,15 +246,17 @@ def _shown(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any
 
 
 def linearised(
-    equation: Equation, tape: Tape, values: np.ndarray, moved: Sequence[Motion], histories: np.ndarray
-) -> tuple[Dynamics, ...]:
-    """A model linearised along a motion, hidden states held; per chunk. `histories`, (records, h)."""
+    equation: Equation, tape: Tape, values: np.ndarray, moved: Sequence[Motion], seen: Sequence[Motion],
+    histories: np.ndarray,
+) -> tuple[Dynamics, ...]:  # fmt: skip
+    """A model linearised along a motion, of which the sensor has `seen` something, hidden states held; per chunk.
+    `histories`, (records, h)."""
     acting = [e for e in equation.model.effects if e.overrides("force") or e.overrides("sensor")]
     carry = tuple(np.zeros(len(effect.state0())) for effect in equation.model.effects)
     found = []
-    for chunk, motion, past in zip(tape.chunks, moved, _by_block(tape, histories[None]), strict=True):
+    for chunk, motion, own, past in zip(tape.chunks, moved, seen, _by_block(tape, histories[None]), strict=True):
         if acting:
-            carry, *parts = slopes(equation, equation.constants, values, motion, past[0], carry, chunk)
+            carry, *parts = slopes(equation, equation.constants, values, motion, own, past[0], carry, chunk)
         else:  # nothing to differentiate
             parts = _linear(equation, values, chunk)
         found.append(Dynamics(*parts))
@@ -273,30 +273,32 @@ def _linear(equation: Equation, values: np.ndarray, chunk: Chunk) -> tuple[np.nd
             *_of_motion(np.asarray(chunk.order), spring, damping * share, nothing, nothing))  # fmt: skip
 
 
-def _of_motion(order: Numbers, stiffness: Any, damping: Any, by_z: Any, by_v: Any) -> tuple[Any, Any, Any]:
+def _of_motion(order: Numbers, stiffness: Any, damping: Any, by_read: Any, by_rate: Any) -> tuple[Any, Any, Any]:
     """`Dynamics.by_z`, `by_v` and `by_a` of the displacement, velocity or acceleration, by `order`, that each block
-    reads; `by_z` and `by_v` are those of what its sensor adds."""
+    reads; `by_read` and `by_rate` are those of what its sensor adds, by that and by its rate."""
     each = order[:, None]
-    thin = lambda grid: grid[:, : 2 * BLOCK : 2]
-    by_z = by_z + (each == 0) - (each == 2) * thin(stiffness)
-    by_v = by_v + (each == 1) - (each == 2) * thin(damping)
-    return by_z, by_v, 1.0 * (order == 2)
+    spring, damper = (grid[:, : 2 * BLOCK : 2] for grid in (stiffness, damping))
+    shown = 1.0 + by_read
+    by_z, by_v = (each == 0) * shown, (each == 0) * by_rate + (each == 1) * shown - (each == 2) * spring * by_rate
+    by_a = (each == 1) * by_rate + (each == 2) * (shown - damper * by_rate)
+    return by_z - spring * by_a, by_v - damper * by_a, by_a
 
 
 @program
 def slopes(
-    equation: Equation, constants: Numbers, values: Numbers, motion: Motion, pasts: Numbers, carry: tuple, chunk: Chunk
-) -> tuple:
+    equation: Equation, constants: Numbers, values: Numbers, moved: Motion, seen: Motion, pasts: Numbers, carry: tuple,
+    chunk: Chunk,
+) -> tuple:  # fmt: skip
     """One chunk of `linearised`: the carry, and what `Dynamics` holds."""
     system = assemble(equation, constants, values)
-    carry, paths = _memories(system, equation.histories, motion, pasts, carry, chunk)
+    carry, paths = _memories(system, equation.histories, moved, seen, pasts, carry, chunk)
 
     def by_state(function: Any) -> Any:
         one = lambda system, z, v, h, u, r, t: jax.jacfwd(lambda a, b: function(system, a, b, h, u, r, t), (0, 1))(z, v)
         return one
 
-    force = _at_points(by_state(_force), system, motion, paths, chunk, 1)
-    shown = _at_points(by_state(_shown), system, motion, paths, chunk, 2)
+    force = _at_points(by_state(_force), system, moved, paths, chunk, 1)
+    shown = _at_points(by_state(_shown), system, seen, paths, chunk, 2)
     mass = constants[0] + chunk.load
     stiffness, damping = (-slope / mass[:, None] for slope in force)
     return (carry, mass, stiffness, damping, *_of_motion(chunk.order, stiffness, damping, *shown))
@@ -341,7 +343,7 @@ def answer(
         inputs = (at_three(pushes[k] / along.mass[k]), at_three(along.stiffness[k]), at_three(along.damping[k]))
 
         def step(y: tuple, x: Any) -> tuple:
-            ((p0, pm, p1), (k0, km, k1), (c0, cm, c1)), by_z, by_v = x
+            ((p0, pm, p1), (k0, km, k1), (c0, cm, c1)), by_z, by_v, by_a = x
             z, v = y
             a1 = p0 - k0 * z - c0 * v
             za, va = z + h / 2 * v, v + h / 2 * a1
@@ -351,9 +353,9 @@ def answer(
             zc, vc = z + h * vb, v + h * a3
             a4 = p1 - k1 * zc - c1 * vc
             after = (z + h / 6 * (v + 2 * va + 2 * vb + vc), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4))
-            return after, by_z * z + by_v * v + along.by_a[k] * p0
+            return after, by_z * z + by_v * v + by_a * p0
 
-        (z, v), said = lax.scan(step, (z, v), (inputs, along.by_z[k], along.by_v[k]))
+        (z, v), said = lax.scan(step, (z, v), (inputs, along.by_z[k], along.by_v[k], along.by_a[k]))
         return z, v, lax.dynamic_update_index_in_dim(out, said, k, 0)
 
     out = jnp.zeros((BLOCKS, BLOCK, pushes.shape[-1]))

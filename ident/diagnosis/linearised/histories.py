@@ -73,10 +73,10 @@ def begun_apart(regression: Regression, model: Model, rows: int) -> np.ndarray |
     records, states = regression.fit.campaign.fitted, len(model.effects[-1].state0())
     if not states or all(record.start == "rest" for record in records):
         return None
-    units = Equation(model).history_units
-    scales = np.array([start_scale(record, 1.0 / regression.fit.scales.period, units)[2:] for record in records])
+    equation = Equation(model)
+    scales = np.array([start_scale(record, 1.0 / regression.fit.scales.period, equation)[2:] for record in records])
     found = np.zeros((states, rows, *scales.shape))
-    for j, hidden in enumerate(range(len(units) - states, len(units))):
+    for j, hidden in enumerate(range(scales.shape[1] - states, scales.shape[1])):
         found[j, :, :, hidden] = scales[:, hidden]
     return found
 

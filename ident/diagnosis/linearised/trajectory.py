@@ -12,6 +12,7 @@ says and the readings are not its path. (The cube of a reading that saturates ha
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -19,7 +20,7 @@ from typing import NamedTuple
 import jax
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from scipy.interpolate import CubicHermiteSpline
+from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 
 from ...campaign.record import Trace
 from ...fit import Fit
@@ -74,14 +75,26 @@ class Trajectories:
 
     @cached_property
     def seen(self) -> tuple[Motion, ...]:
-        """The model's own."""
-        return _motions(self.tape, self.own)
+        """What the sensors read of the model's own."""
+        return _motions(self.tape, self.read(self.own))
 
     @cached_property
     def dynamics(self) -> tuple[Dynamics, ...]:
         """The model linearised along the corrected trajectories."""
         solved = self.solved
-        return linearised(solved.static.equation, self.tape, solved.found.values, self.moved, self.histories)
+        seen = _motions(self.tape, self.read(self.paths))
+        return linearised(solved.static.equation, self.tape, solved.found.values, self.moved, seen, self.histories)
+
+    def read(self, paths: Sequence[Path]) -> tuple[Path, ...]:
+        """What the sensors read of motions along the records, and its rate: displacement, velocity or acceleration."""
+        found = []
+        for path, lane in zip(paths, self.tape.lanes, strict=True):
+            if lane.order:
+                at = 0.5 * lane.step * np.arange(len(path.v))
+                speed, order = make_interp_spline(at, path.v, k=5), int(lane.order)
+                path = Path(speed(at, order - 1), speed(at, order))
+            found.append(path)
+        return tuple(found)
 
 
 def _motions(tape: Tape, paths: tuple[Path, ...]) -> tuple[Motion, ...]:

@@ -19,16 +19,22 @@ from .splines import Places, Size, places, sizes
 
 
 class Stage(NamedTuple):
-    """The coordinates along the records: of the motion that was measured, for forces, and of the model's, for sensors.
+    """The coordinates along the records: of the motion that was measured, for forces, and of what
+    sensors read of the model's.
 
     **Arguments:** `force_unit` N and `sensor_unit` m, in which missing terms are counted.
     """
 
     moved: tuple[Places, ...]
     modelled: tuple[Places, ...]
-    ranges: dict[str, Size]
+    of_motion: dict[str, Size]
+    of_reading: dict[str, Size]
     force_unit: float
     sensor_unit: float
+
+    def ranges(self, side: Side) -> dict[str, Size]:
+        """The ranges of the coordinates that a side sees."""
+        return self.of_reading if side == "sensor" else self.of_motion
 
 
 def absorbed(side: Side, name: str) -> bool:
@@ -39,14 +45,16 @@ def absorbed(side: Side, name: str) -> bool:
 def set_stage(regression: Regression) -> Stage:
     """The coordinates along all fitted records."""
     trajectories, scales = regression.trajectories, regression.fit.scales
-    largest, lanes = (scales.displacement, scales.voltage), trajectories.tape.lanes
-    moved = places(lanes, trajectories.paths, [1] * len(lanes), scales.period, largest)
-    own = places(
-        lanes, trajectories.own, [2 * span.substeps for span in trajectories.tape.spans], scales.period, largest
-    )
+    largest, lanes = scales.displacement, trajectories.tape.lanes
+    moved = places(lanes, trajectories.paths, [1] * len(lanes), scales.period, (largest, scales.voltage))
+    own, of_motion = trajectories.read(trajectories.own), sizes(moved)
+    rates = any(lane.order for lane in lanes)
+    reading = max(float(np.max(np.abs(path.z))) for path in own) if rates else largest
+    strides = [2 * span.substeps for span in trajectories.tape.spans]
+    modelled = places(lanes, own, strides, scales.period, (reading, scales.voltage))
     linear, omega = regression.fit.model.linear, 2 * np.pi * float(regression.fit.values[FREQUENCY])
-    force_unit = linear.mass * omega**2 * scales.displacement
-    return Stage(moved, own, sizes(moved), force_unit, scales.displacement)
+    force_unit = linear.mass * omega**2 * largest
+    return Stage(moved, modelled, of_motion, sizes(modelled) if rates else of_motion, force_unit, reading)
 
 
 def rows_of(regression: Regression, stage: Stage, side: Side, functions: Callable[[Places], np.ndarray]) -> np.ndarray:

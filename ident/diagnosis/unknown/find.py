@@ -155,9 +155,9 @@ def _possible(regression: Regression, stage: Stage, formula: Formula) -> bool:
         return True
     terms = lambda place: np.stack([term.value(place) for term in formula.terms])
     by_terms = formula.coefficients @ (rows_of(regression, stage, "force", terms) / stage.force_unit)
-    velocity = stage.ranges["v"].largest
-    linear = lambda place: np.stack([place["z"] / stage.ranges["z"].largest, place["v"] / velocity,
-                                     place["V"] / stage.ranges["V"].largest])  # fmt: skip
+    velocity = stage.of_motion["v"].largest
+    linear = lambda place: np.stack([place["z"] / stage.of_motion["z"].largest, place["v"] / velocity,
+                                     place["V"] / stage.of_motion["V"].largest])  # fmt: skip
     known = rows_of(regression, stage, "force", linear)
     change = np.linalg.lstsq(known.T, regression.left - by_terms, rcond=1e-10)[0][1] * stage.force_unit / velocity
     model, values = regression.fit.model, regression.fit.values

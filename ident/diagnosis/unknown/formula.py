@@ -61,9 +61,9 @@ def dictionary(regression: Regression, stage: Stage, side: Side, coordinates: tu
     names = [name for name in coordinates if name not in ("1", "history")]
     terms = [monomial([])]
     for name in names:
-        terms += single(name, stage.ranges[name])
+        terms += single(name, stage.ranges(side)[name])
     if "history" in coordinates:
-        terms += remembered(names[0], stage.ranges[names[0]], regression.fit.scales.period)
+        terms += remembered(names[0], stage.ranges(side)[names[0]], regression.fit.scales.period)
     elif len(names) == 2:
         terms += paired(names[0], names[1])
     found = _measured(regression, stage, side, terms)
@@ -189,7 +189,7 @@ def long_formula(
         found = fitted(regression, stage, side, words, [0], np.inf)
     if len(coordinates) > 1 or name == "1":
         return found
-    words = _measured(regression, stage, side, table(name, stage.ranges[name], gauge=absorbed(side, name)))
+    words = _measured(regression, stage, side, table(name, stage.ranges(side)[name], gauge=absorbed(side, name)))
     if not words.terms:
         return found
     curve = fitted(regression, stage, side, words, range(len(words.terms)), _goal(regression, spline_drop))

@@ -45,16 +45,16 @@ def draw(regression: Regression, stage: Stage, side: Side, coordinates: tuple[st
     weights, last = np.ones((1, 1)), slice(None)
     kind: Literal["value", "curve", "map", "loop"] = "value"
     if not names:
-        found = spline_functions(stage, coordinates, {"z": np.zeros((1, 1))})
+        found = spline_functions(stage, side, coordinates, {"z": np.zeros((1, 1))})
     elif coordinates[-1] == "history":
         place, record, last = _largest(regression, seen)
-        found = spline_functions(stage, coordinates, place)
+        found = spline_functions(stage, side, coordinates, place)
         kind, grids, weights = "loop", [place[names[0]]], np.ones(place["z"].shape)
     else:
         count = _CURVE if len(names) == 1 else _MAP
-        axes = [np.linspace(stage.ranges[n].low, stage.ranges[n].high, count) for n in names]
+        axes = [np.linspace(stage.ranges(side)[n].low, stage.ranges(side)[n].high, count) for n in names]
         mesh = list(np.meshgrid(*axes, indexing="ij")) if len(names) == 2 else [axes[0][None]]
-        found = spline_functions(stage, coordinates, dict(zip(names, mesh, strict=True)))
+        found = spline_functions(stage, side, coordinates, dict(zip(names, mesh, strict=True)))
         kind, grids, weights = ("curve" if len(names) == 1 else "map"), list(mesh), _visits(seen, names, axes)
     lines = [grid.ravel() for name, grid in zip(names, grids, strict=True) if absorbed(side, name)]
     if kind == "loop" and names == ("z",) and side != "sensor":

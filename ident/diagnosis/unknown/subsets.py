@@ -52,15 +52,15 @@ def side_of(coordinates: Sequence[str]) -> Side:
     return "drive" if set(coordinates) & {"V", "dV"} and not set(coordinates) & {"z", "v"} else "force"
 
 
-def functions_of(stage: Stage, block: tuple[str, ...], place: Places) -> np.ndarray:
+def functions_of(stage: Stage, side: Side, block: tuple[str, ...], place: Places) -> np.ndarray:
     """The functions of one block, without dimension, (k, lanes, points)."""
     if block == ("1",):
         return np.ones((1, *place["z"].shape))
     if block[-1] == "history":
-        return place[f"{block[0]} history"] / stage.ranges[block[0]].largest
+        return place[f"{block[0]} history"] / stage.ranges(side)[block[0]].largest
     if len(block) == 1:
-        return one(block[0], place, stage.ranges[block[0]])
-    return pair((block[0], block[1]), place, stage.ranges)
+        return one(block[0], place, stage.ranges(side)[block[0]])
+    return pair((block[0], block[1]), place, stage.ranges(side))
 
 
 def blocks_of(coordinates: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:
@@ -139,7 +139,7 @@ def _rows(
     for block in blocks_of(coordinates):
         rows = known.get((side == "sensor", block))
         if rows is None:
-            rows = regression.project(rows_of(regression, stage, side, partial(functions_of, stage, block)))
+            rows = regression.project(rows_of(regression, stage, side, partial(functions_of, stage, side, block)))
             if len(block) == 1:
                 known[side == "sensor", block] = rows
         parts.append(rows)
@@ -151,9 +151,9 @@ def spline_rows(regression: Regression, stage: Stage, side: Side, coordinates: t
     return _rows(regression, stage, side, coordinates, {})
 
 
-def spline_functions(stage: Stage, coordinates: tuple[str, ...], place: Places) -> np.ndarray:
+def spline_functions(stage: Stage, side: Side, coordinates: tuple[str, ...], place: Places) -> np.ndarray:
     """The same functions at given places, (k, lanes, points)."""
-    return np.concatenate([functions_of(stage, block, place) for block in blocks_of(coordinates)])
+    return np.concatenate([functions_of(stage, side, block, place) for block in blocks_of(coordinates)])
 
 
 def smallest_sufficient(ranked: Sequence[Ranked]) -> list[Ranked]:
