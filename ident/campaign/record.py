@@ -161,8 +161,10 @@ class Sweep:
     - `phase`: (n,) rad by which the response leads the drive, z = a sin(ωt + φ) for V = V0 sin ωt, unwrapped along each
       run up to a multiple of 2π; or None.
     - `up`: (n,) bool, whether the frequency was rising.
-    - `dwell`: (n,) s between the previous point of the run and this one, if the sweep was run faster than the motion
-      settles or the table tells; None: every point had settled.
+    - `dwell`: (n,) s between the previous point of the run and this one, where table or campaign tell; `swept`: whether
+      the frequency glided from one to the next, instead of being held for that time; `averaging`: s over which the
+      instrument averaged before it read a point, at least a period. `fast`: whether points had not settled, so that
+      the sweep is simulated as it was run.
     - `noise`: its `sigma` is the part of the amplitude noise that is the same at every point.
     - `relative_noise`: the part that grows with the amplitude, a fraction of it.
     - `phase_noise`: rad, what the phase scatters beyond sigma/amplitude.
@@ -189,6 +191,9 @@ class Sweep:
     phase_noise: float = 0.0
     own_noise: np.ndarray | None = None
     stronger: np.ndarray | None = None
+    swept: bool = False
+    averaging: float = 0.0
+    fast: bool = False
 
     @property
     def differs(self) -> bool:

@@ -31,7 +31,7 @@ class RecordSpec:
     the data, where they were no file; `segment`: which of several recordings in the file, from 1.
 
     `noise` and `level` (a peak) are SI, `relative_noise` a fraction of the amplitude, `skip` is seconds (float) or
-    samples (int), `rate` is Hz, `sweep_rate` Hz/s, `dwell` s."""
+    samples (int), `rate` is Hz, `sweep_rate` Hz/s, `dwell` and `averaging` s."""
 
     file: str
     path: Path
@@ -47,6 +47,7 @@ class RecordSpec:
     relative_noise: float = 0.0
     sweep_rate: float | None = None
     dwell: float | None = None
+    averaging: float | None = None
     direction: str = ""
     quantity: Literal["fundamental", "half-peak-to-peak"] = "fundamental"
     columns: Mapping[str, str | int] = field(default_factory=dict)
@@ -121,6 +122,7 @@ def parse_record(section: Section, folder: Path, device: Device, usual: Measures
         level=_amount(section, "level", drive_unit, drive_dimension, "3 V"),
         sweep_rate=_amount(section, "sweep_rate", "Hz/s", (0, 0, -2, 0, 0, 0, 0), "0.5 Hz/s"),
         dwell=_amount(section, "dwell", "s", TIME, "0.2 s"),
+        averaging=_amount(section, "averaging", "s", TIME, "20 ms"),
         direction=section.text("direction"),
         quantity=section.choice("quantity", ("fundamental", "half-peak-to-peak"), "fundamental"),  # type: ignore[arg-type]
         columns=_columns(section, kind),
@@ -139,7 +141,7 @@ def parse_record(section: Section, folder: Path, device: Device, usual: Measures
     section.check_keys()
     if spec.sweep_rate is not None and spec.dwell is not None:
         raise section.error("dwell", "sweep_rate says already how long each frequency was held", "remove one of them")
-    for key in ("direction", "quantity", "level", "sweep_rate", "dwell") if kind == "trace" else ():
+    for key in ("direction", "quantity", "level", "sweep_rate", "dwell", "averaging") if kind == "trace" else ():
         if key in section.values:
             raise section.error(
                 key, "belongs to a sweep, and this record is a trace", 'remove it, or write kind = "sweep"'

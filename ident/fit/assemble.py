@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -11,11 +10,12 @@ from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
 from ..model import FREQUENCY, Model, ModelParameter
 from ..response import Equation, Tape, at_rest, divided, lay_out
-from ..units import exponents
 from .coordinates import to_coordinates
 from .curves import Curves, lay_curves
 from .linear.guess import DataScales, LinearGuess
+from .passes import Passes, lay_passes
 from .problem import Data, Static, Unknowns
+from .start_scale import size_of_hidden
 
 _TIED_FOR = 0.25  # of a period of the resonance: displacement and velocity at the start, two numbers, need no more
 _ON = 0.1  # of a limit: data scales of other records of the same device differ by that
@@ -30,9 +30,10 @@ def assemble(
     scales: DataScales | None = None,
     held: bool = False,
     curves: Curves | None = None,
+    passes: Passes | None = None,
 ) -> tuple[Static, Data]:
-    """The arrays of a fit to the records on a tape, and to curves, whose unknowns are the model's fitted parameters, at
-    `values` (m,) SI; if `held`, only the initial states."""
+    """The arrays of a fit to the records on a tape, to curves and to passes, whose unknowns are the model's fitted
+    parameters, at `values` (m,) SI; if `held`, only the initial states."""
     parameters = model.parameters
     fitted = [i for i, p in enumerate(parameters) if p.fitted]
     free = () if held else tuple(fitted)
@@ -55,6 +56,7 @@ def assemble(
         np.array([0.0 if p is None else p.mean for p in priors]),
         np.array([0.0 if p is None else 1.0 / p.deviation for p in priors]),
         curves,
+        passes,
     )
     moving = bool(np.any(data.start_scale))
     static = Static(equation, free, moving, len(fitted) + states * moving)
@@ -76,12 +78,15 @@ def assemble_fit(
     each record are known.
     """
     records, sweeps = campaign.fitted, campaign.fitted_sweeps
+    slow, fast = [s for s in sweeps if not s.fast], [s for s in sweeps if s.fast]
     if substeps is None:
         tape = lay_out(records, max(guess.frequency, float(base[FREQUENCY])), guess.quality, model)
     else:
         tape = divided(records, substeps)
-    curves = lay_curves(sweeps, model) if sweeps else None
-    return assemble(model, campaign, records, tape, base if values is None else values, scales, curves=curves)
+    curves = lay_curves(slow, model) if slow else None
+    passes = lay_passes(fast, model, guess.quality) if fast else None
+    at = base if values is None else values
+    return assemble(model, campaign, records, tape, at, scales, curves=curves, passes=passes)
 
 
 def weight_of(record: Trace, frequency: float) -> np.ndarray:
@@ -102,9 +107,8 @@ def start_scale(record: Trace, frequency: float, equation: Equation) -> np.ndarr
     not start at rest, else zero. A reading of acceleration, in m/s², is as large as ω² displacements."""
     omega = 2 * np.pi * frequency
     amplitude = (float(np.max(np.abs(record.response))) or 1.0) / omega**record.order
-    sizes = {"m": amplitude, "V": float(np.max(np.abs(record.drive))) or 1.0, "s": 1.0 / omega}
-    hidden = [math.prod(sizes.get(base, 1.0) ** power for base, power in exponents(unit).items())
-              for unit in equation.history_units_of(record.order)]  # fmt: skip
+    units, volts = equation.history_units_of(record.order), float(np.max(np.abs(record.drive))) or 1.0
+    hidden = size_of_hidden(units, amplitude, volts, omega)
     return (record.start != "rest") * np.array([amplitude, amplitude * omega, *hidden])
 
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..model import QUALITY
 from ..response import Equation
 from .curves import lay_curves
+from .passes import lay_passes
 from .reading import read
 from .result import Fit
 
@@ -29,10 +31,14 @@ def expected_error(fit: Fit) -> float:
                 float(np.sum((0.5 * (up - down)[r.counted]) ** 2)) / r.noise.sigma**2
                 for up, down, r in zip(*sides, records, strict=True)
             )
-    if sweeps:
-        equation = Equation(fit.model)
-        curves = lay_curves(sweeps, fit.model).weighed(equation, fit.values)
-        moved = curves.slopes(curves.solve(equation, fit.values), uncertain_steps(fit))
+    equation, steps = Equation(fit.model), uncertain_steps(fit)
+    if slow := [sweep for sweep in sweeps if not sweep.fast]:
+        curves = lay_curves(slow, fit.model).weighed(equation, fit.values)
+        moved = curves.slopes(curves.solve(equation, fit.values), steps)
+        total, n = total + float(np.sum(moved**2)), n + moved.shape[1]
+    if fast := [sweep for sweep in sweeps if sweep.fast]:
+        passes = lay_passes(fast, fit.model, float(fit.values[QUALITY])).weighed(equation, fit.values)
+        moved = passes.slopes(passes.solve(equation, fit.values, steps))
         total, n = total + float(np.sum(moved**2)), n + moved.shape[1]
     expected = float(np.sqrt(1.0 + total / n))
     return expected if np.isfinite(expected) else float("inf")

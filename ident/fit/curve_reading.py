@@ -12,7 +12,7 @@ import numpy as np
 
 from ..campaign.record import Run, Sweep
 from ..campaign.sweeps.jump import jump_of
-from ..model import Model
+from ..model import QUALITY, Model
 from ..response import Equation
 from ..response.branches import Branch, Fold, follow
 from ..response.controlled import Points, at_amplitude
@@ -20,6 +20,7 @@ from ..response.periodic import Periodic
 from ..response.sweep import run_along
 from .curves import Curves, lay_curves
 from .judge import RecordScore
+from .passes import Passed, Passes, lay_passes
 
 _AROUND = 0.1  # of the band of a sweep, by which its curves are followed beyond it
 
@@ -73,13 +74,15 @@ class Followed:
 class CurveReading:
     """A model's reading of a sweep: `settled`, (n,) which of its points count; `rows`, their residuals in noise floors
     as the fit counts them, phases after amplitudes; `unsolved`, how many of them have no response of the measured
-    amplitude; `followed`: its curves, among those of others."""
+    amplitude; `followed`: its curves, among those of others; `passed`: (n,) m, the readings where the points had not
+    settled, and the sweep was simulated as it was run."""
 
     sweep: Sweep
     followed: Followed
     settled: np.ndarray
     rows: np.ndarray
     unsolved: int
+    passed: np.ndarray | None = None
 
     @property
     def model(self) -> Periodic:
@@ -135,6 +138,8 @@ class CurveReading:
 
     def _run(self, run: Run, branch: Branch) -> RunReading:
         sweep, rows = self.sweep, run.rows
+        if self.passed is not None:
+            return RunReading(run, branch, self.passed[rows], np.zeros(len(rows), bool), None)
         amplitude, frequency = sweep.amplitude[rows], sweep.frequency[rows]
         seen = jump_of(sweep, rows)
         measured = None if seen is None else seen.frequency
@@ -177,12 +182,18 @@ def _scale(branch: Branch) -> np.ndarray:
 
 def read_curves(model: Model, values: np.ndarray, sweeps: Sequence[Sweep]) -> tuple[CurveReading, ...]:
     """Readings of a model with given parameters (m,) SI."""
-    if not sweeps:
-        return ()
-    equation = Equation(model)
-    curves = lay_curves(sweeps, model).weighed(equation, values)
-    found = curves.solve(equation, values)
-    return told(curves, found.model, curves.residuals(found), found.converged)
+    slow, fast = [s for s in sweeps if not s.fast], [s for s in sweeps if s.fast]
+    equation, told_of = Equation(model), list[CurveReading]()
+    if slow:
+        curves = lay_curves(slow, model).weighed(equation, values)
+        found = curves.solve(equation, values)
+        told_of += told(curves, found.model, curves.residuals(found), found.converged)
+    if fast:
+        passes = lay_passes(fast, model, float(values[QUALITY])).weighed(equation, values)
+        passed = passes.solve(equation, values, np.zeros((0, len(values))))
+        told_of += told_in_time(passes, equation, values, passes.residuals(passed), passed)
+    by_place = {id(one.sweep): one for one in told_of}
+    return tuple(by_place[id(sweep)] for sweep in sweeps)
 
 
 def told(curves: Curves, model: Periodic, rows: np.ndarray, solved: np.ndarray) -> tuple[CurveReading, ...]:
@@ -192,3 +203,14 @@ def told(curves: Curves, model: Periodic, rows: np.ndarray, solved: np.ndarray) 
         CurveReading(sweep, followed, kept, rows[curves.places(own)], int(np.count_nonzero(~solved[own])))
         for sweep, kept, own in zip(curves.sweeps, curves.settled, curves.slices, strict=True)
     )
+
+
+def told_in_time(
+    passes: Passes, equation: Equation, values: np.ndarray, rows: np.ndarray, passed: Passed
+) -> tuple[CurveReading, ...]:
+    """Readings of sweeps that were simulated as they were run, whose residuals, (count,), are known."""
+    followed, found = Followed(passes.sweeps, Periodic(equation, np.asarray(values, float), passes.steps)), []
+    for k, sweep in enumerate(passes.sweeps):
+        reading, all_of = np.abs(passed.tone[passes.points_of(k)]), np.ones(len(sweep.frequency), bool)
+        found.append(CurveReading(sweep, followed, all_of, rows[passes.places(k)], 0, reading))
+    return tuple(found)

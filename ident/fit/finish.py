@@ -11,7 +11,7 @@ from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
 from ..model import Model, ModelParameter
 from .coordinates import slopes
-from .curve_reading import CurveReading, read_curves, told
+from .curve_reading import CurveReading, read_curves, told, told_in_time
 from .identifiability import identifiability
 from .judge import combine, score_record
 from .linear.guess import DataScales
@@ -90,12 +90,15 @@ def finish(model: Model, campaign: Campaign, minimum: Minimum, sigma: SigmaChoic
 def _curves(model: Model, campaign: Campaign, minimum: Minimum) -> tuple[CurveReading, ...]:
     """Readings of all sweeps, in the campaign's order."""
     data, found = minimum.data, minimum.best.found
-    fitted = ()
+    fitted: list[CurveReading] = []
+    rows = found.residuals[data.tape.samples :]
     if data.curves is not None and found.steady is not None:
-        rows = found.residuals[data.tape.samples :]
-        fitted = told(data.curves, found.steady.model, rows, found.steady.converged)
-    both = iter(fitted), iter(read_curves(model, found.values, campaign.heldout_sweeps))
-    return tuple(next(both[sweep.holdout]) for sweep in campaign.sweeps)
+        fitted += told(data.curves, found.steady.model, rows, found.steady.converged)
+        rows = rows[data.curves.count :]
+    if data.passes is not None and found.passed is not None:
+        fitted += told_in_time(data.passes, minimum.static.equation, found.values, rows, found.passed)
+    by_place = {id(one.sweep): one for one in (*fitted, *read_curves(model, found.values, campaign.heldout_sweeps))}
+    return tuple(by_place[id(sweep)] for sweep in campaign.sweeps)
 
 
 def _in_order(campaign: Campaign, fitted: list[np.ndarray], heldout: list[np.ndarray]) -> tuple[np.ndarray, ...]:

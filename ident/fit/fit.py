@@ -21,7 +21,7 @@ from .fit_starts import fit_starts
 from .linear.guess import LinearGuess
 from .linear.one_tone import hold_dragged, hold_gain, hold_quality, with_quality
 from .on_orbits import on_orbits
-from .problem import Data, Evaluation, Static, Unknowns, evaluate
+from .problem import Data, Evaluation, Static, Unknowns, evaluate, of_sweeps, reweighed
 from .race import cost_of, race
 from .result import Fit, SigmaChoice, Start
 from .settled import Search, settled
@@ -185,14 +185,13 @@ def _reweighed(
     most: int,
 ) -> tuple[Data, solve.Solution]:
     """A solution with the noise of the curves carried through the model as it is there; `most` steps in all."""
-    for _ in range(_REWEIGHED if data.curves is not None and np.isfinite(found.cost) else 0):
-        assert data.curves is not None  # else there is no round
-        before = data.curves.white
-        curves = data.curves.weighed(static.equation, found.found.values)
-        data = data._replace(curves=curves)
+    sweeps = data.curves is not None or data.passes is not None
+    for _ in range(_REWEIGHED if sweeps and np.isfinite(found.cost) else 0):
+        before, data = data, reweighed(static, data, found.found.values)
+        same = before.curves is None or data.curves is None or np.array_equal(before.curves.white, data.curves.white)
         again = evaluate(static, data, found.unknowns)
         cost = float(again.residuals @ again.residuals)
-        settled = np.array_equal(before, curves.white) or abs(cost - found.cost) < _SETTLED * found.cost
+        settled = (data.passes is None and same) or abs(cost - found.cost) < _SETTLED * found.cost
         found = found._replace(cost=cost, found=again)
         if settled or found.steps >= most:
             break
@@ -238,16 +237,15 @@ def _first_errors(
 
 def _with_residual_noise(campaign: Campaign, found: Minimum) -> Campaign:
     records, places = list(campaign.records), iter(found.data.tape.slices)
-    curves, rows = found.data.curves, found.best.found.residuals[found.data.tape.samples :]
-    parts = iter(()) if curves is None else iter(curves.slices)
+    sweeps = of_sweeps(found.data, found.best.found.residuals)
     for i, record in enumerate(records):
         if isinstance(record, Trace) and not record.holdout:
             own = next(places)
             residual = found.best.found.residuals[own][record.counted] * record.noise.sigma
             noise = replace(record.noise, sigma=float(np.std(residual)), method="residual of the fit")
             records[i] = replace(record, noise=noise)
-        elif isinstance(record, Sweep) and not record.holdout and curves is not None:
-            size = float(np.sqrt(np.mean(rows[curves.places(next(parts))] ** 2)))
+        elif isinstance(record, Sweep) and not record.holdout:
+            size = float(np.sqrt(np.mean(sweeps[record.name] ** 2)))
             noise = replace(record.noise, sigma=size * record.noise.sigma, method="residual of the fit")
             scaled = {name: None if (told := getattr(record, name)) is None else size * told
                       for name in ("relative_noise", "phase_noise", "own_noise")}  # fmt: skip

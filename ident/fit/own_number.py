@@ -66,7 +66,8 @@ def own_numbers(fit: Fit) -> tuple[OwnNumber, ...]:
     if model.form not in _RESONANCE or fit.fitted.error_over_noise > MISSED or not np.all(np.isfinite(fit.covariance)):
         return ()
     steps = uncertain_steps(fit)
-    for level, own in _by_level(fit.campaign.heldout_sweeps):
+    settled = [sweep for sweep in fit.campaign.heldout_sweeps if not sweep.fast]
+    for level, own in _by_level(settled):
         before, expected, n = _missed(model, values, own, steps)
         # The square of one uncertain direction scatters: it is twice its standard error in one case of twenty.
         if not n * MISSED**2 + 4 * expected < before < np.inf:

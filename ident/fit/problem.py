@@ -20,6 +20,7 @@ from ..response.controlled import Controlled
 from ..response.transient import fitting_width
 from .coordinates import slopes, to_coordinates, to_values
 from .curves import Curves
+from .passes import Passed, Passes
 from .steady import Steady
 
 
@@ -48,7 +49,8 @@ class Data(NamedTuple):
     - `template`: (m,) SI values of all parameters, fitted or not.
     - `lower`, `upper`: (p,) bounds of the fitted ones (see coordinates); `scale`, `anchor`: (p,) unit and origin of x.
     - `prior_mean`, `prior_weight`: (p,) SI; weight 1/deviation, 0 without a prior.
-    - `curves`: the points of the sweeps, if there are any; `steady`: the records that start on a periodic orbit.
+    - `curves`: the points of the sweeps that had settled, if there are any, and `passes`: of the others; `steady`: the
+      records that start on a periodic orbit.
     - `misfit`: error over noise, one at the least, against which an unlikely history counts: where a model misses by a
       hundred noise floors, one of thirty times the drive would else pay for mimicking a little of that.
     """
@@ -65,6 +67,7 @@ class Data(NamedTuple):
     prior_mean: np.ndarray
     prior_weight: np.ndarray
     curves: Curves | None = None
+    passes: Passes | None = None
     steady: tuple[Steady, ...] = ()
     misfit: float = 1.0
 
@@ -76,7 +79,8 @@ class Data(NamedTuple):
     @property
     def count(self) -> int:
         """How many numbers are fitted."""
-        return int(np.count_nonzero(self.weight)) + (0 if self.curves is None else self.curves.count)
+        sweeps = sum(0 if part is None else part.count for part in (self.curves, self.passes))
+        return int(np.count_nonzero(self.weight)) + sweeps
 
 
 class Unknowns(NamedTuple):
@@ -115,7 +119,7 @@ class Evaluation(NamedTuple):
     **Arguments:** `values`, (m,) SI; its `response`; `residuals` (model − measured)/σ, (numbers,), and their
     derivatives `by_x` (p, numbers) and `by_start` (s, samples), by the initial state of each sample's own record, empty
     if none is unknown; `starts`, (records, s) the initial states, SI; `steady`, its responses with the amplitudes of
-    the sweeps.
+    the sweeps; `passed`, its readings of those that had not settled.
     """
 
     values: np.ndarray
@@ -125,6 +129,7 @@ class Evaluation(NamedTuple):
     by_start: np.ndarray
     starts: np.ndarray
     steady: Controlled | None = None
+    passed: Passed | None = None
 
     @property
     def readings(self) -> np.ndarray:
@@ -151,19 +156,45 @@ def evaluate(static: Static, data: Data, unknowns: Unknowns) -> Evaluation:
         kicks[:p, one.record] = orbit.slopes
     found = respond(static.equation, tape, values, begin, directions, kicks)
     residuals = (found.readings - data.response) * data.weight
-    residuals = np.where(np.abs(residuals) < WORST, residuals, WORST)
     change = found.slopes * data.weight
     change[~np.isfinite(change)] = 0.0
     by_start = change[p : p + starts]
-    if data.curves is None:
-        return Evaluation(values, found, residuals, change[:p], by_start, begin)
-    steady = data.curves.solve(static.equation, values, directions[:p])
-    own = data.curves.residuals(steady)
-    residuals = np.concatenate([residuals, np.where(np.abs(own) < WORST, own, WORST)])
-    bent = data.curves.slopes(steady, directions[:p])
-    bent[~np.isfinite(bent)] = 0.0
-    by_x = np.concatenate([change[:p], bent], axis=1)
-    return Evaluation(values, found, residuals, by_x, by_start, begin, steady)
+    left, by_x, steady, passed = [residuals], [change[:p]], None, None
+    if data.curves is not None:
+        steady = data.curves.solve(static.equation, values, directions[:p])
+        left.append(data.curves.residuals(steady))
+        by_x.append(data.curves.slopes(steady, directions[:p]))
+    if data.passes is not None:
+        passed = data.passes.solve(static.equation, values, directions[:p], static.width)
+        left.append(data.passes.residuals(passed))
+        by_x.append(data.passes.slopes(passed))
+    left = [np.where(np.abs(part) < WORST, part, WORST) for part in left]
+    by_x = [np.where(np.isfinite(part), part, 0.0) for part in by_x]
+    rows, slope = np.concatenate(left), np.concatenate(by_x, axis=1)
+    return Evaluation(values, found, rows, slope, by_start, begin, steady, passed)
+
+
+def reweighed(static: Static, data: Data, values: np.ndarray) -> Data:
+    """The same with the noise of the sweeps carried through the model at some values (m,)."""
+    curves, passes = data.curves, data.passes
+    return data._replace(
+        curves=curves and curves.weighed(static.equation, values),
+        passes=passes and passes.weighed(static.equation, values, static.width),
+    )
+
+
+def of_sweeps(data: Data, residuals: np.ndarray) -> dict[str, np.ndarray]:
+    """The residuals of each sweep, by its name, of those of a fit: of its amplitudes, then of its phases."""
+    found, first = {}, data.tape.samples
+    if data.curves is not None:
+        rows = residuals[first : first + data.curves.count]
+        pairs = zip(data.curves.sweeps, data.curves.slices, strict=True)
+        found |= {sweep.name: rows[data.curves.places(own)] for sweep, own in pairs}
+        first += data.curves.count
+    if data.passes is not None:
+        rows = residuals[first:]
+        found |= {sweep.name: rows[data.passes.places(k)] for k, sweep in enumerate(data.passes.sweeps)}
+    return found
 
 
 def readings(static: Static, data: Data, unknowns: Unknowns) -> np.ndarray:

@@ -181,7 +181,8 @@ def _problem(fit: Fit, name: str) -> tuple[Static, Data]:
     model = replace(fit.model, held=fit.model.held | {name}, freed=fit.model.freed - {name})
     records = fit.campaign.fitted
     tape = lay_out(records, 1.0 / fit.scales.period, float(fit.values[QUALITY]), fit.model)
-    static, data = assemble(model, fit.campaign, records, tape, fit.values, curves=fit.solved.data.curves)
+    of_sweeps = {"curves": fit.solved.data.curves, "passes": fit.solved.data.passes}
+    static, data = assemble(model, fit.campaign, records, tape, fit.values, **of_sweeps)
     if data.start_scale.any():  # the steady ones of the fit are steady here
         begun = fit.solved.found.starts / np.where(data.start_scale > 0, data.start_scale, 1.0)
         static, data, _ = on_orbits(static, data, records, Unknowns(np.zeros(len(static.free)), begun))

@@ -13,7 +13,7 @@ from .assemble import assemble_fit, begin
 from .finish import Minimum, finish
 from .fit_starts import fit_starts
 from .on_orbits import on_orbits
-from .problem import evaluate
+from .problem import evaluate, reweighed
 from .result import Fit, SigmaChoice, Start
 from .starts import base_values, first_guess, scales_of
 
@@ -40,8 +40,7 @@ def fit_at(
     scales = scales_of(campaign, guess.frequency)
     base, values = base_values(model, guess, scales), np.asarray(values, float)
     static, data = assemble_fit(model, campaign, guess, scales, base, values, substeps)
-    if data.curves is not None:
-        data = data._replace(curves=data.curves.weighed(static.equation, values))
+    data = reweighed(static, data, values)
     data, unknowns, found = solve.rescale(static, data, begin(data, static))
     if static.starts_free:
         unknowns, found = fit_starts(static, data, unknowns)

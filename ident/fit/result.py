@@ -19,6 +19,7 @@ from .curves import in_smaller_steps
 from .identifiability import Combination
 from .judge import GOOD, RecordScore, Score, combine
 from .linear.guess import DataScales
+from .passes import in_smaller_steps as smaller_steps
 from .predict import Prediction, predict
 from .problem import Data, Evaluation, Static, Unknowns, readings
 from .steady import no_orbit
@@ -132,6 +133,12 @@ class Fit:
         if data.curves is not None:
             once, twice = (
                 c.residuals(c.solve(static.equation, self.values)) for c in (data.curves, in_smaller_steps(data.curves))
+            )
+            largest.append(np.max(np.abs(once - twice)))
+        if data.passes is not None:
+            once, twice = (
+                p.residuals(p.solve(static.equation, self.values, np.zeros((0, len(self.values))), static.width))
+                for p in (data.passes, smaller_steps(data.passes))
             )
             largest.append(np.max(np.abs(once - twice)))
         return float(max(largest))

@@ -17,14 +17,15 @@ class Lane(NamedTuple):
     """The drive of one record.
 
     **Arguments:** `step`, s, of the Runge–Kutta method; `voltage` and `rate`, (2 n + 1,) V and V/s on the half-step
-    grid; `omega`, rad/s; `load`, kg; `moving`, 1 if the record begins in motion; `order` of the derivative of the
-    displacement that was measured; `stiffer`, the share by which the device's own spring is so in this record.
+    grid; `omega`, rad/s, one or one of each block; `load`, kg; `moving`, 1 if the record begins in motion; `order` of
+    the derivative of the displacement that was measured; `stiffer`, the share by which the device's own spring is so in
+    this record.
     """
 
     step: float
     voltage: np.ndarray
     rate: np.ndarray
-    omega: float
+    omega: float | np.ndarray
     load: float = 0.0
     moving: float = 0.0
     order: float = 0.0

@@ -59,7 +59,7 @@ def load_sweep(spec: RecordSpec, table: Table, device: Device) -> tuple[Sweep, l
         name, frequency, level, amplitude, phase, up, spec.quantity, drive_channel, response_channel,
         NoiseFloor(0.0), spec.holdout, spec.load,
     )  # fmt: skip
-    sweep = replace(sweep, dwell=_dwell(spec, sweep, columns.get("time")))
+    sweep = _timed(spec, sweep, _dwell(spec, sweep, columns.get("time")))
     return _with_noise(spec, _without_copies(sweep, notes), notes), notes
 
 
@@ -260,6 +260,18 @@ def _dwell(spec: RecordSpec, sweep: Sweep, column: Column | None) -> np.ndarray 
             return None
         dwell[run.rows] = np.append(step[:1], step)
     return dwell
+
+
+def _timed(spec: RecordSpec, sweep: Sweep, dwell: np.ndarray | None) -> Sweep:
+    """The sweep with its times: between points, and over which the instrument averaged."""
+    swept, averaging = spec.sweep_rate is not None, spec.averaging or 0.0
+    if averaging and dwell is None:
+        what = "averaging says over which part of its time a point was read, but nothing says how long that was"
+        raise UserError(what, where=spec.where, do='add dwell = "0.2 s" or sweep_rate = "0.5 Hz/s", or remove it')
+    if dwell is not None and not swept and averaging > float(np.min(dwell)):
+        what = f"a point is averaged over {averaging:.3g} s, but a frequency was held for {np.min(dwell):.3g} s"
+        raise UserError(what, where=spec.where, do="give an averaging that is no longer than that")
+    return replace(sweep, dwell=dwell, swept=swept, averaging=averaging)
 
 
 def _without_copies(sweep: Sweep, notes: list[str]) -> Sweep:

@@ -31,13 +31,16 @@ def settled(sweep: Sweep, group: Sequence[Sweep] = ()) -> np.ndarray:
     `group`: sweeps of the same device, one of which may hold the way back.
     """
     found = np.ones(len(sweep.frequency), bool)
+    if sweep.fast:  # it is simulated as it was run
+        return found
     for run in sweep.runs:
         rows = run.rows if run.up else run.rows[::-1]
         jump = jump_of(sweep, rows)
         if jump is not None:
             found[rows[jump.low : jump.high + 1]] = False
         elif sweep.dwell is None:  # a fast sweep lags everywhere
-            for other in (sweep, *(one for one in group if one is not sweep and one.load == sweep.load)):
+            others = (one for one in group if one is not sweep and one.load == sweep.load and not one.fast)
+            for other in (sweep, *others):
                 for back in other.runs:
                     near = run.up != back.up and abs(back.level / run.level - 1) < SAME_LEVEL - 1
                     if near and jump_of(other, back.rows) is None:

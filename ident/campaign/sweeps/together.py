@@ -12,6 +12,7 @@ from ..record import Record, Run, Sweep, same_level
 from .jump import jump_of, loop_runs_backwards
 from .noise import sweep_noise
 from .repeatability import with_repeatability
+from .speed import with_speeds
 
 _BY_CHANCE = (
     0.0124  # that the noise of one of the levels leaves the common one so far: 2.5 standard errors, were it one
@@ -28,7 +29,7 @@ def seen_together(records: Sequence[Record], notes: list[str]) -> list[Record]:
         for k, record in zip(group, together, strict=True):
             if record.noise.relative_error > 0:  # nobody gave it
                 found[k] = with_repeatability(record, together, notes)
-    return found
+    return with_speeds(found, notes)
 
 
 def _groups(records: Sequence[Record]) -> list[list[int]]:
