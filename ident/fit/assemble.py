@@ -84,7 +84,7 @@ def assemble_fit(
     else:
         tape = divided(records, substeps)
     curves = lay_curves(slow, model) if slow else None
-    passes = lay_passes(fast, model, guess.quality) if fast else None
+    passes = lay_passes(fast, model) if fast else None
     at = base if values is None else values
     return assemble(model, campaign, records, tape, at, scales, curves=curves, passes=passes)
 

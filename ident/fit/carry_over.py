@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..model import QUALITY
 from ..response import Equation
 from .curves import lay_curves
 from .passes import lay_passes
@@ -37,7 +36,7 @@ def expected_error(fit: Fit) -> float:
         moved = curves.slopes(curves.solve(equation, fit.values), steps)
         total, n = total + float(np.sum(moved**2)), n + moved.shape[1]
     if fast := [sweep for sweep in sweeps if sweep.fast]:
-        passes = lay_passes(fast, fit.model, float(fit.values[QUALITY])).weighed(equation, fit.values)
+        passes = lay_passes(fast, fit.model).weighed(equation, fit.values)
         moved = passes.slopes(passes.solve(equation, fit.values, steps))
         total, n = total + float(np.sum(moved**2)), n + moved.shape[1]
     expected = float(np.sqrt(1.0 + total / n))

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..campaign.record import Run, Sweep
 from ..campaign.sweeps.jump import jump_of
-from ..model import QUALITY, Model
+from ..model import Model
 from ..response import Equation
 from ..response.branches import Branch, Fold, follow
 from ..response.controlled import Points, at_amplitude
@@ -189,7 +189,7 @@ def read_curves(model: Model, values: np.ndarray, sweeps: Sequence[Sweep]) -> tu
         found = curves.solve(equation, values)
         told_of += told(curves, found.model, curves.residuals(found), found.converged)
     if fast:
-        passes = lay_passes(fast, model, float(values[QUALITY])).weighed(equation, values)
+        passes = lay_passes(fast, model).weighed(equation, values)
         passed = passes.solve(equation, values, np.zeros((0, len(values))))
         told_of += told_in_time(passes, equation, values, passes.residuals(passed), passed)
     by_place = {id(one.sweep): one for one in told_of}

@@ -44,8 +44,8 @@ class Passes:
     """The points of fast sweeps, one pass after another.
 
     **Arguments:** `passages`: as the solver takes them; `measured`, `phase` (NaN where none was measured), `deviation`,
-    `phase_deviation`: (points,); `steps` of the solver a period; `off`: (points,) m, by which readings of a model may be
-    off, in either direction; `known`: where orbits were found last, by equation.
+    `phase_deviation`: (points,); `steps` of the solver a period; `off`: (points,) m, by which readings of a model may
+    be off, in either direction; `known`: where orbits were found last, by equation.
     """
 
     sweeps: tuple[Sweep, ...]
@@ -149,19 +149,13 @@ class Passes:
         return np.hypot(self.deviation, self.off), np.hypot(self.phase_deviation, turn)
 
 
-def lay_passes(sweeps: Sequence[Sweep], model: Model, quality: float) -> Passes:
-    """The passes of fast sweeps for a model with about such a quality factor."""
-    return _laid(tuple(sweeps), steps_of(sweeps, model.steps_per_period, quality))
-
-
-def steps_of(sweeps: Sequence[Sweep], finest: int, quality: float) -> int:
-    """Steps a period for which the method's error, that moves the resonance by (ωh)⁴/120, moves a response by less
-    than a tenth of what the noise of all points together lets it be known to; `finest` at the least."""
+def lay_passes(sweeps: Sequence[Sweep], model: Model) -> Passes:
+    """The passes of fast sweeps for a model, in steps that err by less than a tenth of what the noise of all points
+    together lets a response be known to."""
     noise = min(float(np.min(sweep.deviation / np.maximum(sweep.amplitude, sweep.deviation))) for sweep in sweeps)
     count = sum(len(sweep.frequency) for sweep in sweeps)
     allowed = float(np.clip(_SHARE * noise / np.sqrt(count), _FINEST, _COARSEST))
-    needed = 2 * np.pi / (120 * allowed / max(2 * quality, 2.0)) ** 0.25
-    return steps_per_period(max(finest, int(np.ceil(needed))), 1.0)
+    return _laid(tuple(sweeps), steps_per_period(model.steps_per_period, allowed))
 
 
 @lru_cache(maxsize=8)  # the models that are compared on some sweeps lie on the same tape

@@ -19,7 +19,7 @@ class Lane(NamedTuple):
     **Arguments:** `step`, s, of the Runge–Kutta method; `voltage` and `rate`, (2 n + 1,) V and V/s on the half-step
     grid; `omega`, rad/s, one or one of each block; `load`, kg; `moving`, 1 if the record begins in motion; `order` of
     the derivative of the displacement that was measured; `stiffer`, the share by which the device's own spring is so in
-    this record.
+    this record; `sine`, 1 if the drive is one of about this frequency, so that the solver's error at it is taken off.
     """
 
     step: float
@@ -30,6 +30,7 @@ class Lane(NamedTuple):
     moving: float = 0.0
     order: float = 0.0
     stiffer: float = 0.0
+    sine: float = 0.0
 
 
 @lru_cache(maxsize=64)  # hypotheses about one record ask for the others again

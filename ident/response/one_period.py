@@ -39,14 +39,6 @@ def bound(equation: Equation, constants: Numbers, values: Numbers, load: Any, fr
     return system._replace(mass=system.mass + load, omega=2 * math.pi * frequency)
 
 
-def undispersed(system: System, step: Any) -> System:
-    """The system that the solver, in steps h, integrates as the given one: what steps of fourth order do to an
-    oscillation of frequency ω, θ = ωh, is to slow it by θ⁴/120 and to damp it by ω θ⁵/144, and is taken off."""
-    theta = system.omega * step
-    mass = system.mass / (1 + theta**4 / 60)
-    return system._replace(mass=mass, damping=system.damping - mass * system.omega * theta**5 / 72)
-
-
 def circle(steps: int) -> np.ndarray:
     """Cosine and sine of a phase on the half-step grid of a period, (2, 2 steps + 1). They are given to the programs:
     XLA would compute them for every point again."""
@@ -83,7 +75,7 @@ def driven(
 ) -> Driven:  # fmt: skip
     """A model under a sine, of which the actuator gives a share."""
     step = 2.0 / (frequency * (circle.shape[1] - 1))
-    system = undispersed(bound(equation, constants, values, load, frequency), step)._replace(share=share)
+    system = bound(equation, constants, values, load, frequency).undispersed(step)._replace(share=share)
     forces = []
     for effect, own in zip(system.effects, slices(equation), strict=True):
         if own is None:

@@ -3,16 +3,16 @@
     V = U cos φ(t),   φ̇ = 2π f(t),   Y = 1/(πN) ∫ z e^{−iφ} dφ over the last N turns of the drive
 
 The frequency glides from point to point at an even rate, or steps to the next one and is held; the phase of the drive
-goes on without a break. A point is read when the frequency reaches it, or at the end of its dwell, as a lock-in reads it that
-averages over as many whole turns as fit into its averaging time, one at the least. Before its first point the motion
-has settled.
+goes on without a break. A point is read when the frequency reaches it, or at the end of its dwell, as a lock-in reads it
+that averages over as many whole turns as fit into its averaging time, one at the least. Before its first point the
+motion has settled.
 
 In which phase of the drive a pass began, no table tells, and where the motion changes within a period (at a jump that
 is passed fast) a reading depends on it, by e^{2iφ₀}. Each pass is therefore run from two phases a right angle apart:
 their mean is the reading, and what they differ by is what nobody knows.
 
-Source: lock-in detection as of P. Horowitz, W. Hill, The Art of Electronics, 2015, §8.14, with a rectangular window; P. J. Davis, P.
-Rabinowitz, Methods of Numerical Integration, 1984, §2.8 (Gregory's sum).
+Source: lock-in detection as of P. Horowitz, W. Hill, The Art of Electronics, 2015, §8.14, with a rectangular window;
+P. J. Davis, P. Rabinowitz, Methods of Numerical Integration, 1984, §2.8 (Gregory's sum).
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ class Passages:
     """All passes of some sweeps on one tape.
 
     **Arguments:** `runs`: which sweep each pass is of, and its run; the `tape` has all passes from one phase, then all
-    from the other; `preludes`: one period of the drive of each before its first point; `rows`, (points,): of which point
-    of its sweep each reading is; `index`, `weights`: samples of the tape, and what each adds to its reading; `first`:
-    where the samples of each reading begin among them.
+    from the other; `preludes`: one period of the drive of each before its first point; `rows`, (points,): of which
+    point of its sweep each reading is; `index`, `weights`: samples of the tape, and what each adds to its reading;
+    `first`: where the samples of each reading begin among them.
     """
 
     runs: tuple[tuple[int, Run], ...]
@@ -96,7 +96,7 @@ def _lane(sweep: Sweep, run: Run, steps: int, begun: float) -> tuple[Lane, np.nd
     step = 1.0 / (steps * float(np.max(frequency)))
     longest = max(int(sweep.averaging * frequency[0]), 1) / frequency[0] + step  # before the first point is read
     first = max(longest, 0.0 if sweep.swept else times[0])
-    ends = np.ceil(first / step).astype(int) + np.round(np.concatenate([[0.0], np.cumsum(times[1:])]) / step).astype(int)
+    ends = int(np.ceil(first / step)) + np.round(np.append(0.0, np.cumsum(times[1:])) / step).astype(int)
     counts = np.diff(ends, prepend=0)
     half = np.arange(2 * int(ends[-1]) + 1) * (0.5 * step)
     if sweep.swept:
@@ -111,7 +111,7 @@ def _lane(sweep: Sweep, run: Run, steps: int, begun: float) -> tuple[Lane, np.nd
     blocks = -(-(int(ends[-1]) + 1) // BLOCK)
     # A force that goes by the frequency of the drive, as the polynomial hysteresis, sees that of its block.
     local = omega[np.minimum(BLOCK * (2 * np.arange(blocks) + 1), len(omega) - 1)]
-    lane = Lane(step, level * np.cos(phase), -level * omega * np.sin(phase), local, sweep.load, 1.0)
+    lane = Lane(step, level * np.cos(phase), -level * omega * np.sin(phase), local, sweep.load, 1.0, sine=1.0)
     return lane, phase[::2], omega[::2], ends
 
 
@@ -122,7 +122,7 @@ def _prelude(sweep: Sweep, run: Run, steps: int, begun: float) -> Tape:
     angle = begun + np.pi / (BLOCK * blocks) * np.arange(2 * BLOCK * blocks + 1)
     omega = 2 * np.pi * frequency
     voltage, rate = level * np.cos(angle), -level * omega * np.sin(angle)
-    lane = Lane(1.0 / (frequency * BLOCK * blocks), voltage, rate, omega, sweep.load, 1.0)
+    lane = Lane(1.0 / (frequency * BLOCK * blocks), voltage, rate, omega, sweep.load, 1.0, sine=1.0)
     return Tape((lane,), (Span(0, blocks, 1, BLOCK * blocks),))
 
 

@@ -98,6 +98,7 @@ class Block(NamedTuple):
     moving: Any
     order: Any
     stiffer: Any
+    sine: Any
 
     def times(self, points: int, spacing: float) -> Array:
         """Times of the points of the block, s since the first sample of the record; `spacing` in steps."""
@@ -150,7 +151,15 @@ class System(NamedTuple):
     def at(self, block: Block) -> System:
         """The same in a block of a record."""
         mass, stiffness = self.mass + block.load, self.stiffness * (1 + block.stiffer)
-        return self._replace(mass=mass, stiffness=stiffness, omega=block.omega, moving=block.moving, order=block.order)
+        there = self._replace(mass=mass, stiffness=stiffness, omega=block.omega, moving=block.moving, order=block.order)
+        return there.undispersed(block.sine * block.step)
+
+    def undispersed(self, step: Any) -> System:
+        """The system that the solver, in steps h, integrates as the given one: what steps of fourth order do to an
+        oscillation of frequency ω, θ = ωh, is to slow it by θ⁴/120 and to damp it by ω θ⁵/144, and is taken off."""
+        theta = self.omega * step
+        mass = self.mass / (1 + theta**4 / 60)
+        return self._replace(mass=mass, damping=self.damping - mass * self.omega * theta**5 / 72)
 
     @property
     def numbers(self) -> Any:

@@ -95,7 +95,7 @@ def behind_in_colour(after: Weighed, before: Regression) -> float:
     record by record: by the same, what was left before must be more. At the noise floor it is white, and nothing
     changes. Points of sweeps have no colour.
     """
-    if before.plane is not None:
+    if before.plane is not None or before.passes is not None:
         return behind(after, before)
     white = []
     for k, own in enumerate(before.places):

@@ -70,7 +70,7 @@ def differing(fitted: Fit, kinds: Sequence[Kind | Literal["drive"]] | None = Non
     """The kind of numbers by which the records of a fit differ, or the levels of its sweeps in their drives, if that
     explains them clearly better than one device does; None if it does not, and where traces stand beside sweeps."""
     traces, sweeps = fitted.campaign.traces, fitted.campaign.sweeps
-    if (traces and sweeps) or fitted.model.form != "oscillator":
+    if (traces and sweeps) or any(sweep.fast for sweep in sweeps) or fitted.model.form != "oscillator":
         return None
     weigh = lambda fit, more: Left(prepare(fit).left, fit.freedom + more)
     try:

@@ -31,7 +31,7 @@ def prepare_at_best(joint: Fit) -> Regression:
     """The regression of a fit, or of the same model at values from which the equation of motion, or a single record, is
     described clearly better."""
     regression = prepare(working(joint))
-    if regression.settled:
+    if regression.settled or not regression.whitenings:
         return regression
     there = _along_the_motion(regression) or (None if regression.credible else _of_one_record(regression))
     return regression if there is None else replace(there, instead_of=regression)

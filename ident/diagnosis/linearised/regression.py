@@ -12,6 +12,7 @@ import numpy as np
 
 from ...effects.effect import AbstractEffect
 from ...fit import Fit
+from ...fit.passes import Passes
 from ...fit.start_score import start_rows
 from ...model import FREQUENCY, QUALITY, Model
 from ...response import Equation
@@ -36,15 +37,16 @@ class Regression:
     """A fit prepared for regressions: whitened residual (n,) without what the model absorbs, and how to project a
     column.
 
-    The numbers of the sweeps follow those of the traces, one sweep after another.
+    The numbers of the sweeps follow those of the traces, one sweep after another, those that were run fast first.
 
     **Arguments:** `starts`: first sample of each record within n; `absorbed`: (n, q) orthonormal, the span of `known`
     (k, n), which moving the parameters along `directions` (k, m) does; `left` (n,) and `fit_chi2`: the whitened
     residual as the fit left it and its χ², with which refits are compared; `plane`: what the sweeps say while
-    parameters move; `credible`: whether the model's own parameters could be followed along the measured motion, on
-    which the score statistics rest (see `prepare`); `instead_of`: the regression of the best fit, if this one is of
-    other values (see `anchor`), and `alone`, the record that they describe, if it is one; `scored`, `refitted`: what
-    `score` and `confirm` have found on it, for several parts of a diagnosis ask the same.
+    parameters move; `passes`: those that were run fast; `credible`: whether the model's own parameters could be
+    followed along the measured motion, on which the score statistics rest (see `prepare`); `instead_of`: the regression
+    of the best fit, if this one is of other values (see `anchor`), and `alone`, the record that they describe, if it is
+    one; `scored`, `refitted`: what `score` and `confirm` have found on it, for several parts of a diagnosis ask the
+    same.
     """
 
     fit: Fit
@@ -57,6 +59,7 @@ class Regression:
     known: np.ndarray
     directions: np.ndarray
     plane: Plane | None = None
+    passes: Passes | None = None
     credible: bool = True
     instead_of: Regression | None = None
     alone: str = ""
@@ -164,10 +167,12 @@ class Regression:
 
     def of_traces(self) -> Regression:
         """The regression without the points of sweeps, for what is known along a motion only."""
-        if self.plane is None:
+        if self.plane is None and self.passes is None:
             return self
-        count = samples_of(self)
-        alone = replace(self, starts=self.starts[: len(self.whitenings)], left=self.left[:count], plane=None)
+        count = (*self.starts, len(self.left))[len(self.whitenings)]
+        alone = replace(
+            self, starts=self.starts[: len(self.whitenings)], left=self.left[:count], plane=None, passes=None
+        )
         return _without(replace(alone, scored={}, refitted={}), self.known[:, :count], self.directions)
 
     def beside(self, rows: np.ndarray) -> Regression:
@@ -204,13 +209,19 @@ def prepare(fit: Fit, believed: bool = False) -> Regression:
     lengths = [len(r.time) - r.skip for r in records]
     white = [whiten(whitening, r[None])[0] for whitening, r in zip(whitenings, trajectories.residuals, strict=True)]
     left = list(white)
-    curves = solved.data.curves
+    curves, passes, samples = solved.data.curves, solved.data.passes, trajectories.tape.samples
+    of_curves = samples + (0 if curves is None else curves.count)
+    if passes is not None:
+        if solved.found.passed is None or not np.all(np.isfinite(solved.found.passed.tone)):
+            raise Diverged(passes.sweeps[0].name)
+        lengths += [len(passes.places(k)) for k in range(len(passes.sweeps))]
+        left.append(-solved.found.residuals[of_curves:][passes.order])
     if curves is not None:
         steady = solved.found.steady
         if steady is None or not np.all(np.isfinite(steady.needed)):
             raise Diverged(fit.campaign.fitted_sweeps[0].name)
         lengths += [len(curves.places(own)) for own in curves.slices]
-        left.append(-solved.found.residuals[trajectories.tape.samples :][curve_order(solved)])
+        left.append(-solved.found.residuals[samples:of_curves][curve_order(solved)])
     starts = tuple(int(x) for x in np.concatenate([[0], np.cumsum(lengths)[:-1]]))
     residual = np.concatenate(left)
     empty = np.zeros((0, len(residual)))
@@ -225,20 +236,28 @@ def prepare(fit: Fit, believed: bool = False) -> Regression:
     directions = np.eye(len(fit.values))[free] * np.where(fit.values[free] == 0, 1.0, fit.values[free])[:, None]
     if curves is not None:
         regression = replace(regression, plane=plane_of(solved, directions))
+    passed = None
+    if passes is not None:
+        regression = replace(regression, passes=passes)
+        there = passes.solve(solved.static.equation, fit.values, directions, solved.static.width)
+        passed = passes.slopes(there)[:, passes.order]
     past = np.tile(trajectories.histories, (len(free), 1, 1))
     # Of its own parameters the model itself says what they do to sweeps, all harmonics together.
     own = None if regression.plane is None else regression.plane.own
-    along_measured = stack(regression, fit.model, np.tile(fit.values, (len(free), 1)), directions, True, past, own)
+    along_measured = stack(
+        regression, fit.model, np.tile(fit.values, (len(free), 1)), directions, True, past, own, passed
+    )
     measured = _without(regression, along_measured, directions)
     if believed or measured.settled or measured.unexplained < _INERTIA:
-        return measured
+        # What a candidate does to fast sweeps is known at the fit alone, and not along what was measured.
+        return replace(measured, credible=passes is None)
     chosen = [solved.static.free.index(i) for i in fitted]
     regression = replace(regression, credible=False)
-    rows = by_record(regression, solved.found.by_x[chosen][:, : trajectories.tape.samples])
-    if curves is not None:
-        rows = np.concatenate(
-            [rows, solved.found.by_x[chosen][:, trajectories.tape.samples :][:, curve_order(solved)]], axis=1
-        )
+    by_x = solved.found.by_x[chosen]
+    rows = [by_record(regression, by_x[:, :samples])]
+    rows += [] if passes is None else [by_x[:, of_curves:][:, passes.order]]
+    rows += [] if curves is None else [by_x[:, samples:of_curves][:, curve_order(solved)]]
+    rows = np.concatenate(rows, axis=1)
     return _without(regression, rows, np.zeros((0, 0)))
 
 
@@ -262,18 +281,21 @@ def stack(
     linear: bool = False,
     begun: np.ndarray | None = None,
     moves: Moves | None = None,
+    passed: np.ndarray | None = None,
 ) -> np.ndarray:
     """Whitened columns of all fitted records, (d, n): what moving the parameters of `model` along each direction does.
 
     `values` and `directions` are (d, m). The terms of `model` push, its linear ones only if asked for; the regression's
     own model answers. `begun`, (d, records, h): their histories, if the records do not begin with the drive; `moves`:
-    what they do to the points of the sweeps, if there are any.
+    what they do to the points of the sweeps, if there are any; `passed`, (d, numbers), to those that were run fast.
     """
     trajectories, parts = regression.trajectories, []
     if trajectories.tape.spans:
         equation = Equation(model)
         pasts = no_histories(equation, len(values), trajectories.tape) if begun is None else begun
         parts.append(_along_traces(regression, Terms(equation, linear), values, directions, pasts))
+    if passed is not None:
+        parts.append(passed)
     if moves is not None:
         plane = regression.plane
         assert plane is not None  # there are sweeps

@@ -88,7 +88,7 @@ def _refitted(
     starts = [np.concatenate([base, start_of(model, one, before.scales)]) for one in scored]
     if candidate.beside is not None:
         starts.insert(1, np.concatenate([candidate.beside, start_of(model, candidate, before.scales)]))
-    if regression.plane is not None:
+    if regression.plane is not None or regression.passes is not None:
         starts.append(np.concatenate([base, start_of(model, _mirrored(candidate, model), before.scales)]))
     if freed := _grids(model, before):
         own = minimise(model, before.campaign, initial=starts, most=_RACE, compared=True).values

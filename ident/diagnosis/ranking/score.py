@@ -29,6 +29,7 @@ from ..linearised.balance import Balanced, balanced, samples_of
 from ..linearised.basis import orthonormal
 from ..linearised.curve_columns import Moves, curve_columns
 from ..linearised.histories import begun_apart, histories
+from ..linearised.pass_columns import pass_columns
 from ..linearised.regression import Regression, stack
 from ..side_by_side import at_once
 
@@ -156,12 +157,20 @@ def _asked(regression: Regression, effect: type[AbstractEffect]) -> _Asked | Non
     moves, q = None, len(amplitudes)
     if regression.plane is not None:
         moves = curve_columns(regression.plane, Equation(model), values[::q], directions[:q])
-    raw = stack(regression, model, values, directions, moves=moves)
+    passed = None
+    if regression.passes is not None:
+        whole = fitted.model + instance
+        there = np.array([np.concatenate([fitted.values, point]) for point in points])
+        passed = pass_columns(regression, whole, there, [len(fitted.values) + a for a in amplitudes])
+    raw = stack(regression, model, values, directions, moves=moves, passed=passed)
     apart, changed = begun_apart(regression, model, len(values)), None
     if apart is not None:
         again, along = (np.tile(x, (len(apart), 1)) for x in (values, directions))
+        still = None if passed is None else np.tile(passed, (len(apart), 1))
         held = moves and moves.rows(np.tile(np.arange(len(values)), len(apart)))
-        changed = stack(regression, model, again, along, begun=apart.reshape(-1, *apart.shape[2:]), moves=held)
+        changed = stack(
+            regression, model, again, along, begun=apart.reshape(-1, *apart.shape[2:]), moves=held, passed=still
+        )
         changed = changed.reshape(len(apart), *raw.shape)
     return _Asked(instance, points, [len(axis) for axis in axes], amplitudes, raw, changed, moves)
 

@@ -176,17 +176,22 @@ def _all_samples(regression: Regression) -> list[_Samples]:
 
 
 def _all_points(regression: Regression) -> list[_Samples]:
-    """The numbers of each sweep that count: its amplitudes, then its phases."""
+    """The numbers of each sweep that count: its amplitudes, then its phases; of those that were run fast first."""
+    found = _all_passed(regression)
     if regression.plane is None:
-        return []
-    curves, found = regression.plane.curves, []
+        return found
+    curves = regression.plane.curves
     places = regression.places[len(regression.places) - len(curves.sweeps) :]
     for sweep, own, points in zip(curves.sweeps, places, curves.slices, strict=True):
         count, many = own.stop - own.start, (own.stop - own.start) // (points.stop - points.start)
         twice = lambda x, many=many: np.tile(x, many)
         frequency, amplitude = curves.points.frequency[points], curves.measured[points]
         speed = amplitude * frequency
-        aside = speed / np.max(speed) if regression.fit.campaign.fitted else _from_peak(regression, points)
+        aside = (
+            speed / np.max(speed)
+            if regression.fit.campaign.fitted
+            else _from_peak(regression, frequency, curves.points.level[points], amplitude)
+        )
         found.append(
             _Samples(
                 regression.residual[own],
@@ -203,11 +208,28 @@ def _all_points(regression: Regression) -> list[_Samples]:
     return found
 
 
-def _from_peak(regression: Regression, points: slice) -> np.ndarray:
+def _all_passed(regression: Regression) -> list[_Samples]:
+    """The same of the sweeps that were run fast."""
+    passes, found = regression.passes, []
+    for k, sweep in enumerate(() if passes is None else passes.sweeps):
+        own = regression.places[len(regression.trajectories.paths) + k]
+        count, many = own.stop - own.start, 1 + (sweep.phase is not None)
+        speed = sweep.amplitude * sweep.frequency
+        aside = speed / np.max(speed)
+        if not regression.fit.campaign.fitted:
+            aside = _from_peak(regression, sweep.frequency, sweep.level, sweep.amplitude)
+        found.append(
+            _Samples(
+                regression.residual[own], np.ones(count, bool), np.linspace(0, 1, count, endpoint=False),
+                np.tile(sweep.amplitude / np.max(sweep.amplitude), many), np.tile(aside, many), None, None, 0.0,
+                np.tile(sweep.frequency, many),
+            )
+        )  # fmt: skip
+    return found
+
+
+def _from_peak(regression: Regression, frequency: np.ndarray, level: np.ndarray, amplitude: np.ndarray) -> np.ndarray:
     """How far points of curves lie above the largest amplitude of their level, in half-power widths."""
-    assert regression.plane is not None
-    curves = regression.plane.curves
-    frequency, level, amplitude = curves.points.frequency[points], curves.points.level[points], curves.measured[points]
     found = np.zeros(len(frequency))
     for rows in same_level(level):
         top = frequency[rows][np.argmax(amplitude[rows])]
@@ -226,9 +248,10 @@ def _by_record(regression: Regression, samples: list[_Samples]) -> tuple[RecordV
     white = iter(s.white[s.known] for s in samples)
     found = []
     pairs = sorted(
-        zip(regression.fit.campaign.records, regression.fit.scores, strict=True), key=lambda p: isinstance(p[0], Sweep)
+        zip(regression.fit.campaign.records, regression.fit.scores, strict=True),
+        key=lambda p: isinstance(p[0], Sweep) + (isinstance(p[0], Sweep) and not p[0].fast),
     )
-    for record, scored in pairs:  # the traces first, as on the regression
+    for record, scored in pairs:  # the traces first, then what was run fast, as on the regression
         if record.holdout:
             n, chi2 = scored.n, scored.n * scored.error_over_noise**2
         else:
