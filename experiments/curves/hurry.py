@@ -180,8 +180,9 @@ def main() -> None:
                   f"{misfit:.1f}, off by {np.max(np.abs(wrong)):.0f}", flush=True)  # fmt: skip
         errors = np.concatenate([e for e, *_ in ends])
         chance = float(chi2.sf(sum(squares), len(errors)))
-        print(f"{len(errors)} parameters: rms {np.sqrt(np.mean(errors**2)):.2f} standard errors, largest "
-              f"{np.max(np.abs(errors)):.1f}; by the whole covariance chi2 {sum(squares):.0f} (p = {chance:.2f})")  # fmt: skip
+        rms, largest = np.sqrt(np.mean(errors**2)), np.max(np.abs(errors))
+        print(f"{len(errors)} parameters: rms {rms:.2f} standard errors, largest {largest:.1f}; by the whole "
+              f"covariance chi2 {sum(squares):.0f} (p = {chance:.2f})")  # fmt: skip
         assert chance > 1e-3 and max(left for _, left, *_ in ends) < 1.15
         assert min(wrong for *_, wrong, _ in ends) > 10 and min(misfit for *_, misfit in ends) > 2
         if asked.no_discover:

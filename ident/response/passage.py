@@ -3,8 +3,8 @@
     V = U cos φ(t),   φ̇ = 2π f(t),   Y = 1/(πN) ∫ z e^{−iφ} dφ over the last N turns of the drive
 
 The frequency glides from point to point at an even rate, or steps to the next one and is held; the phase of the drive
-goes on without a break. A point is read when the frequency reaches it, or at the end of its dwell, as a lock-in reads it
-that averages over as many whole turns as fit into its averaging time, one at the least. Before its first point the
+goes on without a break. A point is read when the frequency reaches it, or at the end of its dwell, as a lock-in reads
+it that averages over as many whole turns as fit into its averaging time, one at the least. Before its first point the
 motion has settled.
 
 In which phase of the drive a pass began, no table tells, and where the motion changes within a period (at a jump that

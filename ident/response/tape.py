@@ -25,8 +25,8 @@ class Chunk(NamedTuple):
     """The drive on a stretch of the tape, (BLOCKS, …).
 
     **Arguments:** `voltage` and `rate`, (…, 2 BLOCK + 1) on the half-step grid; per block the `step`, s; the `clock`, s
-    since the first sample of the record; `omega`, `load`, `moving`, `order`, `stiffer` and `sine` of the record; whether
-    it is its `first`; `count` of the blocks that hold something.
+    since the first sample of the record; `omega`, `load`, `moving`, `order`, `stiffer` and `sine` of the record;
+    whether it is its `first`; `count` of the blocks that hold something.
     """
 
     voltage: Numbers

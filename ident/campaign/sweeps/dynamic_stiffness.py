@@ -61,11 +61,13 @@ class DynamicStiffness:
 
 
 def dynamic_stiffness(sweeps: Sequence[Sweep]) -> DynamicStiffness | None:
-    """The two curves of all sweeps with phase that carry the same load; None without a phase or with too few points.
+    """The two curves of all settled sweeps with phase that carry the same load; None without a phase or with too few
+    points.
 
     β is what Re D loses with ω² at one and the same amplitude, so that no law is assumed to find it.
     """
-    used = [s for s in sweeps if s.phase is not None and s.quantity == "fundamental" and s.load == sweeps[0].load]
+    settled = [s for s in sweeps if s.phase is not None and not s.fast]
+    used = [s for s in settled if s.quantity == "fundamental" and s.load == sweeps[0].load]
     if not used:
         return None
     f, level, a, phase, da, dp = (

@@ -47,10 +47,29 @@ def with_speeds(records: Sequence[Record], notes: list[str]) -> list[Record]:
             "points far from the resonance."
         )
         return list(records)
+    for sweep in fast:
+        if sweep not in shaped:
+            notes.append(_words(sweep, late[id(sweep)]))
     return [
         replace(record, fast=True) if isinstance(record, Sweep) and id(record) in late and record not in shaped
         else record for record in records
     ]  # fmt: skip
+
+
+def _words(sweep: Sweep, off: float) -> str:
+    assert sweep.dwell is not None  # it is told
+    turns = sweep.averaging * float(np.median(sweep.frequency))
+    read = (
+        f"the mean over {sweep.averaging:.3g} s before it, {max(int(turns), 1)} periods"
+        if sweep.averaging
+        else 'the mean over the last period (averaging = "20 ms" would tell how long the instrument averaged)'
+    )
+    how = "the frequency glides" if sweep.swept else "each frequency is held for a short time"
+    return (
+        f"{sweep.name}: {how}, and a settled motion would differ by up to {100 * off:.2g} % of the peak; it is "
+        f"simulated as it was run. A point is taken for what a lock-in reads: {read}, of the response times the phase "
+        "of the drive."
+    )
 
 
 def lag(sweep: Sweep, settles: float) -> float:

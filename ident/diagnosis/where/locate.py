@@ -247,11 +247,11 @@ def _by_record(regression: Regression, samples: list[_Samples]) -> tuple[RecordV
     """Error ÷ noise floor of every record; fitted ones are judged on the white residual."""
     white = iter(s.white[s.known] for s in samples)
     found = []
-    pairs = sorted(
-        zip(regression.fit.campaign.records, regression.fit.scores, strict=True),
-        key=lambda p: isinstance(p[0], Sweep) + (isinstance(p[0], Sweep) and not p[0].fast),
-    )
-    for record, scored in pairs:  # the traces first, then what was run fast, as on the regression
+    settled = lambda record: isinstance(record, Sweep) and not record.fast
+    place = lambda pair: (isinstance(pair[0], Sweep), settled(pair[0]))
+    # The traces first, then what was run fast, as on the regression.
+    pairs = sorted(zip(regression.fit.campaign.records, regression.fit.scores, strict=True), key=place)
+    for record, scored in pairs:
         if record.holdout:
             n, chi2 = scored.n, scored.n * scored.error_over_noise**2
         else:

@@ -26,7 +26,8 @@ def curve_figure(curve: CurveReading, fit: Fit) -> Figure:
     """Amplitude over frequency, above the residuals of every point in noise floors.
 
     Circles: measured, filled where the frequency rose; lines: the model's curves, dashed where it is unstable; the
-    thin dotted line joins the peaks of the levels (the backbone); vertical lines: where it jumps.
+    thin dotted line joins the peaks of the levels (the backbone); vertical lines: where it jumps. Of a sweep that was
+    run fast the line is the model as it was run, and its settled curves are grey.
     """
     device, sweep = fit.model.device, curve.sweep
     unit = scale(float(np.max(sweep.amplitude)), "m", device)
@@ -39,7 +40,8 @@ def curve_figure(curve: CurveReading, fit: Fit) -> Figure:
     figure.text(0.012, 0.865, _jump_words(curve, fit), fontsize=9.5, color=FAINT, va="center")
     _over_frequency(top, curve, unit.factor)
     label(top, "", f"{'amplitude' if isinstance(device, Platform) else 'response'} ({unit.unit})")
-    key(figure, 0.986, 0.84, ("measured up ●, down ○", MEASURED), ("model (dashed: unstable)", MODEL))
+    model = "model (dashed: unstable)" if curve.passed is None else "model as it was run (grey: settled)"
+    key(figure, 0.986, 0.84, ("measured up ●, down ○", MEASURED), (model, MODEL))
     _left(low, curve)
     low.set_xlim(*top.get_xlim())
     return figure
@@ -85,9 +87,12 @@ def _over_frequency(axes: Axes, curve: CurveReading, factor: float) -> None:
         if run.run.level not in seen and len(branch.length) > 1:
             seen.add(run.run.level)
             size = (branch.swing if sweep.quantity == "half-peak-to-peak" else np.abs(branch.tone)) / factor
+            ink = MODEL if curve.passed is None else FAINT
             for part in branch.stretches:
-                _curve(axes, branch.frequency[part], size[part], branch.stable[part])
+                _curve(axes, branch.frequency[part], size[part], branch.stable[part], ink)
             peaks.append((branch.frequency[np.argmax(size)], np.max(size)))
+        if curve.passed is not None:
+            axes.plot(sweep.frequency[rows], run.reading / factor, color=MODEL, lw=1.1)
         if run.jump is not None and run.jump.model is not None:
             axes.axvline(run.jump.model, color=MODEL, lw=0.6, ls="-" if run.run.up else ":")
     axes.plot(*np.array(peaks).T, color=INK, lw=0.8, ls=":") if len(peaks) > 1 else None
@@ -96,12 +101,12 @@ def _over_frequency(axes: Axes, curve: CurveReading, factor: float) -> None:
     axes.set_ylim(bottom=0)
 
 
-def _curve(axes: Axes, frequency: np.ndarray, size: np.ndarray, stable: np.ndarray) -> None:
+def _curve(axes: Axes, frequency: np.ndarray, size: np.ndarray, stable: np.ndarray, ink: str) -> None:
     """A curve in stretches, solid where it is stable."""
     ends = [0, *(np.flatnonzero(stable[1:] != stable[:-1]) + 1), len(stable) - 1]
     for first, last in zip(ends[:-1], ends[1:], strict=True):
         part = slice(first, last + 1)
-        axes.plot(frequency[part], size[part], color=MODEL, lw=1.1, ls="-" if stable[first] else (0, (4, 2)))
+        axes.plot(frequency[part], size[part], color=ink, lw=1.1, ls="-" if stable[first] else (0, (4, 2)))
 
 
 def _left(axes: Axes, curve: CurveReading) -> None:

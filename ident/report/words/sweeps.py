@@ -36,6 +36,7 @@ def sweep_words(record: Sweep) -> str:
     ways = {run.up for run in runs}
     way = "up and down" if len(ways) == 2 else "up" if True in ways else "down"
     dwell = "" if record.dwell is None else f", {significant(float(np.median(record.dwell)), 2)} s a point"
+    dwell += ", simulated as it was run" if record.fast else ""
     phase = "with phase" if record.phase is not None else "without phase"
     return f"sweep {low} to {high} Hz, {drive}, {way}, {phase}{dwell}"
 
