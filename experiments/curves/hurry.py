@@ -83,7 +83,7 @@ def passed(frequency: np.ndarray, level: float, hidden: Force, swept: bool) -> n
         turns = lambda t: frequency[0] * t + (0.5 * rate * (t - last) ** 2 if t > last else 0.0)
     else:
         ends = last + HELD * np.arange(len(frequency))
-        before = np.concatenate([[0.0], frequency[0] * last + HELD * np.cumsum(frequency[1:])])
+        before = np.append(0.0, frequency[0] * last + HELD * np.append(0.0, np.cumsum(frequency[1:-1])))
         begins = np.concatenate([[0.0], ends])
 
         def turns(t: float) -> float:

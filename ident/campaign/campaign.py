@@ -92,6 +92,11 @@ class Campaign:
         return tuple(r for r in self.sweeps if not r.holdout)
 
     @property
+    def shows_shape(self) -> bool:
+        """Whether what is fitted shows the shape of a motion: traces do, and sweeps with their harmonics."""
+        return bool(self.fitted) or any(sweep.overtones and not sweep.fast for sweep in self.fitted_sweeps)
+
+    @property
     def heldout_sweeps(self) -> tuple[Sweep, ...]:
         """The sweeps that only judge."""
         return tuple(r for r in self.sweeps if r.holdout)

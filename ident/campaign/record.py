@@ -7,7 +7,7 @@ A record is one file: a trace (time, drive, response) or a sweep (frequency, lev
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -150,6 +150,19 @@ class Run:
     rows: np.ndarray
 
 
+class Overtone(NamedTuple):
+    """A harmonic of a sweep: its `order`, and (n,) its `amplitude`, m, and the standard deviation of the `noise` of its
+    real part, m."""
+
+    order: int
+    amplitude: np.ndarray
+    noise: np.ndarray
+
+    def only(self, rows: np.ndarray) -> Overtone:
+        """Some of the points."""
+        return Overtone(self.order, self.amplitude[rows], self.noise[rows])
+
+
 @dataclass(frozen=True, eq=False)
 class Sweep:
     """An amplitude-frequency curve; rows stand as in the file, `runs` orders them.
@@ -165,6 +178,7 @@ class Sweep:
       the frequency glided from one to the next, instead of being held for that time; `averaging`: s over which the
       instrument averaged before it read a point, at least a period. `fast`: whether points had not settled, so that
       the sweep is simulated as it was run.
+    - `overtones`: the harmonics that were measured too, of a settled response.
     - `noise`: its `sigma` is the part of the amplitude noise that is the same at every point.
     - `relative_noise`: the part that grows with the amplitude, a fraction of it.
     - `phase_noise`: rad, what the phase scatters beyond sigma/amplitude.
@@ -194,6 +208,7 @@ class Sweep:
     swept: bool = False
     averaging: float = 0.0
     fast: bool = False
+    overtones: tuple[Overtone, ...] = ()
 
     @property
     def differs(self) -> bool:
@@ -229,7 +244,8 @@ class Sweep:
     def only(self, rows: np.ndarray) -> Sweep:
         """Some of the points, in the order given."""
         names = ("frequency", "level", "amplitude", "up", "phase", "dwell", "stronger", "own_noise")
-        return replace(self, **{name: value[..., rows] for name in names if (value := getattr(self, name)) is not None})
+        some = {name: value[..., rows] for name in names if (value := getattr(self, name)) is not None}
+        return replace(self, **some, overtones=tuple(one.only(rows) for one in self.overtones))
 
     @property
     def runs(self) -> tuple[Run, ...]:

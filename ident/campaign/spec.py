@@ -20,7 +20,9 @@ from .tables.opening import check_file, exists
 from .tables.table import Table
 
 _TRACE_ROLES = ("time", "drive", "response", "reference")
-_SWEEP_ROLES = ("frequency", "level", "amplitude", "phase", "direction", "real", "imaginary")
+HARMONICS = {f"harmonic{order}": order for order in range(2, 9)}
+"""Columns of harmonics, by what the campaign calls them."""
+_SWEEP_ROLES = ("frequency", "level", "amplitude", "phase", "direction", "real", "imaginary", *HARMONICS)
 SWEEP_NAMES = {"drive": "level", "response": "amplitude"}
 """A sweep's level and amplitude may be called like a trace's columns."""
 

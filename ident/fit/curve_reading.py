@@ -110,6 +110,19 @@ class CurveReading:
         return found
 
     @property
+    def of_harmonics(self) -> tuple[tuple[int, np.ndarray], ...]:
+        """Of each harmonic that was measured, its order and (n,) the residuals in noise floors; NaN where a point does
+        not count."""
+        orders = () if self.passed is not None else tuple(one.order for one in self.sweep.overtones)
+        count, found = int(np.count_nonzero(self.settled)), []
+        first = count * (1 + (self.sweep.phase is not None))
+        for k, order in enumerate(sorted(orders)):
+            left = np.full(len(self.settled), np.nan)
+            left[self.settled] = self.rows[first + k * count : first + (k + 1) * count]
+            found.append((order, left))
+        return tuple(found)
+
+    @property
     def apart(self) -> np.ndarray:
         """(n,) where model and device were on different branches."""
         found = np.zeros(len(self.sweep.frequency), bool)

@@ -10,7 +10,8 @@ where the model jumps elsewhere finds its way. Points that may not have settled 
 
 Û is the measured drive U times that ratio, complex relative to the response; real and imaginary part of the logarithm
 are two numbers, and without a phase φ the real part alone counts. L is renewed between searches and held within each,
-so that a search minimises something.
+so that a search minimises something. Harmonics that were measured are further numbers, of the response with the
+measured amplitude (`fit.overtones`).
 
 Source: as of `response.controlled`; S. J. Julier, J. K. Uhlmann, Unscented filtering and nonlinear estimation, Proc.
 IEEE 92 (2004) 401 (the noise carried through the model).
@@ -31,6 +32,7 @@ from ..model import Model
 from ..response import Equation
 from ..response.controlled import Controlled, Points, at_amplitude
 from ..response.periodic import Periodic, steps_per_period
+from .overtones import Heard, lay_overtones
 
 _SHARE = 0.1  # of the noise floor of all points together: so far the solver's step may move the response
 _REACH = 0.5  # of the scale of an unknown: as far as a slope is followed
@@ -71,7 +73,7 @@ class Curves:
     **Arguments:** `settled`: per sweep, (n,) which of its points these are; `points`: as the solver takes them;
     `measured`: (points,) amplitude, m; `phase`: (points,) rad, NaN where none was measured; `deviation`,
     `phase_deviation`: (points,); `steps` of the solver per period; `white`: (points, 2, 2) L⁻¹; `slices`: the points of
-    each sweep; `known`: what was found last, by equation.
+    each sweep; `heard`: the harmonics of the points; `known`: what was found last, by equation.
     """
 
     sweeps: tuple[Sweep, ...]
@@ -84,6 +86,7 @@ class Curves:
     steps: int
     white: np.ndarray
     slices: tuple[slice, ...]
+    heard: Heard
     known: dict[Equation, Known] = field(default_factory=dict)
 
     @property
@@ -94,13 +97,14 @@ class Curves:
     @property
     def count(self) -> int:
         """How many numbers were measured."""
-        return len(self.phase) + int(np.count_nonzero(self.phased))
+        return len(self.phase) + int(np.count_nonzero(self.phased)) + self.heard.count
 
     def places(self, own: slice) -> np.ndarray:
-        """Which of the numbers are those of a sweep, (k,): its amplitudes, then its phases."""
+        """Which of the numbers are those of a sweep, (k,): its amplitudes, its phases, then its harmonics."""
         points = np.arange(own.start, own.stop)
         after = len(self.phase) + np.cumsum(self.phased) - 1
-        return np.concatenate([points, after[points][self.phased[points]]])
+        last = len(self.phase) + int(np.count_nonzero(self.phased)) + self.heard.places(points)
+        return np.concatenate([points, after[points][self.phased[points]], last])
 
     def solve(self, equation: Equation, values: np.ndarray, directions: np.ndarray | None = None) -> Controlled:
         """The model's steady responses with the measured amplitudes; `directions`, (d, m) of the values, along which
@@ -119,13 +123,17 @@ class Curves:
         """(count,) (model − measured) in noise floors: of all amplitudes, then of the phases."""
         raised = (self.measured / self.points.amplitude) ** (1 / (1 + self.points.tilt))
         ratio = found.needed * raised / self.points.level
-        return self.rows(-np.log(ratio * np.exp(1j * np.where(self.phased, self.phase, -np.angle(ratio)))))
+        rows = self.rows(-np.log(ratio * np.exp(1j * np.where(self.phased, self.phase, -np.angle(ratio)))))
+        if self.heard.count:
+            rows[len(rows) - self.heard.count :] = self.heard.residuals(found.overtones(self.heard.orders))
+        return rows
 
     def rows(self, logarithms: np.ndarray) -> np.ndarray:
-        """Differences of the logarithm of the drive, (…, points), in noise floors, (…, count)."""
+        """Differences of the logarithm of the drive, (…, points), in noise floors, (…, count); of harmonics none."""
         both = np.stack([np.real(logarithms), np.imag(logarithms)], axis=-1)
         white = np.einsum("pij,...pj->...pi", self.white, both)
-        return np.concatenate([white[..., 0], white[..., self.phased, 1]], axis=-1)
+        none = np.zeros((*white.shape[:-2], self.heard.count))
+        return np.concatenate([white[..., 0], white[..., self.phased, 1], none], axis=-1)
 
     def slopes(self, found: Controlled, directions: np.ndarray) -> np.ndarray:
         """Derivatives of the residuals along directions (d, m) of the values, (d, count)."""
@@ -133,19 +141,28 @@ class Curves:
             return np.zeros((0, self.count))
         moved = found.moves(directions)
         self.known[found.model.equation] = Known(found, directions, moved.unknowns)
-        return self.rows(-moved.needed / found.needed)
+        rows = self.rows(-moved.needed / found.needed)
+        if self.heard.count:
+            orders = self.heard.orders
+            change = self.heard.slopes(found.overtones(orders), found.overtone_slopes(orders, directions))
+            rows[:, rows.shape[1] - self.heard.count :] = change
+        return rows
 
     @np.errstate(over="ignore", invalid="ignore")  # where the model has no steady response
     def weighed(self, equation: Equation, values: np.ndarray) -> Curves:
         """The same with the noise carried through the model at these values."""
         here = self.solve(equation, values)
         amplitude = self.points.amplitude
-        off = []
-        for there in self.beside(here):
+        off, beside = [], self.beside(here)
+        for there in beside:
             good = there.converged & here.converged
             linear = (there.points.amplitude / amplitude) ** (1 / (1 + self.points.tilt))
             off.append(np.log(np.where(good, there.needed / here.needed, linear)))
-        return self.with_deviations(np.array(off))
+        found = self.with_deviations(np.array(off))
+        if not self.heard.count:
+            return found
+        three = (one.overtones(self.heard.orders) for one in (here, *beside))
+        return replace(found, heard=self.heard.weighed(*three))
 
     def beside(self, here: Controlled) -> tuple[Controlled, Controlled]:
         """The model's steady responses with amplitudes that are larger, and smaller, by the noise."""
@@ -191,8 +208,9 @@ def lay_curves(sweeps: Sequence[Sweep], model: Model) -> Curves:
     allowed = np.clip(_SHARE * noise / np.sqrt(len(measured)), _FINEST, _COARSEST)
     ends = np.cumsum([0, *(int(np.count_nonzero(rows)) for rows in kept)])
     places = tuple(slice(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True))
+    steps = steps_per_period(model.steps_per_period, float(allowed))
     laid = Curves(tuple(sweeps), kept, points, measured, phase, deviation, join([s.phase_deviation for s in sweeps]),
-                  steps_per_period(model.steps_per_period, float(allowed)), np.zeros((0, 2, 2)), places)  # fmt: skip
+                  steps, np.zeros((0, 2, 2)), places, lay_overtones(sweeps, kept))  # fmt: skip
     linear = (deviation / points.amplitude / (1 + points.tilt)).astype(complex)
     return replace(laid, white=laid._whitening(np.array([linear, -linear])))
 

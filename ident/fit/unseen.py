@@ -18,7 +18,7 @@ _ASIDE = 1e-6  # m: a law that is even anywhere is so here
 
 def hold_unseen(model: Model, campaign: Campaign) -> Model:
     """The model with even parts of bent characteristics held where they are, if curves alone are fitted."""
-    if campaign.fitted:
+    if campaign.fitted or any(one.order % 2 == 0 for sweep in campaign.fitted_sweeps for one in sweep.overtones):
         return model
     names = {f"{effect.name}.{name}" for effect in model.effects for name in _even_parts(effect)}
     return replace(model, held=model.held | names) if names else model

@@ -93,6 +93,17 @@ class Controlled:
             return self._answer(*self._asked(seen.along(slice(self.model.size + 1, None))))
         return self._answer(*self._asked(self.beside.seen))
 
+    def overtones(self, orders: tuple[int, ...]) -> np.ndarray:
+        """(orders, points) complex harmonics of the reading relative to the drive, m."""
+        return self.model.overtones(orders, self.unknowns, self.seat)[0]
+
+    def overtone_slopes(self, orders: tuple[int, ...], directions: np.ndarray) -> np.ndarray:
+        """Derivatives of `overtones` along directions (d, m) of the values, (orders, d, points)."""
+        n = self.model.size
+        _, slopes = self.model.overtones(orders, self.unknowns, self.seat, directions)
+        moved = self.moves(directions).unknowns / self.seat.scale[:, : n + 1]
+        return np.einsum("knp,dpn->kdp", slopes[:, : n + 1], moved) + slopes[:, n + 1 :]
+
     def slopes(self, directions: np.ndarray) -> np.ndarray:
         """Derivatives of `needed` along directions (d, m) of the values, (d, points)."""
         return self.moves(directions).needed

@@ -132,6 +132,25 @@ class Periodic:
         """Cosine and sine of the phase on the half-step grid, (2, 2 steps + 1)."""
         return circle(self.steps)
 
+    def overtones(
+        self, orders: tuple[int, ...], unknowns: np.ndarray, seat: Seat, directions: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Harmonics of the reading, (orders, points) complex relative to the drive, and how they change by each number
+        of the state and by the share, in units of the seat's scale, and then along `directions` (q, m) of the values,
+        (orders, d, points)."""
+        q, n = 0 if directions is None else len(directions), self.size
+        angle = 2 * np.pi * np.outer(orders, np.arange(self.steps)) / self.steps
+        waves = 2.0 / self.steps * np.concatenate([np.cos(angle), -np.sin(angle)])
+        width = next((w for w in _WIDTHS if w >= q), q)
+        given = None if directions is None else _filled(directions, width)
+        found = []
+        for rows in batches(len(unknowns)):
+            arrays = (self.values, unknowns[rows], np.array(BY_SHARE), given, *seat.some(rows), self.circle, waves)
+            found.append(one_look_of_overtones(self.equation, self.equation.constants, *arrays))
+        heard, slopes = joined(found, len(unknowns))
+        k = len(orders)
+        return heard[:k] + 1j * heard[k:], (slopes[:k] + 1j * slopes[k:])[:, : n + 1 + q]
+
     def look(
         self, unknowns: np.ndarray, seat: Seat, way: tuple[float, float], directions: np.ndarray | None = None
     ) -> Look:
@@ -164,8 +183,30 @@ def one_look(
     equation: Equation, constants: Numbers, values: Numbers, unknowns: Numbers, way: Numbers,
     directions: Numbers | None, level: Numbers, load: Numbers, scale: Numbers, circle: Numbers,
 ) -> tuple:  # fmt: skip
-    """`Periodic.look` of one set of points, points last. They are the last axis of everything, tangents too: so they
-    fill the processor's vector units."""
+    """`Periodic.look` of one set of points, points last."""
+    start, path, slope, readings = _period(
+        equation, constants, values, unknowns, way, directions, level, load, scale, circle
+    )
+    return path.end - start, slope, *tones(path.shown, readings, circle)
+
+
+@program
+def one_look_of_overtones(
+    equation: Equation, constants: Numbers, values: Numbers, unknowns: Numbers, way: Numbers,
+    directions: Numbers | None, level: Numbers, load: Numbers, scale: Numbers, circle: Numbers, waves: Numbers,
+) -> tuple:  # fmt: skip
+    """Projections of the reading on `waves`, (k, steps), (k, points), and their derivatives as `Periodic.look` has
+    them, (k, d, points)."""
+    _, path, _, readings = _period(equation, constants, values, unknowns, way, directions, level, load, scale, circle)
+    return jnp.tensordot(waves, path.shown, 1), jnp.tensordot(waves, readings, 1)
+
+
+def _period(
+    equation: Equation, constants: Numbers, values: Numbers, unknowns: Numbers, way: Numbers,
+    directions: Numbers | None, level: Numbers, load: Numbers, scale: Numbers, circle: Numbers,
+) -> tuple:  # fmt: skip
+    """The beginning of a period, what it is step by step, and how its end and the readings change. Points are the last
+    axis of everything, tangents too: so they fill the processor's vector units."""
     points, units = jnp.asarray(unknowns).T, jnp.asarray(scale).T
     each = lambda function, *parts: jax.vmap(function, in_axes=-1, out_axes=-1)(*parts)
     start, rest = points[:SHARE], points[SHARE:]
@@ -187,7 +228,7 @@ def one_look(
     by_rest, seen = carried(path, *(jnp.concatenate(parts) for parts in zip(*changes, strict=True)))
     slope = jnp.concatenate([own - jnp.eye(len(start))[..., None] * units[:SHARE], by_rest])
     readings = jnp.concatenate([told, seen], axis=1)
-    return path.end - start, slope, *tones(path.shown, readings, circle)
+    return start, path, slope, readings
 
 
 class Ride(NamedTuple):

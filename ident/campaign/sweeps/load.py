@@ -15,13 +15,14 @@ from ..channel import channel_of, own_units, plausible_noise
 from ..device import Device, Oscillator
 from ..quality.checks import PLATFORM_TRAVEL
 from ..record import SAME_LEVEL, Channel, NoiseFloor, Sweep, same_level
-from ..spec import SWEEP_NAMES, RecordSpec, signal_units
+from ..spec import HARMONICS, SWEEP_NAMES, RecordSpec, signal_units
 from ..tables.amplitude_unit import TO_PEAK, AmplitudeUnit, split_convention
 from ..tables.columns import Role, match_columns, sweep_roles
 from ..tables.table import Column, Table
 from .direction import directions, turned_by_jumps
 from .form import curve_form, level_in
 from .noise import sweep_noise
+from .overtones import overtones_of, split_harmonics, with_overtone_noise
 
 
 def load_sweep(spec: RecordSpec, table: Table, device: Device) -> tuple[Sweep, list[str]]:
@@ -32,17 +33,23 @@ def load_sweep(spec: RecordSpec, table: Table, device: Device) -> tuple[Sweep, l
     notes: list[str] = []
     (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device)
     given = {SWEEP_NAMES.get(role, role): column for role, column in spec.columns.items()}
-    form = curve_form(table, given)
+    own = {HARMONICS[role]: column for role, column in given.items() if role in HARMONICS}
+    rest, harmonics = split_harmonics(table, own, spec.where)
+    given = {role: column for role, column in given.items() if role not in HARMONICS}
+    form = curve_form(rest, given)
     notes += form.notes[len(table.notes) :]
     given = {role: name for role, name in given.items() if role not in ("real", "imaginary")}
     roles = sweep_roles(drive_dimension or NUMBER, response_dimension or NUMBER, own_units(device))
-    units = {SWEEP_NAMES.get(role, role): unit for role, unit in spec.units.items()}
+    told = {SWEEP_NAMES.get(role, role): unit for role, unit in spec.units.items()}
+    of_harmonics = {name for order, c in harmonics.items() for name in (f"harmonic{order}", c.header, c.stem)}
+    units = {name: unit for name, unit in told.items() if name not in of_harmonics}
     if spec.direction not in ("", "up", "down"):
         given["direction"] = spec.direction
     columns = match_columns(form, roles, given, units, where=spec.where)
     name = spec.file
     if spec.level is not None and "level" in columns:
-        columns, name = _at_level(spec, columns, roles, drive_unit)
+        columns, name, rows = _at_level(spec, columns, roles, drive_unit)
+        harmonics = {order: column.at(rows) for order, column in harmonics.items()}
     frequency = _frequency(columns["frequency"], notes)
     if len(frequency) < 5:
         raise UserError(f"{len(frequency)} points are too few", where=spec.file, do="a sweep needs at least 5 points")
@@ -59,14 +66,20 @@ def load_sweep(spec: RecordSpec, table: Table, device: Device) -> tuple[Sweep, l
         name, frequency, level, amplitude, phase, up, spec.quantity, drive_channel, response_channel,
         NoiseFloor(0.0), spec.holdout, spec.load,
     )  # fmt: skip
+    if harmonics and len(next(iter(harmonics.values())).cells) != len(frequency):
+        what = "harmonics cannot be read where several curves stand side by side"
+        raise UserError(what, where=spec.file, do="write one row for each level and direction")
+    sweep = replace(sweep, overtones=overtones_of(harmonics, told, sweep))
     sweep = _timed(spec, sweep, _dwell(spec, sweep, columns.get("time")))
-    return _with_noise(spec, _without_copies(sweep, notes), notes), notes
+    sweep = with_overtone_noise(_with_noise(spec, _without_copies(sweep, notes), notes))
+    return sweep, notes
 
 
 def _at_level(
     spec: RecordSpec, columns: dict[str, Column], roles: tuple[Role, ...], unit: str
-) -> tuple[dict[str, Column], str]:
-    """The rows of the level that the record names, of a table of several, and a name for them."""
+) -> tuple[dict[str, Column], str, np.ndarray]:
+    """The columns with the rows of the level that the record names, of a table of several, a name for them, and these
+    rows."""
     assert spec.level is not None
     meant, level = _levels(columns["level"], roles, [])
     rows = np.flatnonzero(np.abs(np.log(level / spec.level)) < math.log(SAME_LEVEL))
@@ -76,7 +89,7 @@ def _at_level(
         raise UserError(what, where=spec.where, do="name one of these, or remove level")
     found = find_unit(meant.unit) if meant.unit else None
     name = f"{spec.file}, {spec.level / (found.factor if found else 1.0):.4g} {meant.unit or unit}"
-    return {role: column.at(rows) for role, column in columns.items()}, name
+    return {role: column.at(rows) for role, column in columns.items()}, name, rows
 
 
 def _frequency(column: Column, notes: list[str]) -> np.ndarray:
@@ -286,7 +299,8 @@ def _without_copies(sweep: Sweep, notes: list[str]) -> Sweep:
         arrays = {name: getattr(sweep, name)[first] for name in ("frequency", "level", "amplitude", "up")}
         extra = {name: None if getattr(sweep, name) is None else getattr(sweep, name)[first]
                  for name in ("phase", "dwell")}  # fmt: skip
-        sweep = replace(sweep, **arrays, **extra)
+        overtones = tuple(one.only(first) for one in sweep.overtones)
+        sweep = replace(sweep, **arrays, **extra, overtones=overtones)
     twice = sum(len(run.rows) - len(np.unique(sweep.frequency[run.rows])) for run in sweep.runs)
     if twice:
         points = "points stand" if twice > 1 else "point stands"

@@ -50,6 +50,8 @@ def with_speeds(records: Sequence[Record], notes: list[str]) -> list[Record]:
     for sweep in fast:
         if sweep not in shaped:
             notes.append(_words(sweep, late[id(sweep)]))
+            if sweep.overtones:
+                notes.append(f"{sweep.name}: harmonics of a sweep that was run fast are not fitted.")
     return [
         replace(record, fast=True) if isinstance(record, Sweep) and id(record) in late and record not in shaped
         else record for record in records

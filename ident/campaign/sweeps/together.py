@@ -129,4 +129,5 @@ def _joined(sweeps: Sequence[Sweep]) -> Sweep:
     arrays = {name: np.concatenate([getattr(sweep, name) for sweep in sweeps])
               for name in ("frequency", "level", "amplitude", "up")}  # fmt: skip
     phases = [sweep.phase for sweep in sweeps if sweep.phase is not None]
-    return replace(sweeps[0], **arrays, phase=np.concatenate(phases) if phases else None, dwell=None)
+    return replace(sweeps[0], **arrays, phase=np.concatenate(phases) if phases else None, dwell=None,
+                   overtones=())  # fmt: skip

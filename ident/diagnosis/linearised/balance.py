@@ -59,6 +59,8 @@ def balanced(
     largest = np.max(np.abs(both.drives), axis=1) / typical + np.max(np.abs(both.shares), axis=1)
     for part, unit in ((moves.bends, typical), (moves.share_bends, 1.0)):
         largest[own:] += np.sqrt(np.max(np.abs(np.einsum("ddp->dp", part)), axis=1, initial=0.0) / unit)
+    size = np.median(plane.curves.points.amplitude)
+    largest += np.max(np.abs(both.heard), axis=(1, 2), initial=0.0) / size
     usable = np.isfinite(largest) & ((largest > 0) | (np.abs(rows).max(axis=1, initial=0.0) > 0))
     scale = np.where(usable, 1.0 / np.where(largest > 0, largest, 1.0), 0.0)
     both = both.scaled(scale)
@@ -68,7 +70,8 @@ def balanced(
     def at(x: np.ndarray, plane: Plane) -> tuple[np.ndarray, np.ndarray]:
         bent, turned = (np.einsum("d,dqp->qp", x, part) for part in (both.bends, both.share_bends))
         drives, given = needed[0] + x @ both.drives + x[own:] @ bent, 1.0 + x @ both.shares + x[own:] @ turned
-        left = np.concatenate([regression.left[:first] - x @ rows, plane.left(drives, given)])
+        heard = plane.heard + np.einsum("d,dkp->kp", x, both.heard)
+        left = np.concatenate([regression.left[:first] - x @ rows, plane.left(drives, given, heard)])
         steeper, turning = (
             straight + np.einsum("dqp,q->dp", square, x[own:])
             for straight, square in ((both.drives, both.bends), (both.shares, both.share_bends))
@@ -76,7 +79,7 @@ def balanced(
         steeper[own:] += bent
         turning[own:] += turned
         along = both._replace(drives=steeper, shares=turning)
-        return left, np.concatenate([rows, -plane.slopes(drives, given, along)], axis=1)
+        return left, np.concatenate([rows, -plane.slopes(drives, given, heard, along)], axis=1)
 
     def weighed(x: np.ndarray) -> _End:
         """With the noise carried through the model as it is there."""

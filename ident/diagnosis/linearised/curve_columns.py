@@ -16,8 +16,9 @@ odd part it may be the greater (stressed beams that soften):
     δF₁ = ½ ∂²/∂x² [F(x, z + x δz)]₁,   δz = Σ_{k ≠ 1} Y(kω) [∂F/∂x]_k
 
 with the linear part's answer Y. Of an effect with several amplitudes each pair has such a term: the mean of one moves
-the stage to where another acts. What acts on drive or reading has its square too: a lag τ turns them by −iωτ, which no
-amplitude shows, and makes them smaller by −ω²τ². These are the leading terms; the refit knows the rest.
+the stage to where another acts. Where harmonics were measured, Y(kω) F_k and what the sensor adds at kω
+are what a candidate does to them. What acts on drive or reading has its square too: a lag τ turns them by −iωτ, which
+no amplitude shows, and makes them smaller by −ω²τ². These are the leading terms; the refit knows the rest.
 
 Source: as of `columns`; W. Krack, J. Gross, Harmonic Balance for Nonlinear Vibration Problems, 2019, §2.4; A. H.
 Nayfeh, D. T. Mook, Nonlinear Oscillations, 1979, §2.3.1 (the frequency that a quadratic spring shifts).
@@ -65,7 +66,8 @@ class Moves(NamedTuple):
     """What units of some parameters do, complex: to the `drives` that are needed, (d, points) V, with `bends`, (d, q,
     points), what a product with each of the q amplitudes of the same effect does; to the `shares` of the drive that the
     actuator gives, with `share_bends`; `beside`, (d, 2, points), and `beside_bends`, (d, q, 2, points): as `drives` and
-    `bends`, at amplitudes larger and smaller by the noise."""
+    `bends`, at amplitudes larger and smaller by the noise; to the harmonics that were measured, `heard` (d, orders,
+    points) m."""
 
     drives: np.ndarray
     bends: np.ndarray
@@ -73,13 +75,14 @@ class Moves(NamedTuple):
     share_bends: np.ndarray
     beside: np.ndarray
     beside_bends: np.ndarray
+    heard: np.ndarray
 
     def scaled(self, units: np.ndarray) -> Moves:
         """The same per so many units (d,) of each parameter, the last of which are the q amplitudes; what is no number
         counts as nothing."""
         pairs = units[:, None] * units[len(units) - self.bends.shape[1] :]
         turned = lambda part, by: np.nan_to_num(part) * by.reshape(*by.shape, *[1] * (part.ndim - by.ndim))
-        powers = (units, pairs, units, pairs, units, pairs)
+        powers = (units, pairs, units, pairs, units, pairs, units)
         return Moves(*(turned(part, by) for part, by in zip(self, powers, strict=True)))
 
     def rows(self, which: slice | np.ndarray) -> Moves:
@@ -110,13 +113,15 @@ class Plane:
     well it agreed with the one that was measured.
 
     **Arguments:** `steady`: the model's responses with the measured amplitudes, and with those larger and smaller by
-    the noise; `own`: what the model's own parameters do. What the actuator adds, κ_j, turns with the drive.
+    the noise; `own`: what the model's own parameters do; `heard`: (orders, points) its harmonics, m. What the actuator
+    adds, κ_j, turns with the drive.
     """
 
     curves: Curves
     order: np.ndarray
     steady: tuple[Controlled, Controlled, Controlled]
     own: Moves
+    heard: np.ndarray
 
     @property
     def needed(self) -> np.ndarray:
@@ -128,17 +133,23 @@ class Plane:
         the amplitudes beside."""
         return replace(self, curves=self.curves.with_deviations(np.log(beside / drives)))
 
-    def left(self, drives: np.ndarray, shares: np.ndarray) -> np.ndarray:
+    def left(self, drives: np.ndarray, shares: np.ndarray, heard: np.ndarray) -> np.ndarray:
         """(count,) measured − model in noise floors, if the model needs `drives` (points,) of an actuator that gives
-        `shares` (points,) of what it did."""
+        `shares` (points,) of what it did, and has harmonics `heard`."""
         curves = self.curves
         ratio = drives / shares * (curves.measured / curves.points.amplitude) / curves.points.level
         turned = ratio * np.exp(1j * np.where(curves.phased, curves.phase, -np.angle(ratio)))
-        return curves.rows(np.log(turned))[self.order]
+        rows, n = curves.rows(np.log(turned)), curves.heard.count
+        if n:
+            rows[-n:] = -curves.heard.residuals(heard)
+        return rows[self.order]
 
-    def slopes(self, drives: np.ndarray, shares: np.ndarray, moves: Moves) -> np.ndarray:
-        """How `left` changes with moves of both, (d, count)."""
-        return self.curves.rows(moves.drives / drives - moves.shares / shares)[:, self.order]
+    def slopes(self, drives: np.ndarray, shares: np.ndarray, heard: np.ndarray, moves: Moves) -> np.ndarray:
+        """How `left` changes with moves of all, (d, count)."""
+        rows, n = self.curves.rows(moves.drives / drives - moves.shares / shares), self.curves.heard.count
+        if n:
+            rows[:, -n:] = -self.curves.heard.slopes(heard, np.moveaxis(moves.heard, 1, 0))
+        return rows[:, self.order]
 
 
 def plane_of(solved: Solved, directions: np.ndarray) -> Plane:
@@ -149,8 +160,12 @@ def plane_of(solved: Solved, directions: np.ndarray) -> Plane:
     drives, *beside = (one.slopes(directions) for one in three)
     none, around = np.zeros_like(drives), np.stack(beside, axis=1)
     straight, straight_around = none[:, None][:, :0], around[:, None][:, :0]
-    own = Moves(drives, straight, none, straight, around, straight_around)
-    return Plane(curves, curve_order(solved), three, own)
+    orders, n = curves.heard.orders, len(drives)
+    heard, change = np.zeros((0, drives.shape[1])), np.zeros((n, 0, drives.shape[1]))
+    if orders:
+        heard, change = steady.overtones(orders), np.moveaxis(steady.overtone_slopes(orders, directions), 0, 1)
+    own = Moves(drives, straight, none, straight, around, straight_around, change)
+    return Plane(curves, curve_order(solved), three, own, heard)
 
 
 def curve_columns(plane: Plane, equation: Equation, values: np.ndarray, directions: np.ndarray) -> Moves:
@@ -161,32 +176,33 @@ def curve_columns(plane: Plane, equation: Equation, values: np.ndarray, directio
     At the smaller amplitudes they do what a straight line through the two others says, which the noise is small for.
     """
     here, above, below = plane.steady
-    drives, bends, shares, share_bends = _columns(here, equation, values, directions)
-    more, more_bends, _, _ = _columns(above, equation, values, directions)
+    orders = plane.curves.heard.orders
+    drives, bends, shares, share_bends, heard = _columns(here, equation, values, directions, orders)
+    more, more_bends, *_ = _columns(above, equation, values, directions, orders)
     size, up, down = (one.points.amplitude for one in plane.steady)
     ratio = (size - down) / (up - size)
     around, bent = (np.stack([b, a - ratio * (b - a)], axis=-2) for a, b in ((drives, more), (bends, more_bends)))
-    return Moves(drives, bends, shares, share_bends, around, bent)
+    return Moves(drives, bends, shares, share_bends, around, bent, heard)
 
 
 def _columns(
-    steady: Controlled, equation: Equation, values: np.ndarray, directions: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Drives, shares and the bends of both of `Moves` at one amplitude of each point."""
+    steady: Controlled, equation: Equation, values: np.ndarray, directions: np.ndarray, orders: tuple[int, ...]
+) -> tuple[np.ndarray, ...]:
+    """Drives, shares, the bends of both, and what is `heard`, of `Moves`, at one amplitude of each point."""
     points = steady.points
     gain = float(steady.model.values[GAIN] * steady.model.equation.constants[1])
     stretch = steady.by_amplitude * points.amplitude / steady.needed
-    around, q = circle(_STEPS), len(directions)
+    around, q, k = circle(_STEPS), len(directions), np.array(orders, float)
     at = (points.level, points.frequency, points.load, np.real(steady.tone), np.imag(steady.tone))
     parts: list[tuple[np.ndarray, ...]] = []
     for value in values:
         found = []
         for own in batches(len(points.level)):
-            said = terms_along(equation, equation.constants, value, directions, *(x[own] for x in at), around)
+            said = terms_along(equation, equation.constants, value, directions, *(x[own] for x in at), around, k)
             found.append((said,))
         (real,) = joined(found, len(points.level))
-        push, driven, shown, *bent = np.split(
-            real[::2] + 1j * real[1::2], [q, 2 * q, 3 * q, (3 + q) * q, (3 + 2 * q) * q]
+        push, driven, shown, *bent, heard = np.split(
+            real[::2] + 1j * real[1::2], [q, 2 * q, 3 * q, (3 + q) * q, (3 + 2 * q) * q, 3 * (1 + q) * q]
         )
         push_bent, driven_bent, shown_bent = (part.reshape(q, q, -1) for part in bent)
         past, by_force = shown / steady.tone, -1.0 / (gain * steady.share * points.level)
@@ -199,19 +215,19 @@ def _columns(
             steady.needed * across(by_force * push_bent) + by_past * np.real(past_bent - 0.5 * past[:, None] * past),
             across(driven / (gain * points.level)) + steady.share * past,
             across(driven_bent / (gain * points.level)) + steady.share * past_bent,
+            heard.reshape(q, len(orders), len(points.level)),
         ))  # fmt: skip
-    drives, bends, shares, share_bends = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return drives, bends, shares, share_bends
+    return tuple(np.concatenate(part) for part in zip(*parts, strict=True))
 
 
 @program
 def terms_along(
     equation: Equation, constants: Numbers, values: Numbers, directions: Numbers, level: Numbers,
-    frequency: Numbers, load: Numbers, real: Numbers, imaginary: Numbers, circle: Numbers,
+    frequency: Numbers, load: Numbers, real: Numbers, imaginary: Numbers, circle: Numbers, orders: Numbers,
 ) -> Any:  # fmt: skip
     """Fundamentals of the forces on the stage and of those through the actuator, N, and of what the sensor adds, m, per
-    unit of each of q directions, and of the three per product of each two: (2 (3 q + 3 q²), points), real and imaginary
-    part of each, relative to cos ωt."""
+    unit of each of q directions, and of the three per product of each two; then k harmonics of the reading per unit of
+    each: (2 (3 q + 3 q² + q k), points), real and imaginary part of each, relative to cos ωt."""
 
     def point(level: Any, frequency: Any, load: Any, real: Any, imaginary: Any) -> Any:
         cosine, sine = circle
@@ -245,7 +261,8 @@ def terms_along(
         answers = jax.vmap(lambda force: _overtones(force, system))(force)
         bent = jax.vmap(lambda axis, z, v: further(0.5 * axis, z, v))(axes, *answers)
         told = jnp.concatenate([*changed, *(part.reshape(-1, len(z)) for part in bent)])
-        return jax.vmap(lambda x: jnp.stack(_fundamental(x, circle)))(told).reshape(-1)
+        first = jax.vmap(lambda x: jnp.stack(_fundamental(x, circle)))(told).reshape(-1)
+        return jnp.concatenate([first, _harmonics(answers[0] + changed[2], orders).reshape(-1)])
 
     return jax.vmap(point, out_axes=-1)(level, frequency, load, real, imaginary)
 
@@ -280,6 +297,13 @@ def _overtones(force: Any, system: Any) -> tuple[Any, Any]:
         a, b = give * (a * spring + b * damper), give * (b * spring - a * damper)
         z, v = z + a * cosine - b * sine, v - k * system.omega * (a * sine + b * cosine)
     return z, v
+
+
+def _harmonics(x: Any, orders: Any) -> Any:
+    """Real and imaginary parts of harmonics of signals (q, points), (q, k, 2)."""
+    angle = orders[:, None] * _ANGLE[:-1]
+    waves = 2.0 / (len(_ANGLE) - 1) * jnp.stack([jnp.cos(angle), -jnp.sin(angle)], axis=1)  # (k, 2, points)
+    return jnp.tensordot(x[:, :-1], waves, axes=[[1], [2]])
 
 
 def _fundamental(x: Any, circle: Any) -> tuple[Any, Any]:

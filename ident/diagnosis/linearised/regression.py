@@ -299,7 +299,7 @@ def stack(
     if moves is not None:
         plane = regression.plane
         assert plane is not None  # there are sweeps
-        parts.append(-plane.slopes(plane.needed, np.ones_like(plane.needed), moves))
+        parts.append(-plane.slopes(plane.needed, np.ones_like(plane.needed), plane.heard, moves))
     return np.concatenate(parts, axis=1)
 
 

@@ -192,7 +192,7 @@ def _weighed(regression: Regression, asked: _Asked) -> Candidate | None:
             projected[rows] = regression.project(raw[rows])
         basis = orthonormal(projected[rows], raw[rows])
         own = None if moves is None else moves.rows(rows)
-        if own is not None and (basis.shape[1] or np.any(own.bends) or np.any(own.share_bends)):
+        if own is not None and (basis.shape[1] or np.any(own.bends) or np.any(own.share_bends) or np.any(own.heard)):
             tried.append(_balanced_point(regression, instance, amplitudes, point, raw[rows], own, rows))
             even = np.any(np.einsum("ddp->dp", own.bends), axis=1) & ~np.any(own.drives, axis=1)
             if np.any(even) and not np.all(even):  # with the others it may be left at zero, where it has no slope
@@ -209,6 +209,7 @@ def _weighed(regression: Regression, asked: _Asked) -> Candidate | None:
     shown = np.any(raw, axis=1)
     if moves is not None:
         shown |= np.any(moves.bends, axis=(1, 2)) | np.any(moves.share_bends, axis=(1, 2))
+        shown |= np.any(moves.heard, axis=(1, 2))
     unseen = frozenset(names[a] for j, a in enumerate(amplitudes) if not np.any(shown[j::q]))
     best, *others = sorted(tried, key=lambda tried: -tried.drop)
     beside = best.beside

@@ -87,8 +87,8 @@ def take_apart(
             near = whole.fit_chi2 - regression.fit_chi2 < ANOTHER_LAW * without.excess
             return [*alike, Parts(name, tuple(names), current, True, last, near)]
         shape = regression.fit_chi2 - whole.fit_chi2 < ANOTHER_LAW * without.excess
-        # Traces would show by a mean and overtones which it is.
-        shape = shape and regression.numbers <= whole.numbers and not last.campaign.fitted
+        # Traces would show by a mean and overtones which it is, and harmonics of sweeps do.
+        shape = shape and regression.numbers <= whole.numbers and not last.campaign.shows_shape
         if names and (worse < STRONG or shape):
             alike.append(Parts(name, tuple(names), current, False, last))
     return alike

@@ -90,8 +90,8 @@ def tie_set(
         both = best.name in refits and other.name in refits
         chosen = refits if both else {}
         least, left = left_after(regression, best, chosen), left_after(regression, other, chosen)
-        # Its further parts would show in traces; on curves a mean and overtones are not seen, and say nothing.
-        wider = best.name in library[other.name].contains and bool(regression.fit.campaign.fitted)
+        # Its further parts would show in traces; on curves without harmonics they are not seen, and say nothing.
+        wider = best.name in library[other.name].contains and regression.fit.campaign.shows_shape
         price = float(np.log(regression.n)) if wider else 1.0
         behind = n * float(np.log(left / least)) + price * (other.dof - best.dof)
         as_much = left - least < max(VERY_STRONG, (1.0 - _AS_MUCH) * (regression.excess + regression.n - least))

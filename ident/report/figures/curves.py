@@ -120,5 +120,10 @@ def _left(axes: Axes, curve: CurveReading) -> None:
         )
     axes.axhline(0, color=INK, lw=0.6)
     largest = max(float(np.nanmax(np.abs(residual), initial=0.0)), 3.0)
+    for order, left in curve.of_harmonics:
+        axes.plot(sweep.frequency, -left, marker=f"${order}$", ls="", ms=4.2, mfc=FAINT, mec=FAINT, mew=0.2)
+        largest = max(largest, float(np.nanmax(np.abs(left), initial=0.0)))
     axes.set_ylim(-1.08 * largest, 1.08 * largest)
-    label(axes, "frequency (Hz)", "÷ noise floor", "residual, measured − model, in noise floors (shaded: ±2)")
+    words = "residual, measured − model, in noise floors (shaded: ±2)"
+    words += "; numbers: harmonics" if curve.of_harmonics else ""
+    label(axes, "frequency (Hz)", "÷ noise floor", words)

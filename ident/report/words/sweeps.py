@@ -38,6 +38,9 @@ def sweep_words(record: Sweep) -> str:
     dwell = "" if record.dwell is None else f", {significant(float(np.median(record.dwell)), 2)} s a point"
     dwell += ", simulated as it was run" if record.fast else ""
     phase = "with phase" if record.phase is not None else "without phase"
+    if record.overtones:
+        phase += f", with {'harmonics' if len(record.overtones) > 1 else 'harmonic'} "
+        phase += " and ".join(str(one.order) for one in record.overtones)
     return f"sweep {low} to {high} Hz, {drive}, {way}, {phase}{dwell}"
 
 
@@ -99,11 +102,15 @@ def what_the_sweeps_tell(campaign: Campaign) -> tuple[str, ...]:
         found.append(
             "Not every level was swept both ways: between the two jumps only one of two possible motions was seen."
         )
-    found.append(
-        "Curves hold the fundamental of settled motion: constant forces and offsets, drifts and electrostriction do "
-        "not show in them, and a quadratic stiffness only softens, as a negative cubic one would"
-        + ("." if campaign.traces else "; a trace would tell.")
-    )
+    held = "Curves hold the {} of settled motion: constant forces and offsets, drifts and electrostriction do not "
+    if any(one.order == 2 for sweep in sweeps for one in sweep.overtones):
+        found.append(
+            f"{held.format('fundamental and harmonics')}show in them; an even force shows by its second harmonic."
+        )
+    else:
+        more = "." if campaign.traces else "; a trace, or the second harmonic (a column A2), would tell."
+        softens = "a quadratic stiffness only softens, as a negative cubic one would"
+        found.append(f"{held.format('fundamental')}show in them, and {softens}{more}")
     return (*found, *fit_free_words(sweeps))
 
 
