@@ -74,8 +74,9 @@ def friction(share: float) -> Hidden:
 NOTHING = Hidden("nothing", lambda z, v: 0.0, {})
 
 
-def passed(frequency: np.ndarray, level: float, hidden: Force, swept: bool) -> np.ndarray:
-    """(k,) complex amplitudes that a lock-in reads on the way through some frequencies, m."""
+def passed(frequency: np.ndarray, level: float, hidden: Force, swept: bool, begun: float) -> np.ndarray:
+    """(k,) complex amplitudes that a lock-in reads on the way through some frequencies, m; the drive was `begun` in a
+    phase, in turns, that no table tells."""
     last = 30 * QUALITY / np.pi / FREQUENCY / 2  # s at the first frequency: fifteen ring-ups
     if swept:
         rate = RATE if frequency[-1] > frequency[0] else -RATE
@@ -91,7 +92,7 @@ def passed(frequency: np.ndarray, level: float, hidden: Force, swept: bool) -> n
             return before[k] + frequency[k] * (t - begins[k])
 
     def motion(t: float, y: np.ndarray) -> list[float]:
-        phase = 2 * np.pi * turns(t)
+        phase = 2 * np.pi * (begun + turns(t))
         now = (turns(t + 1e-6) - turns(t - 1e-6)) / 2e-6  # Hz
         c, s = np.cos(phase), np.sin(phase)
         push = GAIN * level * c - OWN**2 * y[0] - OWN / QUALITY * y[1] + hidden(y[0], y[1])
@@ -99,15 +100,15 @@ def passed(frequency: np.ndarray, level: float, hidden: Force, swept: bool) -> n
 
     found = solve_ivp(motion, (0, ends[-1]), [0, 0, 0, 0], method="DOP853", rtol=1e-8, atol=1e-13, dense_output=True,
                       max_step=0.2 / FREQUENCY)  # fmt: skip
-    begun = []
+    starts = []
     whole = np.floor(AVERAGING * frequency + 1e-9)
     for end, many in zip(ends, whole, strict=True):  # so many turns before, by bisection
         low, high, target = end - 1.5 * many / BAND[0], end, turns(end) - many
         for _ in range(60):
             middle = 0.5 * (low + high)
             low, high = (middle, high) if turns(middle) < target else (low, middle)
-        begun.append(low)
-    change = found.sol(ends)[2:] - found.sol(np.array(begun))[2:]
+        starts.append(low)
+    change = found.sol(ends)[2:] - found.sol(np.array(starts))[2:]
     return (change[0] + 1j * change[1]) / whole
 
 
@@ -118,7 +119,7 @@ def write(folder: Path, seed: int, hidden: Hidden, effects: tuple[str, ...], swe
     rising, parts = np.linspace(*BAND, POINTS), []
     for level in LEVELS:
         for way, f in ((1.0, rising), (-1.0, rising[::-1])):
-            seen = passed(f, level, hidden.force, swept)
+            seen = passed(f, level, hidden.force, swept, rng.uniform())
             n = len(f)
             seen = seen * (1 + RELATIVE * rng.standard_normal(n)) * np.exp(1j * PHASE * rng.standard_normal(n))
             seen += CONSTANT * SIZE * (rng.standard_normal(n) + 1j * rng.standard_normal(n)) / np.sqrt(2)
