@@ -129,7 +129,14 @@ def _row(record: Record, common: Scale, campaign: Campaign) -> tuple[str, ...]:
 def about(record: Record, campaign: Campaign) -> str:
     """How a record was driven and how its noise floor was found, in one line."""
     drive = sweep_words(record) if isinstance(record, Sweep) else drive_words(record, campaign.device)
-    return f"{file_words(record.name)}: {drive}. Noise floor: {record.noise.method}."
+    more = ""
+    if isinstance(record, Sweep) and record.overtones:
+        sizes = [float(np.median(one.noise)) for one in record.overtones]
+        unit = scale(max(sizes), "m", campaign.device)
+        pairs = zip(record.overtones, sizes, strict=True)
+        told = [f"{show_in(size, None, unit, 2).value} {unit.unit} of harmonic {one.order}" for one, size in pairs]
+        more = f", {' and '.join(told)}"
+    return f"{file_words(record.name)}: {drive}. Noise floor: {record.noise.method}{more}."
 
 
 def remarks(record: Record, campaign: Campaign) -> tuple[str, ...]:

@@ -176,4 +176,6 @@ def sweep_dict(record: Sweep) -> dict[str, Any]:
     judged = asdict(judge_sweep(record))
     own = {key: value for key, value in judged.items() if key != "name"}
     noise = {"relative_noise": record.relative_noise, "phase_noise": record.phase_noise}
-    return {"drive": sweep_words(record), "samples": len(record.frequency), **noise, **own}
+    noise |= {"harmonics": [{"order": one.order, "noise": float(np.median(one.noise))} for one in record.overtones]}
+    how = {"drive": sweep_words(record), "simulated_in_time": record.fast}
+    return {**how, "samples": len(record.frequency), **noise, **own}
