@@ -18,13 +18,14 @@ from . import solve
 from .assemble import assemble_fit, at_values, begin, begin_at
 from .finish import Minimum, finish
 from .fit_starts import fit_starts
-from .linear.guess import LinearGuess
+from .linear.guess import DataScales, LinearGuess
 from .linear.one_tone import hold_dragged, hold_gain, hold_quality, with_quality
 from .on_orbits import on_orbits
 from .problem import Data, Evaluation, Static, Unknowns, evaluate, of_sweeps, reweighed
 from .race import cost_of, race
 from .result import Fit, SigmaChoice, Start
 from .settled import Search, settled
+from .start_scale import small_size
 from .starts import base_values, first_guess, random_points, scales_of, starting_points
 from .unseen import hold_unseen
 
@@ -35,6 +36,7 @@ _REWEIGHED = 4  # times that the noise of curves is carried through the model an
 _NEAR = 0.01  # of the cost: the search itself goes the rest
 _ROUNDS = 2  # in which initial states are fitted before a search: they enter almost linearly
 _SPREAD = 0.3  # of a parameter, by which random starts move it at most
+_SEEN = 1.0  # noise floors of all numbers together by which a slope moves them at a small size, to be one
 _SETTLED = 0.01  # relative change of the cost by new weights that is not worth another search
 
 
@@ -126,6 +128,8 @@ def minimise(
     if not told and starts:
         points = [base, *random_points(model, base, starts, _SPREAD, seed)]
     candidates = _first_errors(static, data, points, bool(told), begun)
+    if sweeps and not told and (off := _off_zero(model, candidates[0], static, scales)):
+        candidates = sorted([*candidates, *_first_errors(static, data, off, False, begun)], key=lambda start: start[0])
     if compared or not (starts or told):
         candidates = candidates[: _IN_A_RACE if told else _KEPT_STARTS]
     if told:  # what a start of a grid leaves says nothing of what the model will; costs of one race are of one kind
@@ -233,6 +237,24 @@ def _first_errors(
             found = evaluate(static, there, unknowns)
         judged.append((float(found.residuals @ found.residuals), there, unknowns, found))
     return sorted(judged, key=lambda start: start[0])
+
+
+def _off_zero(
+    model: Model, start: tuple[float, Data, Unknowns, Evaluation], static: Static, scales: DataScales
+) -> list[np.ndarray]:
+    """Starts beside one at which amplitudes have no slope that would lead a search away from zero: an even force does
+    nothing to a fundamental there, whichever its sign."""
+    _, data, _, found = start
+    sizes = np.array([small_size(model.parameters[i].unit, scales, model.linear.mass) for i in static.free])
+    per_unit = np.linalg.norm(found.by_x, axis=1) / np.where(data.scale == 0, 1.0, data.scale)
+    flat = [i for i, size, slope in zip(static.free, sizes, per_unit, strict=True)
+            if found.values[i] == 0 and model.parameters[i].kind == "amplitude" and size * slope < _SEEN]  # fmt: skip
+    points = []
+    for sign in (1.0, -1.0) if flat else ():
+        point = found.values.copy()
+        point[flat] = [sign * sizes[static.free.index(i)] for i in flat]
+        points.append(point)
+    return points
 
 
 def _with_residual_noise(campaign: Campaign, found: Minimum) -> Campaign:

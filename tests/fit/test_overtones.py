@@ -72,3 +72,9 @@ def test_an_amplitude_beside_noise() -> None:
         assert spread == pytest.approx(seen.std(), abs=0.01)
         more, _, _ = read_beside(np.array(size + 1e-5), np.array(1.0))
         assert slope == pytest.approx((float(more) - mean) / 1e-5, abs=1e-4)
+
+
+def test_an_even_spring_is_found_from_zero_where_it_has_no_slope(campaign: Campaign) -> None:
+    found = fit(model(campaign), campaign)
+    assert found.fitted.error_over_noise < 1.15
+    assert abs(found["quadratic-stiffness.k2"].value) == pytest.approx(overtones.QUADRATIC, rel=0.05)

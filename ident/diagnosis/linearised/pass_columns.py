@@ -14,14 +14,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...model import FREQUENCY, Model
+from ...fit.start_scale import small_size
+from ...model import Model
 from ...response import Equation
-from ...units import exponents
 
 if TYPE_CHECKING:
     from .regression import Regression
 
-_PART = 0.1  # of the spring's force at the largest amplitude: the size at which a square is looked at
 _NONE = 1e-6  # of what it does at that size: a slope that is smaller is none
 
 
@@ -34,7 +33,8 @@ def pass_columns(regression: Regression, model: Model, values: np.ndarray, ampli
     passes, equation = regression.passes, Equation(model)
     assert passes is not None  # there are such sweeps
     directions = np.eye(values.shape[1])[amplitudes]
-    sizes = np.array([_PART * _size(regression, model.parameters[a].unit) for a in amplitudes])
+    scales, mass = regression.fit.scales, model.linear.mass
+    sizes = np.array([small_size(model.parameters[a].unit, scales, mass) for a in amplitudes])
     width, found = len(model.parameters), []
     for at in values:
         here = passes.solve(equation, at, directions, width)
@@ -47,11 +47,3 @@ def pass_columns(regression: Regression, model: Model, values: np.ndarray, ampli
                     rows[k] = square
         found.append(rows[:, passes.order])
     return np.nan_to_num(np.concatenate(found))
-
-
-def _size(regression: Regression, unit: str) -> float:
-    """About as large as a quantity with such a unit is at the largest amplitude: of a force, that of the spring."""
-    scales, mass = regression.fit.scales, regression.fit.model.linear.mass
-    seconds = 1.0 / (2 * np.pi * float(regression.fit.values[FREQUENCY]))
-    of = {"kg": mass, "m": scales.displacement, "s": seconds, "V": scales.voltage}
-    return float(np.prod([of[base] ** power for base, power in exponents(unit).items()]))

@@ -266,6 +266,12 @@ def _curves(fit: Fit) -> list[Sentence]:
                 f"it swept {way}? The parameters do not depend on it; the jumps and the rms errors do."
             )
             found.append(Sentence(text, True))
+    for curve in fit.curves:
+        if curve.of_harmonics:
+            rms = lambda left: significant(float(np.sqrt(np.nanmean(left**2))), 3)
+            told = ", ".join(f"of harmonic {order} {rms(left)}" for order, left in curve.of_harmonics)
+            text = f"{curve.sweep.name}: the error over noise of the amplitudes is {rms(curve.residual)}, {told}."
+            found.append(Sentence(text))
     lost = sum(curve.unsolved for curve in fit.curves)
     if lost:
         many = f"{lost} points" if lost > 1 else "one point"
