@@ -1,4 +1,4 @@
-"""Sweeps that were run faster than the motion settles: `python -m experiments.curves.hurry [--devices 12]`.
+"""Sweeps that were run faster than the motion settles: `python -m experiments.curves.hurry`.
 
 An oscillator is swept up and down at two levels, so fast that it passes its half-power width in about one ring-up, by a
 gliding frequency or in short steps. The motion is integrated by SciPy (DOP853), and so is the reading: the integral of
@@ -31,8 +31,9 @@ runtime.configure()
 
 from ident.campaign import read_campaign  # noqa: E402  (JAX must be configured first)
 from ident.diagnosis.search.discover import discover  # noqa: E402
+from ident.effects.registry import built_in  # noqa: E402
 from ident.fit import Fit, fit  # noqa: E402
-from ident.model import build_model  # noqa: E402
+from ident.model import Model, build_model  # noqa: E402
 
 FREQUENCY, QUALITY, GAIN = 120.0, 60.0, 4e-2  # Hz; m/s² per V
 OWN = 2 * np.pi * FREQUENCY
@@ -154,49 +155,63 @@ def independent(found: Fit, hidden: Hidden) -> float:
     return float(wrong @ np.linalg.solve(found.covariance[np.ix_(own, own)], wrong))
 
 
-def main() -> None:
-    """Fit, discover, print and assert."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--first", type=int, default=15000)
-    parser.add_argument("--devices", type=int, default=12)
-    parser.add_argument("--no-discover", action="store_true")
-    asked = parser.parse_args()
+def recovered(first: int, devices: int) -> None:
+    """Fit the right model to some devices, print and assert."""
     ends, squares = [], []
     with tempfile.TemporaryDirectory() as name:
-        for k in range(asked.devices):
+        for k in range(devices):
             hidden, swept = cubic(0.02 + 0.02 * (k % 4)), k % 3 != 2
             folder = Path(name) / str(k)
-            write(folder, asked.first + k, hidden, (hidden.name,), swept)
+            write(folder, first + k, hidden, (hidden.name,), swept)
             campaign = read_campaign(folder)
             begun = time.perf_counter()
             found = fit(build_model(campaign), campaign)
             seconds = time.perf_counter() - begun
-            write(folder / "settled", asked.first + k, hidden, (hidden.name,), swept, told=False)
+            write(folder / "settled", first + k, hidden, (hidden.name,), swept, told=False)
             settled = read_campaign(folder / "settled")
             (errors, left), (wrong, misfit) = off(found, hidden), off(fit(build_model(settled), settled), hidden)
             ends.append((errors, left, np.max(np.abs(wrong)), misfit))
             squares.append(independent(found, hidden))
-            print(f"{asked.first + k} {'glides' if swept else 'steps'}: error over noise {left:.3f}, off by "
+            print(f"{first + k} {'glides' if swept else 'steps'}: error over noise {left:.3f}, off by "
                   + ", ".join(f"{x:+.1f}" for x in errors) + f" standard errors, {seconds:.0f} s; taken as settled "
                   f"{misfit:.1f}, off by {np.max(np.abs(wrong)):.0f}", flush=True)  # fmt: skip
-        errors = np.concatenate([e for e, *_ in ends])
-        chance = float(chi2.sf(sum(squares), len(errors)))
-        rms, largest = np.sqrt(np.mean(errors**2)), np.max(np.abs(errors))
-        print(f"{len(errors)} parameters: rms {rms:.2f} standard errors, largest {largest:.1f}; by the whole "
-              f"covariance chi2 {sum(squares):.0f} (p = {chance:.2f})")  # fmt: skip
-        assert chance > 1e-3 and max(left for _, left, *_ in ends) < 1.15
-        assert min(wrong for *_, wrong, _ in ends) > 10 and min(misfit for *_, misfit in ends) > 2
-        if asked.no_discover:
-            return
-        for k, (hidden, phase) in enumerate((h, p) for h in (cubic(0.05), friction(0.1)) for p in (True, False)):
-            folder = Path(name) / f"hidden_{k}"
-            write(folder, asked.first + 500 + k, hidden, (), phase=phase)
-            begun = time.perf_counter()
-            found = discover(read_campaign(folder))
-            named = found.ranking[0].candidate.name if found.ranking else "nothing"
-            print(f"{hidden.name}, {'with' if phase else 'without'} phase: first {named}, {found.verdict}, "
-                  f"{found.final.model.names}, error over noise {found.final.fitted.error_over_noise:.2f}, "
-                  f"{time.perf_counter() - begun:.0f} s", flush=True)  # fmt: skip
+    errors = np.concatenate([e for e, *_ in ends])
+    chance = float(chi2.sf(sum(squares), len(errors)))
+    rms, largest = np.sqrt(np.mean(errors**2)), np.max(np.abs(errors))
+    print(f"{len(errors)} parameters: rms {rms:.2f} standard errors, largest {largest:.1f}; by the whole covariance "
+          f"chi2 {sum(squares):.0f} (p = {chance:.2f})")  # fmt: skip
+    assert chance > 1e-3
+    assert max(left for _, left, *_ in ends) < 1.15
+    assert min(wrong for *_, wrong, _ in ends) > 10
+    assert min(misfit for *_, misfit in ends) > 2
+
+
+def named(first: int, hidden: Hidden, phase: bool) -> None:
+    """Discover what a device has hidden, from the linear model, print and assert."""
+    with tempfile.TemporaryDirectory() as name:
+        write(Path(name), first, hidden, (), phase=phase)
+        campaign, begun = read_campaign(name), time.perf_counter()
+        found = discover(Model(campaign.device), campaign, built_in())
+    steps = [(step.added, *step.tie_set[1:]) for step in found.steps]
+    print(f"{first} {hidden.name}, {'with' if phase else 'without'} phase: {found.verdict}, {steps}, error over noise "
+          f"{found.start.fitted.error_over_noise:.1f}, then {found.final.fitted.error_over_noise:.2f}, "
+          f"{time.perf_counter() - begun:.0f} s", flush=True)  # fmt: skip
+    assert steps[0][0] == hidden.name
+
+
+def main() -> None:
+    """Fit, discover, print and assert."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--first", type=int, default=15100)
+    parser.add_argument("--devices", type=int, default=9)
+    parser.add_argument("--hidden", default="cubic,friction", help="what is hidden; nothing: no discover")
+    parser.add_argument("--phase", default="with,without")
+    asked = parser.parse_args()
+    if asked.devices:
+        recovered(asked.first, asked.devices)
+    for phase in asked.phase.split(","):
+        for one in filter(None, asked.hidden.split(",")):
+            named(asked.first + 500, {"cubic": cubic(0.05), "friction": friction(0.1)}[one], phase == "with")
 
 
 if __name__ == "__main__":

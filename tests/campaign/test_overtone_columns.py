@@ -27,7 +27,7 @@ def _read(folder: Path, headers: str, columns: list[np.ndarray], more: str = "")
 
 @pytest.mark.parametrize(
     "name", ["A2 (um)", "amplitude 2f (um)", "2f amplitude [um]", "R2 (um)", "2nd harmonic (um)", "amp_2f_um",
-             "second harmonic amplitude (um)", "harmonic 2 (um)", "H2 (um)"],
+             "second harmonic amplitude (um)", "harmonic 2 (um)", "harm2 (um)"],
 )  # fmt: skip
 def test_names_of_harmonics(tmp_path: Path, name: str) -> None:
     sweep = _read(tmp_path, f"frequency (Hz),amplitude (um),{name}", [F, A, A**2])

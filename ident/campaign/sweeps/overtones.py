@@ -23,12 +23,12 @@ from .rice import read_beside
 
 ORDERS = tuple(range(2, 9))
 _WORDS = ("second", "third", "fourth", "fifth", "sixth", "seventh", "eighth")
-_AMPLITUDE = r"(?:a|r|h|z|y|amp|ampl|amplitude|mag|magnitude|response|displacement)"
+_AMPLITUDE = r"(?:a|r|amp|ampl|amplitude|mag|magnitude|response|displacement)"
 _NAMES = (
     rf"{_AMPLITUDE} ?([2-8])(?: ?[fwω])?",  # A2, R 3, amp_2f
     rf"(?:{_AMPLITUDE} )?(?:at )?([2-8]) ?[fwω](?: {_AMPLITUDE})?",  # 2f, amplitude 3f, 2f amplitude
     rf"(?:{_AMPLITUDE} )?(?:of )?(?:the )?([2-8])(?:nd|rd|th)? harmonic(?: {_AMPLITUDE})?",
-    rf"(?:{_AMPLITUDE} )?(?:h|harm|harmonic) ?([2-8])(?: {_AMPLITUDE})?",
+    rf"(?:{_AMPLITUDE} )?(?:harm|harmonic) ?([2-8])(?: {_AMPLITUDE})?",  # H2 is an estimator
 )
 _ANGLE = re.compile(r"(?i)phase|phi|theta|angle|\barg\b")
 _NEAR = np.array([-1, 4, -6, 4, -1]) / 6  # a cubic through two neighbours on each side, less the point itself
@@ -46,7 +46,8 @@ def harmonic_of(column: Column) -> int | None:
     for k, word in zip(ORDERS, _WORDS, strict=True):
         words = words.replace(word, str(k))
     match = next((found for name in _NAMES if (found := re.fullmatch(name, words))), None)
-    return None if match is None or _ANGLE.search(column.header) else int(match[1])
+    per_drive = column.unit is not None and "/" in column.unit
+    return None if match is None or per_drive or _ANGLE.search(column.header) else int(match[1])
 
 
 def split_harmonics(table: Table, given: Mapping[int, str | int], where: str) -> tuple[Table, dict[int, Column]]:
