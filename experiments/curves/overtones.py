@@ -128,7 +128,8 @@ def main() -> None:
     """Simulate, discover, print and assert."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seed", type=int, default=16000)
-    parser.add_argument("--only", default="")
+    parser.add_argument("--only", default="", help="a name of what is hidden")
+    parser.add_argument("--phase", default="without,with")
     asked = parser.parse_args()
     seed = asked.seed
     cases = {
@@ -142,7 +143,7 @@ def main() -> None:
         truth = solve()
         largest = np.max(np.abs(truth[..., 2:]), axis=(0, 1))
         print(f"{name}: harmonics up to " + ", ".join(f"{100 * x / largest[0]:.2g} %" for x in largest[1:]), flush=True)
-        for phase in (False, True):
+        for phase in (word == "with" for word in asked.phase.split(",")):
             for overtones in (False, True):
                 with tempfile.TemporaryDirectory() as place:
                     write(Path(place), truth, seed, overtones, phase, name == "residual-stress")
@@ -152,6 +153,8 @@ def main() -> None:
                 print(f"  {'with' if phase else 'without'} phase, {'with' if overtones else 'without'} harmonics: "
                       f"{found.verdict}, {steps}, error over noise {found.final.fitted.error_over_noise:.2f}, "
                       f"{time.perf_counter() - begun:.0f} s", flush=True)  # fmt: skip
+                assert any(name in step for step in steps)
+                assert not overtones or steps[0][0] == name
 
 
 if __name__ == "__main__":
