@@ -103,7 +103,7 @@ def main() -> None:
         with tempfile.TemporaryDirectory() as name:
             write(seed, periods, Path(name))
             campaign = read_campaign(name)
-            with patch("ident.fit.curves.settled", lambda sweep: np.ones(len(sweep.frequency), bool)):
+            with patch("ident.fit.curves.settled", lambda sweep, _: np.ones(len(sweep.frequency), bool)):
                 all_points.append(told(fit(build_model(campaign), campaign)))
             without.append(told(fit(build_model(campaign), campaign)))
     worst = np.array([np.max(np.abs(off)) for _, off in all_points])
