@@ -76,8 +76,8 @@ def split_harmonics(table: Table, given: Mapping[int, str | int], where: str) ->
         return table, {}
     rest = tuple(column for column in table.columns if id(column) not in taken)
     names = ", ".join(f'"{column.header}"' for _, column in sorted(found.items()))
-    word = "harmonics" if len(found) > 1 else "a harmonic"
-    return replace(table, columns=rest, notes=(*table.notes, f"{table.name}: {names} is read as {word}.")), found
+    word = "are read as harmonics" if len(found) > 1 else "is read as a harmonic"
+    return replace(table, columns=rest, notes=(*table.notes, f"{table.name}: {names} {word}.")), found
 
 
 def overtones_of(columns: Mapping[int, Column], units: Mapping[str, str], sweep: Sweep) -> tuple[Overtone, ...]:
