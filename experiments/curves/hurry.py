@@ -126,7 +126,7 @@ def write(folder: Path, seed: int, hidden: Hidden, effects: tuple[str, ...], swe
             seen += CONSTANT * SIZE * (rng.standard_normal(n) + 1j * rng.standard_normal(n)) / np.sqrt(2)
             parts.append((f, np.full(n, level), np.abs(seen), np.angle(seen), np.full(n, way)))
     columns = tuple(np.concatenate(part) for part in zip(*parts, strict=True))
-    kept = [k for k, c in enumerate(COLUMNS) if phase or "phase" not in c.name]
+    kept = [k for k, c in enumerate(COLUMNS) if phase or "phase" not in c.heading]
     folder.mkdir(parents=True, exist_ok=True)
     write_csv(folder / "sweeps.csv", tuple(COLUMNS[k] for k in kept), tuple(columns[k] for k in kept))
     record: dict[str, object] = {"file": "sweeps.csv", "kind": "sweep"}

@@ -108,7 +108,7 @@ def write(folder: Path, truth: np.ndarray, seed: int, overtones: bool, phase: bo
     seen = clean * (1 + RELATIVE * rng.standard_normal(clean.shape)) + noise
     turned = np.angle(seen[:, 0]) + PHASE * rng.standard_normal(n)
     columns = [Column("frequency (Hz)", 1, 4), Column("drive (V)", 1, 3), Column("amplitude (nm)", 1e9, 4)]
-    values = [rows[:, 1].real, rows[:, 0].real, np.abs(seen[:, 0])]
+    values = [np.real(rows[:, 1]), np.real(rows[:, 0]), np.abs(seen[:, 0])]
     if phase:
         columns.append(Column("phase (deg)", 180 / np.pi, 4))
         values.append(turned)
