@@ -31,7 +31,7 @@ from ...response.system import Block, System, assemble, behind_the_sensor
 from ...response.tape import BLOCK, BLOCKS, Chunk
 
 _COLUMNS = (4, 12, 36)  # solved together: three programs serve any number of them; 36 are those of a pair of splines
-_SETS = 4  # rows of terms are computed in multiples of this
+_OWN = 4  # directions of a model's own parameters are taken in multiples of this: how many are free differs
 
 
 class Motion(NamedTuple):
@@ -77,6 +77,11 @@ class Terms(NamedTuple):
         return self._replace(bent=_bend(self.equation, frozenset(p.name for p, own in moves if own)))
 
     @property
+    def at_a_time(self) -> int:
+        """Directions that are taken together."""
+        return _OWN if self.linear else 1
+
+    @property
     def push(self) -> bool:
         """Whether any of them is a force."""
         return self.linear or any(e.overrides("force") or e.overrides("drive") for e in self.equation.model.effects)
@@ -108,35 +113,34 @@ def contributions(
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """What the terms of a model change in the force on the stage and in the reading, along given motions; by chunks.
 
-    **Arguments:** `values` and `directions`, (d, m): at which parameter values, and along which direction, each row is
-    taken; `moved`, the motion of the stage, and what the sensor has `seen` of it, per chunk; `histories`, (d, records,
-    h): what came before each record added to the hidden states (`Equation.histories`).
+    **Arguments:** `values`, (p, m), of the parameters, at each of which rows are taken along the same `directions`,
+    (q, m); `moved`, the motion of the stage, and what the sensor has `seen` of it, per chunk; `histories`, (p, records, h):
+    what came before each record added to the hidden states (`Equation.histories`).
 
-    **Returns:** forces (BLOCKS, 2 BLOCK + 1, d), N, and readings (BLOCKS, BLOCK, d), m, per unit of the direction;
-    empty where the model has none.
+    **Returns:** forces (BLOCKS, 2 BLOCK + 1, p q), N, and readings (BLOCKS, BLOCK, p q), m, per unit of the direction,
+    those of one place one after another; empty where the model has none.
     """
-    d = len(values)
-    more = -d % _SETS
-    values = np.concatenate([values, np.repeat(values[-1:], more, axis=0)])
-    directions = np.concatenate([directions, np.zeros((more, directions.shape[1]))])
-    histories = np.concatenate([histories, np.repeat(histories[-1:], more, axis=0)])
     asked, equation, pasts = asked.along(directions), asked.equation, _by_block(tape, histories)
-    carry = tuple((np.zeros((len(values), len(e.state0()))),) * 2 for e in equation.model.effects)
+    places, count = len(values), len(directions)
+    directions = np.concatenate([directions, np.zeros((-count % asked.at_a_time, directions.shape[1]))])
+    states = [len(e.state0()) for e in equation.model.effects]
+    carry = tuple((np.zeros((places, h)), np.zeros((places, len(directions), h))) for h in states)
+    flat = lambda found: np.asarray(found)[..., :count].reshape(*found.shape[:2], places * count)
     for chunk, path, own, past in zip(tape.chunks, moved, seen, pasts, strict=True):
         carry, force, shown = terms(asked, equation.constants, values, directions, path, own, past, carry, chunk)
-        yield np.asarray(force)[..., :d], np.asarray(shown)[..., :d]
+        yield flat(force), flat(shown)
 
 
-def no_histories(equation: Equation, rows: int, tape: Tape) -> np.ndarray:
-    """Histories of records that begin with the drive, (rows, records, h)."""
-    return np.zeros((rows, len(tape.spans), len(equation.history_units)))
+def no_histories(equation: Equation, places: int, tape: Tape) -> np.ndarray:
+    """Histories of records that begin with the drive, (places, records, h)."""
+    return np.zeros((places, len(tape.spans), len(equation.history_units)))
 
 
 def _by_block(tape: Tape, histories: np.ndarray) -> list[np.ndarray]:
-    """Histories (d, records, h) at the blocks of each record, (d, BLOCKS, h) a chunk."""
-    d, records, h = histories.shape
-    flat = np.moveaxis(histories, 1, 0).reshape(records, d * h)
-    return [np.moveaxis(part.reshape(BLOCKS, d, h), 1, 0) for part in tape.begun(flat)]
+    """Histories (p, records, h) at the blocks of each record, (p, BLOCKS, h) a chunk."""
+    p, records, h = histories.shape
+    flat = np.moveaxis(histories, 1, 0).reshape(records, p * h)
+    return [np.moveaxis(part.reshape(BLOCKS, p, h), 1, 0) for part in tape.begun(flat)]
 
 
 @program
@@ -144,8 +148,11 @@ def terms(
     asked: Terms, constants: Numbers, values: Numbers, directions: Numbers, moved: Motion, seen: Motion, pasts: Numbers,
     carry: tuple, chunk: Chunk,
 ) -> tuple:  # fmt: skip
-    """One chunk of `contributions`; `pasts`: the histories of its blocks; `carry`: hidden states and their derivatives,
-    per effect."""
+    """One chunk of `contributions`; `pasts`: the histories of its blocks; `carry`: hidden states, (p, h), and their
+    derivatives, (p, q, h), per effect.
+
+    What is remembered at one place is the same along every direction, and is followed once.
+    """
 
     def remembered(values: Any, past: Any, hidden: tuple) -> tuple:
         system = assemble(asked.equation, constants, values)
@@ -159,18 +166,23 @@ def terms(
             shown = _at_points(_shown, system, seen, paths, chunk, 2)
         return force, shown
 
-    def along(values: Any, direction: Any, past: Any, carry: tuple) -> tuple:
-        hidden, change = (tuple(pair[k] for pair in carry) for k in range(2))
+    def at_one_place(values: Any, past: Any, carry: tuple) -> tuple:
+        hidden, changes = (tuple(pair[k] for pair in carry) for k in range(2))
         memory = lambda values, hidden: remembered(values, past, hidden)
-        if asked.bent:
-            (ends, paths), (dends, bends) = jax.jvp(memory, (values, hidden), (direction, change))
-            force, shown = jax.jvp(acting, (values, paths), (direction, bends))[1]
-        else:
-            (ends, paths), dends = memory(values, hidden), change
-            force, shown = jax.jvp(lambda values: acting(values, paths), (values,), (direction,))[1]
-        return tuple(zip(ends, dends, strict=True)), force, shown
 
-    return jax.vmap(along, out_axes=(0, -1, -1))(values, directions, pasts, carry)
+        def bending(direction: Any, change: tuple) -> tuple:
+            (ends, paths), (dends, bends) = jax.jvp(memory, (values, hidden), (direction, change))
+            return ends, dends, *jax.jvp(acting, (values, paths), (direction, bends))[1]
+
+        if asked.bent:
+            ends, changes, force, shown = jax.vmap(bending, out_axes=(None, 0, -1, -1))(directions, changes)
+        else:
+            ends, paths = memory(values, hidden)
+            along = lambda direction: jax.jvp(lambda values: acting(values, paths), (values,), (direction,))[1]
+            force, shown = jax.vmap(along, out_axes=-1)(directions)
+        return tuple(zip(ends, changes, strict=True)), force, shown
+
+    return jax.vmap(at_one_place, out_axes=(0, -2, -2))(values, pasts, carry)
 
 
 def _memories(

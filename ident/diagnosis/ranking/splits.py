@@ -59,7 +59,7 @@ def _likeness(regression: Regression, model: Model, values: np.ndarray, size: in
     """Stiffness (N/m) and damping (N s/m) that the effect looks like on the measured motion, per unit of the parameter
     at position `size`, for each set of `values` (k, m)."""
     trajectories = regression.trajectories
-    along = np.tile(np.eye(values.shape[1])[size], (len(values), 1))
+    along = np.eye(values.shape[1])[[size]]
     gram, right = np.zeros((2, 2)), np.zeros((2, len(values)))
     equation = Equation(model)
     rest = no_histories(equation, len(values), trajectories.tape)
