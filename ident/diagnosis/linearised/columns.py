@@ -114,10 +114,10 @@ def contributions(
     """What the terms of a model change in the force on the stage and in the reading, along given motions; by chunks.
 
     **Arguments:** `values`, (p, m), of the parameters, at each of which rows are taken along the same `directions`,
-    (q, m); `moved`, the motion of the stage, and what the sensor has `seen` of it, per chunk; `histories`, (p, records, h):
-    what came before each record added to the hidden states (`Equation.histories`).
+    (q, m); `moved`, the motion of the stage, and what the sensor has `seen` of it, per chunk; `histories`, (p, records,
+    h): what came before each record added to the hidden states (`Equation.histories`).
 
-    **Returns:** forces (BLOCKS, 2 BLOCK + 1, p q), N, and readings (BLOCKS, BLOCK, p q), m, per unit of the direction,
+    **Returns:** forces (BLOCKS, p q, 2 BLOCK + 1), N, and readings (BLOCKS, p q, BLOCK), m, per unit of the direction,
     those of one place one after another; empty where the model has none.
     """
     asked, equation, pasts = asked.along(directions), asked.equation, _by_block(tape, histories)
@@ -125,7 +125,7 @@ def contributions(
     directions = np.concatenate([directions, np.zeros((-count % asked.at_a_time, directions.shape[1]))])
     states = [len(e.state0()) for e in equation.model.effects]
     carry = tuple((np.zeros((places, h)), np.zeros((places, len(directions), h))) for h in states)
-    flat = lambda found: np.asarray(found)[..., :count].reshape(*found.shape[:2], places * count)
+    flat = lambda found: np.asarray(found)[:, :, :count].reshape(len(found), places * count, found.shape[-1])
     for chunk, path, own, past in zip(tape.chunks, moved, seen, pasts, strict=True):
         carry, force, shown = terms(asked, equation.constants, values, directions, path, own, past, carry, chunk)
         yield flat(force), flat(shown)
@@ -175,14 +175,14 @@ def terms(
             return ends, dends, *jax.jvp(acting, (values, paths), (direction, bends))[1]
 
         if asked.bent:
-            ends, changes, force, shown = jax.vmap(bending, out_axes=(None, 0, -1, -1))(directions, changes)
+            ends, changes, force, shown = jax.vmap(bending, out_axes=(None, 0, 1, 1))(directions, changes)
         else:
             ends, paths = memory(values, hidden)
             along = lambda direction: jax.jvp(lambda values: acting(values, paths), (values,), (direction,))[1]
-            force, shown = jax.vmap(along, out_axes=-1)(directions)
+            force, shown = jax.vmap(along, out_axes=1)(directions)
         return tuple(zip(ends, changes, strict=True)), force, shown
 
-    return jax.vmap(at_one_place, out_axes=(0, -2, -2))(values, pasts, carry)
+    return jax.vmap(at_one_place, out_axes=(0, 1, 1))(values, pasts, carry)
 
 
 def _memories(
@@ -319,19 +319,19 @@ def slopes(
 def push_columns(tape: Tape, dynamics: Sequence[Dynamics], pushes: Sequence[np.ndarray]) -> np.ndarray:
     """Change of the readings by given extra forces on the stage, through the model's dynamics linearised on the motion.
 
-    **Arguments:** `pushes`, per chunk (BLOCKS, 2 BLOCK + 1, d) N on the half-step grid.
+    **Arguments:** `pushes`, per chunk (BLOCKS, d, 2 BLOCK + 1) N on the half-step grid.
 
     **Returns:** (d, samples), m.
     """
-    columns, count = [], pushes[0].shape[-1]
+    columns, count = [], pushes[0].shape[1]
     width = next((w for w in _COLUMNS if w >= count), _COLUMNS[-1])
     for first in range(0, count, width):
         carry, found = (np.zeros(width),) * 2, []
         for chunk, along, push in zip(tape.chunks, dynamics, pushes, strict=True):
-            filled = part = push[..., first : first + width]
-            if part.shape[-1] < width:
-                filled = np.zeros((*part.shape[:-1], width))
-                filled[..., : part.shape[-1]] = part
+            filled = part = push[:, first : first + width]
+            if part.shape[1] < width:
+                filled = np.zeros((len(part), width, part.shape[2]))
+                filled[:, : part.shape[1]] = part
             carry, rows = answer(None, filled, along, carry, chunk.step, chunk.first, chunk.count)
             found.append(rows)
         columns.append(tape.at_samples(found))
@@ -352,7 +352,7 @@ def answer(
         z, v = (jnp.where(first[k] > 0, 0.0, x) for x in (z, v))
         h = steps[k]
         at_three = lambda grid: (grid[:-1:2], grid[1::2], grid[2::2])
-        inputs = (at_three(pushes[k] / along.mass[k]), at_three(along.stiffness[k]), at_three(along.damping[k]))
+        inputs = (at_three(pushes[k].T / along.mass[k]), at_three(along.stiffness[k]), at_three(along.damping[k]))
 
         def step(y: tuple, x: Any) -> tuple:
             ((p0, pm, p1), (k0, km, k1), (c0, cm, c1)), by_z, by_v, by_a = x
@@ -370,6 +370,6 @@ def answer(
         (z, v), said = lax.scan(step, (z, v), (inputs, along.by_z[k], along.by_v[k], along.by_a[k]))
         return z, v, lax.dynamic_update_index_in_dim(out, said, k, 0)
 
-    out = jnp.zeros((BLOCKS, BLOCK, pushes.shape[-1]))
+    out = jnp.zeros((BLOCKS, BLOCK, pushes.shape[1]))
     z, v, out = lax.fori_loop(0, count, one_block, (*carry, out))
     return (z, v), out

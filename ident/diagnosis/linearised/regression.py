@@ -120,7 +120,7 @@ class Regression:
         ]
         windows = zip(trajectories.dynamics, tape.windows(accelerations), strict=True)
         rows = push_columns(
-            tape, trajectories.dynamics, [(np.asarray(d.mass)[:, None] * a)[..., None] for d, a in windows]
+            tape, trajectories.dynamics, [(np.asarray(d.mass)[:, None] * a)[:, None] for d, a in windows]
         )
         inertia = by_record(self, rows)[0]
         left = self.residual[: len(inertia)]
@@ -292,7 +292,7 @@ def _along_traces(
     if asked.push:
         rows += push_columns(trajectories.tape, trajectories.dynamics, forces)
     if asked.show:
-        rows += trajectories.tape.at_samples(shown)
+        rows += trajectories.tape.at_samples([np.moveaxis(part, 1, 2) for part in shown])
     return by_record(regression, rows)
 
 

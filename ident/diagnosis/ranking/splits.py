@@ -69,7 +69,7 @@ def _likeness(regression: Regression, model: Model, values: np.ndarray, size: in
     for (force, _), motion in zip(pushed, trajectories.moved, strict=True):
         moved = np.stack([np.ravel(motion.z), np.ravel(motion.v)])
         gram += moved @ moved.T
-        right += moved @ force.reshape(-1, len(values))
+        right += moved @ np.moveaxis(force, 1, 2).reshape(-1, len(values))
     unit = np.sqrt(np.diag(gram))
     found = -np.linalg.solve(gram / np.outer(unit, unit), right / unit[:, None]) / unit[:, None]
     return [(float(spring), float(damper)) for spring, damper in found.T]
