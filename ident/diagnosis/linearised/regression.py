@@ -120,7 +120,7 @@ class Regression:
         ]
         windows = zip(trajectories.dynamics, tape.windows(accelerations), strict=True)
         rows = push_columns(
-            tape, trajectories.dynamics, [(np.asarray(d.mass)[:, None] * a)[..., None] for d, a in windows]
+            tape, trajectories.dynamics, [(np.asarray(d.mass)[:, None] * a)[:, None] for d, a in windows]
         )
         inertia = by_record(self, rows)[0]
         left = self.residual[: len(inertia)]
@@ -225,10 +225,9 @@ def prepare(fit: Fit, believed: bool = False) -> Regression:
     directions = np.eye(len(fit.values))[free] * np.where(fit.values[free] == 0, 1.0, fit.values[free])[:, None]
     if curves is not None:
         regression = replace(regression, plane=plane_of(solved, directions))
-    past = np.tile(trajectories.histories, (len(free), 1, 1))
     # Of its own parameters the model itself says what they do to sweeps, all harmonics together.
     own = None if regression.plane is None else regression.plane.own
-    along_measured = stack(regression, fit.model, np.tile(fit.values, (len(free), 1)), directions, True, past, own)
+    along_measured = stack(regression, fit.model, fit.values[None], directions, True, trajectories.histories[None], own)
     measured = _without(regression, along_measured, directions)
     if believed or measured.settled or measured.unexplained < _INERTIA:
         return measured
@@ -263,11 +262,12 @@ def stack(
     begun: np.ndarray | None = None,
     moves: Moves | None = None,
 ) -> np.ndarray:
-    """Whitened columns of all fitted records, (d, n): what moving the parameters of `model` along each direction does.
+    """Whitened columns of all fitted records, (p q, n): what moving the parameters of `model` does.
 
-    `values` and `directions` are (d, m). The terms of `model` push, its linear ones only if asked for; the regression's
-    own model answers. `begun`, (d, records, h): their histories, if the records do not begin with the drive; `moves`:
-    what they do to the points of the sweeps, if there are any.
+    `values` are (p, m), and at each of them the columns are taken along `directions`, (q, m). The terms of `model`
+    push, its linear ones only if asked for; the regression's own model answers. `begun`, (p, records, h): their
+    histories, if the records do not begin with the drive; `moves`: what they do to the points of the sweeps, if there
+    are any.
     """
     trajectories, parts = regression.trajectories, []
     if trajectories.tape.spans:
@@ -288,11 +288,11 @@ def _along_traces(
     trajectories = regression.trajectories
     both = contributions(asked, trajectories.tape, values, directions, trajectories.moved, trajectories.seen, pasts)
     forces, shown = zip(*both, strict=True)
-    rows = np.zeros((len(values), trajectories.tape.samples))
+    rows = np.zeros((len(values) * len(directions), trajectories.tape.samples))
     if asked.push:
         rows += push_columns(trajectories.tape, trajectories.dynamics, forces)
     if asked.show:
-        rows += trajectories.tape.at_samples(shown)
+        rows += trajectories.tape.at_samples([np.moveaxis(part, 1, 2) for part in shown])
     return by_record(regression, rows)
 
 
