@@ -6,12 +6,11 @@ effect has left. CPU seconds are user and system time of the whole process, read
 `--against FOLDER` runs the same commands in another checkout of ident, turn by turn; `--long` adds the same device with
 4 and 16 times as many samples; `--whole` a record of 100,000; `--check` asserts the targets.
 
-Reached, CPU seconds with an empty and with a filled cache, on a machine that others used: `fit` 4.7 and 3.4 (targets 6
-and 2); `discover` 18.7 and 11.1 (20 and 5), with friction 18.5 and 7.7 (30 and 10), where the state before took 6.0 and
-4.8, 18.7 and 13.0, 17.4 and 9.1 in the same run; 100,000 samples 68 and 49 with a filled cache (60). So `--check`
-fails, and `docs/speed.md` says why. On a busier machine, four times each in turn, ccb70fc: 5.2, 15.9 and 12.2 s with
-a filled cache (`fit`, `discover`, with friction), and its successor 5.1, 15.4 and 11.6. Before records came on one tape
-`discover` took 105 and 47 s.
+Reached, CPU seconds with an empty and with a filled cache, on a machine that others used: `fit` 4.4 and 3.5 (targets 6
+and 2), where 9ca4946 took 5.1 and 4.2 in the same run; `discover` 21.1 and 11.6 (20 and 5), where it took 20.8 and
+12.6. On a quieter one 18.7 and 11.1, with friction 18.5 and 7.7 (30 and 10); 100,000 samples 68 and 49 with a filled
+cache (60). So `--check` fails, and `docs/speed.md` says why. Before records came on one tape `discover` took 105 and
+47 s.
 """
 
 from __future__ import annotations

@@ -22,8 +22,8 @@ SEED, CAMPAIGNS, AGREE = 8200, 50, 1e-3
 IN_MODEL = "cubic-damping"
 
 
-def scores(path: Path) -> None:
-    """Score the campaigns with the ident of this process; runs in either checkout, so it needs nothing new."""
+def scores(path: Path, campaigns: int) -> None:
+    """Score so many campaigns with the ident of this process; runs in either checkout, so it needs nothing new."""
     from experiments.hidden_effects.campaigns import campaign_of
     from experiments.hidden_effects.generator import draw
     from experiments.hidden_effects.laws import NAMES
@@ -41,7 +41,7 @@ def scores(path: Path) -> None:
 
     library, found = built_in(), []
     known = [name for name in NAMES if name in library and not library[name].needs]
-    for k in range(CAMPAIGNS):
+    for k in range(campaigns):
         campaign = campaign_of(draw(SEED + k, (known[k % len(known)],), size=0.02, noise=0.003))
         model = Model(campaign.device)
         regression = prepare(fit(model + library[IN_MODEL]() if k % 2 else model, campaign))
@@ -55,15 +55,16 @@ def main() -> None:
     parser.add_argument("--against", type=Path, help="another checkout of ident")
     parser.add_argument("--write", type=Path, help="score with this process and write the numbers")
     parser.add_argument("--but", action="append", default=[], help="an effect whose law has changed; may be repeated")
+    parser.add_argument("--campaigns", type=int, default=CAMPAIGNS, help="how many of them")
     options = parser.parse_args()
     if options.write:
-        return scores(options.write)
+        return scores(options.write, options.campaigns)
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         for checkout in (ROOT, options.against.resolve()):
             path = Path(folder) / f"{len(rows)}.json"
             environment = os.environ | {"PYTHONPATH": str(checkout), "IDENT_CACHE": f"{folder}/cache{len(rows)}"}
-            call = [sys.executable, str(Path(__file__)), "--write", str(path)]
+            call = [sys.executable, str(Path(__file__)), "--write", str(path), "--campaigns", str(options.campaigns)]
             subprocess.run(call, env=environment, cwd=checkout, check=True)
             rows.append(json.loads(path.read_text(encoding="utf-8")))
     worst = 0.0

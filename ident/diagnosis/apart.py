@@ -23,10 +23,11 @@ from .faulty.differing import Differing, numbers_of
 from .linearised.regression import prepare
 from .linearised.shorten import is_long
 from .linearised.trajectory import Diverged
+from .ranking.confirm import accept, confirm
 from .ranking.look import Look
 from .ranking.pairs import best_pair
-from .ranking.score import score_beside, significant
-from .search.change import add, without
+from .ranking.score import score, score_beside, significant
+from .search.change import without
 from .search.written import AS_WELL
 
 
@@ -148,8 +149,15 @@ def _simulated(look: Look, promise: _Promise) -> Differing | None:
 
 
 def _beside(look: Look, promise: _Promise, effect: str | None) -> Differing | None:
-    fitted = look.regression.fit
     try:
-        return differing(fitted if effect is None else add(fitted, look.library[effect]), (promise.kind,))
+        return differing(look.regression.fit if effect is None else _with(look, effect), (promise.kind,))
     except (Diverged, np.linalg.LinAlgError):  # a motion without bound tells nothing
         return None
+
+
+def _with(look: Look, effect: str) -> Fit:
+    """The fit with an effect more, as it is weighed in a walk: where numbers of the records' own are missing a search
+    to its end crawls for long, and goes on from there once they are in."""
+    regression, law = look.regression, look.library[effect]
+    scored = next(iter(score(regression, {effect: law})), None)
+    return regression.fit if scored is None else accept(confirm(regression, law, scored), regression.fit)

@@ -40,7 +40,8 @@ Scalar = Any  # a float outside, a traced JAX scalar inside a simulation
 
 
 class State(NamedTuple):
-    """State of the stage: displacement `z` (m), velocity `v` (m/s) and the effect's own `hidden` states."""
+    """State of the stage: displacement `z` (m), velocity `v` (m/s) and the effect's own `hidden` states. A term of the
+    sensor finds in `z` what that reads, a velocity or an acceleration where it is one, and in `v` the rate of that."""
 
     z: Scalar
     v: Scalar
@@ -67,7 +68,7 @@ class AbstractEffect:
 
     - `force(state, drive, t)`: force on the stage, N;
     - `drive(hidden, drive, t)`: force through the actuator, N; sees the drive and its own memory only;
-    - `sensor(state, drive, t)`: what the sensor adds to the true displacement, m;
+    - `sensor(state, drive, t)`: what the sensor adds to what it reads of the motion, m;
     - `state0()` and `rate(state, drive, t)`: hidden states of its own and their time derivatives, in `hidden_units`;
     - `follow(hidden, before, drive, step)`, instead of a rate, for a memory of the drive alone that is known in closed
       form: the hidden states when the drive has gone from `before` to `drive` in a time `step`;

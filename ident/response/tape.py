@@ -98,14 +98,15 @@ class Tape:
         return tuple(found)
 
     def windows(self, grids: Sequence[np.ndarray]) -> list[np.ndarray]:
-        """Half-step grids of the records, (points, …) each, as what each block sees, (BLOCKS, 2 BLOCK + 1, …) a chunk;
+        """Half-step grids of the records, (…, points) each, as what each block sees, (BLOCKS, …, 2 BLOCK + 1) a chunk;
         beyond the end of a record its last value."""
         last = max(span.block + span.blocks for span in self.spans)
-        whole = np.zeros((-(-last // BLOCKS) * BLOCKS, 2 * BLOCK + 1, *grids[0].shape[1:]))
+        whole = np.zeros((-(-last // BLOCKS) * BLOCKS, *grids[0].shape[:-1], 2 * BLOCK + 1))
         for grid, span in zip(grids, self.spans, strict=True):
             for k in range(span.blocks):
-                seen, own = grid[2 * BLOCK * k : 2 * BLOCK * (k + 1) + 1], whole[span.block + k]
-                own[: len(seen)], own[len(seen) :] = seen, grid[-1]
+                seen, own = grid[..., 2 * BLOCK * k : 2 * BLOCK * (k + 1) + 1], whole[span.block + k]
+                n = seen.shape[-1]
+                own[..., :n], own[..., n:] = seen, grid[..., -1:]
         return [whole[c : c + BLOCKS] for c in range(0, len(whole), BLOCKS)]
 
     def begun(self, starts: np.ndarray) -> list[np.ndarray]:

@@ -39,10 +39,10 @@ def test_a_memory_that_no_amplitude_bends_is_followed_without_tangents(
     asked = columns.Terms(Equation(model), False)
     assert not asked.along(directions).bent
     assert asked.along(np.eye(len(names))).bent
-    plain = stack(regression, model, np.tile(values, (len(amplitudes), 1)), directions)
+    plain = stack(regression, model, values[None], directions)
     assert np.all(np.ptp(plain, axis=1) > 0)
     monkeypatch.setattr(columns, "_bend", lambda equation, moved: True)
-    bent = stack(regression, model, np.tile(values, (len(amplitudes), 1)), directions)
+    bent = stack(regression, model, values[None], directions)
     np.testing.assert_allclose(plain, bent, rtol=1e-10, atol=1e-12 * float(np.max(np.abs(bent))))
 
 

@@ -14,6 +14,7 @@ P. J. Brockwell, R. A. Davis, Time Series: Theory and Methods, 1991, §4.4 (spec
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -46,7 +47,8 @@ class ForceNoise(NamedTuple):
         return recursive_filter(self.numerator, self.denominator, values)
 
 
-class _Device(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class _Device:
     """A and B, as a record's floor whitens it; the `gain` |B/A|² at the frequencies of n samples, (n//2,), divided by
     its mean `size`, as B is by the root of that."""
 
@@ -92,18 +94,32 @@ def force_noise(regression: Regression, k: int, left: np.ndarray, level: float |
     part, if that is known. None if the model is no oscillator, k counts beyond the traces, or none is seen."""
     if k >= len(regression.whitenings) or regression.fit.model.form != "oscillator":
         return None
-    a, b, gain, _ = _through_the_device(regression, k, len(left))
+    device = _through_the_device(regression, k, len(left))
     power = np.abs(np.fft.rfft(left))[1:] ** 2 / len(left)
-    if level is None and _score(power, gain) < _SEEN:
+    if level is None and _score(power, device.gain) < _SEEN:
         return None
-    shares = _SHARES
+    best = None
     for _ in range(2):
-        spectra = 1 + shares[:, None] * gain
-        sizes = np.mean(power / spectra, axis=1, keepdims=True) if level is None else level**2
-        costs = np.mean(np.log(sizes * spectra) + power / (sizes * spectra), axis=1)
+        shares, whitening, heights = _spectra(device, best)
+        white = whitening @ power / len(power)
+        costs = heights + (np.log(white) if level is None else white / level**2)
         best = float(shares[np.argmin(costs)])
-        shares = best * _NEARER
-    return ForceNoise(a, _factor(a, b, best), best)
+    assert best is not None  # after two rounds
+    return _filter(device, best)
+
+
+@lru_cache(maxsize=64)  # many candidates ask for few of them
+def _spectra(device: _Device, best: float | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The shares ρ of the first round, or around its `best`; one over each one's spectrum, (ρ, n//2); and the means of
+    the logarithms of these spectra, (ρ,)."""
+    shares = _SHARES if best is None else best * _NEARER
+    spectra = 1 + shares[:, None] * device.gain
+    return shares, 1 / spectra, np.mean(np.log(spectra), axis=1)
+
+
+@lru_cache(maxsize=64)
+def _filter(device: _Device, rho: float) -> ForceNoise:
+    return ForceNoise(device.a, _factor(device.a, device.b, rho), rho)
 
 
 def _score(power: np.ndarray, gain: np.ndarray) -> float:

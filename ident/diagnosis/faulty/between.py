@@ -25,6 +25,7 @@ from ...fit.reading import read
 from ...model import FREQUENCY
 from ..evidence.criterion import VERY_STRONG, Left, behind, criteria
 from ..linearised.regression import Regression, by_record, prepare, stack
+from ..linearised.shorten import CRAWLS
 from ..linearised.trajectory import Diverged
 from ..unknown.subsets import regress
 from .between_levels import differing_levels
@@ -108,7 +109,7 @@ def _found(fitted: Fit, kind: Kind) -> Differing | None:
         sizes[inside] += step
         if not np.all(np.abs(sizes) <= most):
             return None
-        now = fit(fitted.model, _with(campaign, kind, sizes), initial=now.values)
+        now = fit(fitted.model, _with(campaign, kind, sizes), initial=now.values, most=CRAWLS)
         if np.all(np.abs(step) < _SETTLED * errors[inside]):
             break
     for i, trace in enumerate(campaign.traces):

@@ -31,7 +31,7 @@ from ...response.system import Block, System, assemble, behind_the_sensor
 from ...response.tape import BLOCK, BLOCKS, Chunk
 
 _COLUMNS = (4, 12, 36)  # solved together: three programs serve any number of them; 36 are those of a pair of splines
-_SETS = 4  # rows of terms are computed in multiples of this
+_OWN = 4  # directions of a model's own parameters are taken in multiples of this: how many are free differs
 
 
 class Motion(NamedTuple):
@@ -77,6 +77,11 @@ class Terms(NamedTuple):
         return self._replace(bent=_bend(self.equation, frozenset(p.name for p, own in moves if own)))
 
     @property
+    def at_a_time(self) -> int:
+        """Directions that are taken together."""
+        return _OWN if self.linear else 1
+
+    @property
     def push(self) -> bool:
         """Whether any of them is a force."""
         return self.linear or any(e.overrides("force") or e.overrides("drive") for e in self.equation.model.effects)
@@ -108,35 +113,34 @@ def contributions(
 ) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """What the terms of a model change in the force on the stage and in the reading, along given motions; by chunks.
 
-    **Arguments:** `values` and `directions`, (d, m): at which parameter values, and along which direction, each row is
-    taken; `moved`, the motion of the stage, and what the sensor has `seen` of it, per chunk; `histories`, (d, records,
+    **Arguments:** `values`, (p, m), of the parameters, at each of which rows are taken along the same `directions`,
+    (q, m); `moved`, the motion of the stage, and what the sensor has `seen` of it, per chunk; `histories`, (p, records,
     h): what came before each record added to the hidden states (`Equation.histories`).
 
-    **Returns:** forces (BLOCKS, 2 BLOCK + 1, d), N, and readings (BLOCKS, BLOCK, d), m, per unit of the direction;
-    empty where the model has none.
+    **Returns:** forces (BLOCKS, p q, 2 BLOCK + 1), N, and readings (BLOCKS, p q, BLOCK), m, per unit of the direction,
+    those of one place one after another; empty where the model has none.
     """
-    d = len(values)
-    more = -d % _SETS
-    values = np.concatenate([values, np.repeat(values[-1:], more, axis=0)])
-    directions = np.concatenate([directions, np.zeros((more, directions.shape[1]))])
-    histories = np.concatenate([histories, np.repeat(histories[-1:], more, axis=0)])
     asked, equation, pasts = asked.along(directions), asked.equation, _by_block(tape, histories)
-    carry = tuple((np.zeros((len(values), len(e.state0()))),) * 2 for e in equation.model.effects)
+    places, count = len(values), len(directions)
+    directions = np.concatenate([directions, np.zeros((-count % asked.at_a_time, directions.shape[1]))])
+    states = [len(e.state0()) for e in equation.model.effects]
+    carry = tuple((np.zeros((places, h)), np.zeros((places, len(directions), h))) for h in states)
+    flat = lambda found: np.asarray(found)[:, :, :count].reshape(len(found), places * count, found.shape[-1])
     for chunk, path, own, past in zip(tape.chunks, moved, seen, pasts, strict=True):
         carry, force, shown = terms(asked, equation.constants, values, directions, path, own, past, carry, chunk)
-        yield np.asarray(force)[..., :d], np.asarray(shown)[..., :d]
+        yield flat(force), flat(shown)
 
 
-def no_histories(equation: Equation, rows: int, tape: Tape) -> np.ndarray:
-    """Histories of records that begin with the drive, (rows, records, h)."""
-    return np.zeros((rows, len(tape.spans), len(equation.history_units)))
+def no_histories(equation: Equation, places: int, tape: Tape) -> np.ndarray:
+    """Histories of records that begin with the drive, (places, records, h)."""
+    return np.zeros((places, len(tape.spans), len(equation.history_units)))
 
 
 def _by_block(tape: Tape, histories: np.ndarray) -> list[np.ndarray]:
-    """Histories (d, records, h) at the blocks of each record, (d, BLOCKS, h) a chunk."""
-    d, records, h = histories.shape
-    flat = np.moveaxis(histories, 1, 0).reshape(records, d * h)
-    return [np.moveaxis(part.reshape(BLOCKS, d, h), 1, 0) for part in tape.begun(flat)]
+    """Histories (p, records, h) at the blocks of each record, (p, BLOCKS, h) a chunk."""
+    p, records, h = histories.shape
+    flat = np.moveaxis(histories, 1, 0).reshape(records, p * h)
+    return [np.moveaxis(part.reshape(BLOCKS, p, h), 1, 0) for part in tape.begun(flat)]
 
 
 @program
@@ -144,8 +148,11 @@ def terms(
     asked: Terms, constants: Numbers, values: Numbers, directions: Numbers, moved: Motion, seen: Motion, pasts: Numbers,
     carry: tuple, chunk: Chunk,
 ) -> tuple:  # fmt: skip
-    """One chunk of `contributions`; `pasts`: the histories of its blocks; `carry`: hidden states and their derivatives,
-    per effect."""
+    """One chunk of `contributions`; `pasts`: the histories of its blocks; `carry`: hidden states, (p, h), and their
+    derivatives, (p, q, h), per effect.
+
+    What is remembered at one place is the same along every direction, and is followed once.
+    """
 
     def remembered(values: Any, past: Any, hidden: tuple) -> tuple:
         system = assemble(asked.equation, constants, values)
@@ -159,18 +166,23 @@ def terms(
             shown = _at_points(_shown, system, seen, paths, chunk, 2)
         return force, shown
 
-    def along(values: Any, direction: Any, past: Any, carry: tuple) -> tuple:
-        hidden, change = (tuple(pair[k] for pair in carry) for k in range(2))
+    def at_one_place(values: Any, past: Any, carry: tuple) -> tuple:
+        hidden, changes = (tuple(pair[k] for pair in carry) for k in range(2))
         memory = lambda values, hidden: remembered(values, past, hidden)
-        if asked.bent:
-            (ends, paths), (dends, bends) = jax.jvp(memory, (values, hidden), (direction, change))
-            force, shown = jax.jvp(acting, (values, paths), (direction, bends))[1]
-        else:
-            (ends, paths), dends = memory(values, hidden), change
-            force, shown = jax.jvp(lambda values: acting(values, paths), (values,), (direction,))[1]
-        return tuple(zip(ends, dends, strict=True)), force, shown
 
-    return jax.vmap(along, out_axes=(0, -1, -1))(values, directions, pasts, carry)
+        def bending(direction: Any, change: tuple) -> tuple:
+            (ends, paths), (dends, bends) = jax.jvp(memory, (values, hidden), (direction, change))
+            return ends, dends, *jax.jvp(acting, (values, paths), (direction, bends))[1]
+
+        if asked.bent:
+            ends, changes, force, shown = jax.vmap(bending, out_axes=(None, 0, 1, 1))(directions, changes)
+        else:
+            ends, paths = memory(values, hidden)
+            along = lambda direction: jax.jvp(lambda values: acting(values, paths), (values,), (direction,))[1]
+            force, shown = jax.vmap(along, out_axes=1)(directions)
+        return tuple(zip(ends, changes, strict=True)), force, shown
+
+    return jax.vmap(at_one_place, out_axes=(0, 1, 1))(values, pasts, carry)
 
 
 def _memories(
@@ -307,19 +319,19 @@ def slopes(
 def push_columns(tape: Tape, dynamics: Sequence[Dynamics], pushes: Sequence[np.ndarray]) -> np.ndarray:
     """Change of the readings by given extra forces on the stage, through the model's dynamics linearised on the motion.
 
-    **Arguments:** `pushes`, per chunk (BLOCKS, 2 BLOCK + 1, d) N on the half-step grid.
+    **Arguments:** `pushes`, per chunk (BLOCKS, d, 2 BLOCK + 1) N on the half-step grid.
 
     **Returns:** (d, samples), m.
     """
-    columns, count = [], pushes[0].shape[-1]
+    columns, count = [], pushes[0].shape[1]
     width = next((w for w in _COLUMNS if w >= count), _COLUMNS[-1])
     for first in range(0, count, width):
         carry, found = (np.zeros(width),) * 2, []
         for chunk, along, push in zip(tape.chunks, dynamics, pushes, strict=True):
-            filled = part = push[..., first : first + width]
-            if part.shape[-1] < width:
-                filled = np.zeros((*part.shape[:-1], width))
-                filled[..., : part.shape[-1]] = part
+            filled = part = push[:, first : first + width]
+            if part.shape[1] < width:
+                filled = np.zeros((len(part), width, part.shape[2]))
+                filled[:, : part.shape[1]] = part
             carry, rows = answer(None, filled, along, carry, chunk.step, chunk.first, chunk.count)
             found.append(rows)
         columns.append(tape.at_samples(found))
@@ -340,7 +352,7 @@ def answer(
         z, v = (jnp.where(first[k] > 0, 0.0, x) for x in (z, v))
         h = steps[k]
         at_three = lambda grid: (grid[:-1:2], grid[1::2], grid[2::2])
-        inputs = (at_three(pushes[k] / along.mass[k]), at_three(along.stiffness[k]), at_three(along.damping[k]))
+        inputs = (at_three(pushes[k].T / along.mass[k]), at_three(along.stiffness[k]), at_three(along.damping[k]))
 
         def step(y: tuple, x: Any) -> tuple:
             ((p0, pm, p1), (k0, km, k1), (c0, cm, c1)), by_z, by_v, by_a = x
@@ -358,6 +370,6 @@ def answer(
         (z, v), said = lax.scan(step, (z, v), (inputs, along.by_z[k], along.by_v[k], along.by_a[k]))
         return z, v, lax.dynamic_update_index_in_dim(out, said, k, 0)
 
-    out = jnp.zeros((BLOCKS, BLOCK, pushes.shape[-1]))
+    out = jnp.zeros((BLOCKS, BLOCK, pushes.shape[1]))
     z, v, out = lax.fori_loop(0, count, one_block, (*carry, out))
     return (z, v), out

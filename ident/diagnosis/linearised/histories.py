@@ -67,15 +67,15 @@ class Histories(NamedTuple):
         return apart.reshape(-1, rows.shape[1])
 
 
-def begun_apart(regression: Regression, model: Model, rows: int) -> np.ndarray | None:
-    """Histories (h, rows, records, hidden) of a model whose last effect has each of its h hidden states in turn at its
-    unit when a record begins in motion; None if it has none, or if all records start at rest."""
+def begun_apart(regression: Regression, model: Model, places: int) -> np.ndarray | None:
+    """Histories (h, places, records, hidden) of a model whose last effect has each of its h hidden states in turn at
+    its unit when a record begins in motion; None if it has none, or if all records start at rest."""
     records, states = regression.fit.campaign.fitted, len(model.effects[-1].state0())
     if not states or all(record.start == "rest" for record in records):
         return None
     equation = Equation(model)
     scales = np.array([start_scale(record, 1.0 / regression.fit.scales.period, equation)[2:] for record in records])
-    found = np.zeros((states, rows, *scales.shape))
+    found = np.zeros((states, places, *scales.shape))
     for j, hidden in enumerate(range(scales.shape[1] - states, scales.shape[1])):
         found[j, :, :, hidden] = scales[:, hidden]
     return found

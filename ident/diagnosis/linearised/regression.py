@@ -123,7 +123,7 @@ class Regression:
         ]
         windows = zip(trajectories.dynamics, tape.windows(accelerations), strict=True)
         rows = push_columns(
-            tape, trajectories.dynamics, [(np.asarray(d.mass)[:, None] * a)[..., None] for d, a in windows]
+            tape, trajectories.dynamics, [(np.asarray(d.mass)[:, None] * a)[:, None] for d, a in windows]
         )
         inertia = by_record(self, rows)[0]
         left = self.residual[: len(inertia)]
@@ -241,12 +241,9 @@ def prepare(fit: Fit, believed: bool = False) -> Regression:
         regression = replace(regression, passes=passes)
         there = passes.solve(solved.static.equation, fit.values, directions, solved.static.width)
         passed = passes.slopes(there)[:, passes.order]
-    past = np.tile(trajectories.histories, (len(free), 1, 1))
     # Of its own parameters the model itself says what they do to sweeps, all harmonics together.
-    own = None if regression.plane is None else regression.plane.own
-    along_measured = stack(
-        regression, fit.model, np.tile(fit.values, (len(free), 1)), directions, True, past, own, passed
-    )
+    own, past = None if regression.plane is None else regression.plane.own, trajectories.histories[None]
+    along_measured = stack(regression, fit.model, fit.values[None], directions, True, past, own, passed)
     measured = _without(regression, along_measured, directions)
     if believed or measured.settled or measured.unexplained < _INERTIA:
         # What a candidate does to fast sweeps is known at the fit alone, and not along what was measured.
@@ -283,11 +280,12 @@ def stack(
     moves: Moves | None = None,
     passed: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Whitened columns of all fitted records, (d, n): what moving the parameters of `model` along each direction does.
+    """Whitened columns of all fitted records, (p q, n): what moving the parameters of `model` does.
 
-    `values` and `directions` are (d, m). The terms of `model` push, its linear ones only if asked for; the regression's
-    own model answers. `begun`, (d, records, h): their histories, if the records do not begin with the drive; `moves`:
-    what they do to the points of the sweeps, if there are any; `passed`, (d, numbers), to those that were run fast.
+    `values` are (p, m), and at each of them the columns are taken along `directions`, (q, m). The terms of `model`
+    push, its linear ones only if asked for; the regression's own model answers. `begun`, (p, records, h): their
+    histories, if the records do not begin with the drive; `moves`: what they do to the points of the sweeps, if there
+    are any; `passed`, (p q, numbers), to those that were run fast.
     """
     trajectories, parts = regression.trajectories, []
     if trajectories.tape.spans:
@@ -310,11 +308,11 @@ def _along_traces(
     trajectories = regression.trajectories
     both = contributions(asked, trajectories.tape, values, directions, trajectories.moved, trajectories.seen, pasts)
     forces, shown = zip(*both, strict=True)
-    rows = np.zeros((len(values), trajectories.tape.samples))
+    rows = np.zeros((len(values) * len(directions), trajectories.tape.samples))
     if asked.push:
         rows += push_columns(trajectories.tape, trajectories.dynamics, forces)
     if asked.show:
-        rows += trajectories.tape.at_samples(shown)
+        rows += trajectories.tape.at_samples([np.moveaxis(part, 1, 2) for part in shown])
     return by_record(regression, rows)
 
 

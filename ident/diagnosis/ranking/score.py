@@ -152,25 +152,23 @@ def _asked(regression: Regression, effect: type[AbstractEffect]) -> _Asked | Non
     amplitudes = [i for i, p in enumerate(instance.declared()) if p.kind == "amplitude" and (p.fitted or p.default)]
     axes = _grid(instance, regression)
     points = [np.array(point) for point in itertools.product(*axes)]
-    values = np.array([np.concatenate([known, point]) for point in points for _ in amplitudes])
-    directions = np.array([np.eye(values.shape[1])[first + a] for _ in points for a in amplitudes])
-    moves, q = None, len(amplitudes)
+    values = np.array([np.concatenate([known, point]) for point in points])
+    directions = np.eye(values.shape[1])[[first + a for a in amplitudes]]
+    moves = None
     if regression.plane is not None:
-        moves = curve_columns(regression.plane, Equation(model), values[::q], directions[:q])
+        moves = curve_columns(regression.plane, Equation(model), values, directions)
     passed = None
     if regression.passes is not None:
-        whole = fitted.model + instance
         there = np.array([np.concatenate([fitted.values, point]) for point in points])
-        passed = pass_columns(regression, whole, there, [len(fitted.values) + a for a in amplitudes])
+        places = [len(fitted.values) + a for a in amplitudes]
+        passed = pass_columns(regression, fitted.model + instance, there, places)
     raw = stack(regression, model, values, directions, moves=moves, passed=passed)
     apart, changed = begun_apart(regression, model, len(values)), None
     if apart is not None:
-        again, along = (np.tile(x, (len(apart), 1)) for x in (values, directions))
+        again, begun = np.tile(values, (len(apart), 1)), apart.reshape(-1, *apart.shape[2:])
+        held = moves and moves.rows(np.tile(np.arange(len(raw)), len(apart)))
         still = None if passed is None else np.tile(passed, (len(apart), 1))
-        held = moves and moves.rows(np.tile(np.arange(len(values)), len(apart)))
-        changed = stack(
-            regression, model, again, along, begun=apart.reshape(-1, *apart.shape[2:]), moves=held, passed=still
-        )
+        changed = stack(regression, model, again, directions, begun=begun, moves=held, passed=still)
         changed = changed.reshape(len(apart), *raw.shape)
     return _Asked(instance, points, [len(axis) for axis in axes], amplitudes, raw, changed, moves)
 

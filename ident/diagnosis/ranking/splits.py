@@ -59,7 +59,7 @@ def _likeness(regression: Regression, model: Model, values: np.ndarray, size: in
     """Stiffness (N/m) and damping (N s/m) that the effect looks like on the measured motion, per unit of the parameter
     at position `size`, for each set of `values` (k, m)."""
     trajectories = regression.trajectories
-    along = np.tile(np.eye(values.shape[1])[size], (len(values), 1))
+    along = np.eye(values.shape[1])[[size]]
     gram, right = np.zeros((2, 2)), np.zeros((2, len(values)))
     equation = Equation(model)
     rest = no_histories(equation, len(values), trajectories.tape)
@@ -69,7 +69,7 @@ def _likeness(regression: Regression, model: Model, values: np.ndarray, size: in
     for (force, _), motion in zip(pushed, trajectories.moved, strict=True):
         moved = np.stack([np.ravel(motion.z), np.ravel(motion.v)])
         gram += moved @ moved.T
-        right += moved @ force.reshape(-1, len(values))
+        right += moved @ np.moveaxis(force, 1, 2).reshape(-1, len(values))
     unit = np.sqrt(np.diag(gram))
     found = -np.linalg.solve(gram / np.outer(unit, unit), right / unit[:, None]) / unit[:, None]
     return [(float(spring), float(damper)) for spring, damper in found.T]

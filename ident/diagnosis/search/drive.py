@@ -89,7 +89,7 @@ def _left_with(regression: Regression, edges: Sequence[float | None]) -> list[np
     for record, lane, span in zip(regression.fit.campaign.fitted, tape.lanes, tape.spans, strict=True):
         free = _may_be_otherwise(record)
         others = [half_step_drive(replace(record, edge=e if free else record.edge), span.substeps)[0] for e in edges]
-        grids.append(gain * np.stack([other - lane.voltage for other in others], axis=1))
+        grids.append(gain * np.stack([other - lane.voltage for other in others]))
     rows = by_record(regression, push_columns(tape, trajectories.dynamics, tape.windows(grids)))
     traces = regression.left[: rows.shape[1]]
     rest = regression.left[rows.shape[1] :]

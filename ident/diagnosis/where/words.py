@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import fsum
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -89,8 +90,9 @@ def _record(where: Where) -> Statement | None:
 
 
 def _share(chosen: list[RecordView], every: list[RecordView]) -> float:
-    total = sum(max(r.excess, 0.0) for r in every)
-    return sum(max(r.excess, 0.0) for r in chosen) / max(total, 1e-300)
+    # Exact sums: the same records in another order have the same share, and of two ways to say it the first is taken.
+    inside, total = (fsum(max(r.excess, 0.0) for r in some) for some in (chosen, every))
+    return inside / max(total, 1e-300)
 
 
 def _level(where: Where) -> Statement | None:

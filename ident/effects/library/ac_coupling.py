@@ -4,7 +4,7 @@ from ..effect import AbstractEffect, Drive, Scalar, State, amplitude
 
 
 class AcCoupling(AbstractEffect):
-    """First-order high pass between displacement and reading: reading = z − r q, q̇ = z − r q.
+    """First-order high pass between motion and reading: reading = z − r q, q̇ = z − r q.
 
     An input that is coupled by a capacitor, a charge amplifier, a vibrometer whose decoder starts at a lowest
     frequency: r is 2π times that frequency, typically 0.1-10 Hz, and r = 0 passes everything. It takes every offset out

@@ -1,10 +1,10 @@
-"""The sensor follows the displacement late."""
+"""The sensor follows the motion late."""
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
 
 
 class SensorLag(AbstractEffect):
-    """First-order low pass between displacement and reading: reading = z_τ, τ ż_τ = z − z_τ.
+    """First-order low pass between motion and reading: reading = z_τ, τ ż_τ = z − z_τ.
 
     The electronics of the sensor, or the clocks of two channels that are apart. Typical: 1-100 µs. On a linear device
     it is the same as a lag of the drive; only records with nonlinear response, or a test of the sensor alone, tell

@@ -19,6 +19,7 @@ from .decays import draw_decay
 from .style import (
     BAND,
     DATA,
+    DPI,
     FAINT,
     HELDOUT,
     INK,
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
 
 _WHOLE = 40  # periods up to which a record is shown whole
 _PIECES = (12, 8, 8)  # periods shown of the beginning, middle and end of a longer one
+_BELOW, _BESIDE = 19, (36, 36, 44, 44)  # points from each axes to its names, past its numbers: there is no more room
 _FOLDED = 8  # last periods that are folded on the drive's phase
 
 
@@ -85,10 +87,9 @@ def _blank(layout: Layout) -> Figure:
     """Empty axes: over time, the residual under it, and beside them phase and loop or a spectrum."""
     beside, whole = layout
     figure = new_figure(10.6, 4.7)
-    top, low = new_axes(figure, 0.066, 0.42, 0.565, 0.385), new_axes(figure, 0.066, 0.105, 0.565, 0.205)
+    top = new_axes(figure, 0.066, 0.42, 0.565, 0.385)
+    new_axes(figure, 0.066, 0.105, 0.565, 0.205)
     top.tick_params(labelbottom=not whole)
-    for axes in (top, low):
-        axes.yaxis.set_label_coords(-0.077, 0.5)
     if beside != "spectrum":
         upper = new_axes(figure, 0.71, 0.545, 0.275, 0.26)
         new_axes(figure, 0.71, 0.105, 0.275, 0.295)
@@ -99,6 +100,10 @@ def _blank(layout: Layout) -> Figure:
         spectrum.set_yscale("log")
         spectrum.minorticks_off()
         spectrum.yaxis.set_major_formatter("{x:g}")  # plain text: powers of ten would go through a slow typesetter
+    for axes, aside in zip(figure.axes, _BESIDE, strict=False):  # told, for to find it all numbers are set once more
+        width, height = (72 / DPI * pixels for pixels in (axes.bbox.width, axes.bbox.height))
+        axes.xaxis.set_label_coords(0.5, -_BELOW / height)
+        axes.yaxis.set_label_coords(-aside / width, 0.5)
     return figure
 
 
