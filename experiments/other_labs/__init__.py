@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import devices, driven_far, held, of_structures, on_base, on_benches, ringing
+from . import devices, driven_far, held, of_structures, on_base, on_benches, ringing, through_sensors
 from .lab import DEVICES, Lab
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "on_base",
     "on_benches",
     "ringing",
+    "through_sensors",
 ]
 
 OFFSETS = frozenset({"sensor-offset", "static-force"})
