@@ -18,7 +18,9 @@ PUSH = np.random.default_rng(3).standard_normal((2, N))
 def before(left: np.ndarray) -> Any:
     """What is read of a regression."""
     places = (slice(0, N // 2), slice(N // 2, N))
-    return SimpleNamespace(left=left, numbers=3, plane=None, passes=None, places=places, whitenings=())  # of no oscillator
+    return SimpleNamespace(
+        left=left, numbers=3, plane=None, passes=None, places=places, whitenings=()
+    )  # of no oscillator
 
 
 def adrift(push: np.ndarray) -> np.ndarray:
