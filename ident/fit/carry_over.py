@@ -44,8 +44,12 @@ def expected_error(fit: Fit) -> float:
 
 
 def uncertain_steps(fit: Fit) -> np.ndarray:
-    """(p, m) steps of the values along the axes of their covariance, one standard error each."""
-    sizes, axes = np.linalg.eigh(fit.covariance)
+    """(p, m) steps of the values along the axes of their correlation, one standard error each: their squares add up to
+    the covariance. In units of SI its axes would be those of the largest unit, and what is left of the others rounding.
+    """
+    errors = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))
+    known = np.where(errors > 0, errors, 1.0)
+    sizes, axes = np.linalg.eigh(fit.covariance / np.outer(known, known))
     steps = np.zeros((len(sizes), len(fit.values)))
-    steps[:, list(fit.free)] = np.sqrt(np.maximum(sizes, 0.0))[:, None] * axes.T
+    steps[:, list(fit.free)] = np.sqrt(np.maximum(sizes, 0.0))[:, None] * axes.T * errors
     return steps

@@ -12,6 +12,7 @@ from ..campaign.campaign import Campaign
 from ..model import Model, ModelParameter
 from .linear.curve_guess import curve_scales, guess_curves, joined_scales
 from .linear.guess import DataScales, LinearGuess, data_scales, guess_linear, told_guess
+from .start_scale import small_size
 
 
 def first_guess(model: Model, campaign: Campaign) -> LinearGuess:
@@ -37,7 +38,7 @@ def scales_of(campaign: Campaign, frequency: float) -> DataScales:
 
 
 def base_values(model: Model, guess: LinearGuess, scales: DataScales) -> np.ndarray:
-    """Starting value of every parameter of the model, SI."""
+    """Starting value of every parameter of the model, SI; a positive one cannot leave zero, and starts small."""
     linear, told = model.linear, dict(model.start)
     found = {
         f"{linear.prefix}.frequency": guess.frequency,
@@ -47,6 +48,7 @@ def base_values(model: Model, guess: LinearGuess, scales: DataScales) -> np.ndar
     return np.array(
         [
             told.get(p.name, found.get(p.name, p.value * getattr(scales, p.scale)))
+            or (small_size(p.unit, scales, linear.mass) if p.positive else 0.0)
             for p in model.parameters
         ]
     )  # fmt: skip

@@ -14,7 +14,7 @@ from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.fit import Fit, carry_over, fit
-from ident.fit.carry_over import expected_error
+from ident.fit.carry_over import expected_error, uncertain_steps
 from ident.model import Model
 from ident.report.words.sentences import verdict
 
@@ -63,3 +63,14 @@ def test_a_motion_without_bound_says_nothing(monkeypatch: pytest.MonkeyPatch) ->
         far = lambda _, values, __, size=size: [np.full(3, np.copysign(size, values[0] - 1))]
         monkeypatch.setattr(carry_over, "read", far)
         assert carry_over.expected_error(fit) == np.inf
+
+
+def test_the_squares_of_uncertain_steps_are_the_covariance_whatever_the_units() -> None:
+    rng = np.random.default_rng(3)
+    units = np.array([1e-3, 2.0, 1e-9, 1e13])
+    mixed = rng.normal(size=(4, 4))
+    covariance = (mixed @ mixed.T + np.eye(4)) * np.outer(units, units)
+    told: Any = SimpleNamespace(covariance=covariance, values=np.zeros(6), free=(0, 1, 3, 5))
+    steps = uncertain_steps(told)
+    np.testing.assert_allclose(steps[:, [0, 1, 3, 5]].T @ steps[:, [0, 1, 3, 5]], covariance, rtol=1e-10)
+    assert not steps[:, [2, 4]].any()

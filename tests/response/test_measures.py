@@ -135,6 +135,13 @@ def test_a_sensor_acts_on_what_it_reads(
     assert told.unit == (unit if parameter != "cubic" or not order else f"1/m^2*s^{2 * order}")
 
 
+def test_a_fit_that_is_told_of_an_ac_coupling_finds_its_corner(tmp_path: Path) -> None:
+    read = read_campaign(campaign(tmp_path, "acceleration", sensor=high_pass))
+    found = fit(Model(read.device) + built_in()["ac-coupling"](), read)
+    assert np.isclose(found.value("ac-coupling.corner"), CORNER, rtol=0.02)
+    assert found.fitted.error_over_noise < 1.1
+
+
 def test_a_unit_of_acceleration_says_that_it_is_one(tmp_path: Path) -> None:
     folder = campaign(tmp_path, "acceleration")
     alone = read_campaign(folder / "1.csv")
