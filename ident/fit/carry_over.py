@@ -10,12 +10,15 @@ from .passes import lay_passes
 from .reading import read
 from .result import Fit
 
+_FARTHEST = 3.0  # of the logarithm of a parameter: of one that may be twenty times as large the records say nothing
+
 
 def expected_error(fit: Fit) -> float:
     """Error over noise to expect on the held-out records if the model is right; infinite if the errors say nothing.
 
     √(1 + tr(J C Jᵀ)/n), with C the covariance of the parameters and J the derivatives of the held-out readings by them,
-    in noise floors; differences along the axes of C, one standard error to each side.
+    in noise floors; differences along the axes of C's correlation, one standard error to each side, of positive
+    parameters in their logarithm: a quality factor of 10 ± 20 is not negative.
 
     Source: G. A. F. Seber, C. J. Wild, Nonlinear Regression, 1989, §5.1.
     """
@@ -24,7 +27,7 @@ def expected_error(fit: Fit) -> float:
         return float("inf")
     total, n = 0.0, sum(np.count_nonzero(r.counted) for r in records)
     for step in uncertain_steps(fit):
-        sides = [read(fit.model, fit.values + sign * step, records) for sign in (1.0, -1.0)] if records else [[], []]
+        sides = [read(fit.model, _moved(fit, sign * step), records) for sign in (1.0, -1.0)] if records else [[], []]
         with np.errstate(over="ignore", invalid="ignore"):  # a motion without bound, which says nothing
             total += sum(
                 float(np.sum((0.5 * (up - down)[r.counted]) ** 2)) / r.noise.sigma**2
@@ -41,6 +44,13 @@ def expected_error(fit: Fit) -> float:
         total, n = total + float(np.sum(moved**2)), n + moved.shape[1]
     expected = float(np.sqrt(1.0 + total / n))
     return expected if np.isfinite(expected) else float("inf")
+
+
+def _moved(fit: Fit, step: np.ndarray) -> np.ndarray:
+    values = fit.values
+    positive = np.array([p.positive for p in fit.model.parameters]) & (values > 0)
+    factor = np.exp(np.clip(step / np.where(positive, values, 1.0), -_FARTHEST, _FARTHEST))
+    return np.where(positive, values * factor, values + step)
 
 
 def uncertain_steps(fit: Fit) -> np.ndarray:

@@ -58,7 +58,8 @@ def test_the_verdict_tells_unsure_parameters_from_a_wrong_model():
 def test_a_motion_without_bound_says_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     record = SimpleNamespace(counted=np.ones(3, bool), noise=SimpleNamespace(sigma=1.0))
     campaign = SimpleNamespace(heldout_sweeps=(), heldout=[record])
-    fit: Any = SimpleNamespace(campaign=campaign, covariance=np.eye(1), values=np.ones(1), free=(0,), model=None)
+    model = SimpleNamespace(parameters=[SimpleNamespace(positive=False)])
+    fit: Any = SimpleNamespace(campaign=campaign, covariance=np.eye(1), values=np.ones(1), free=(0,), model=model)
     for size in (1e200, np.inf):
         far = lambda _, values, __, size=size: [np.full(3, np.copysign(size, values[0] - 1))]
         monkeypatch.setattr(carry_over, "read", far)
