@@ -18,7 +18,7 @@ def _motions(
     f = 30 * rng.uniform(0.9, 1.1)
     t, found = np.arange(4000) / (36 * f), []
     for size in sizes:
-        u = multisine(rng, size, 0.2 * f, 2.5 * f, 0.06 * f)
+        u = multisine(rng, size, 0.2 * f, 2.5 * f, 0.05 * f)
         rates = oscillator(f, quality, 1 / 1.6, u, lambda z, v, u, t: law(2 * np.pi * f, z, v))
         states = solve(rates, t, [0, 0], 0.5)
         found.append((t, u(t), states[1], np.array([rates(a, b)[1] for a, b in zip(t, states.T, strict=True)])))
