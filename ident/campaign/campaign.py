@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from .device import Device, Platform
-from .record import Record, Sweep, Trace
+from .record import Record, Sweep, Trace, common_order
 
 MOST_MODES = 6
 """Linear modes that a model may have, its own included."""
@@ -77,9 +77,8 @@ class Campaign:
 
     @property
     def order(self) -> int:
-        """Which derivative of the displacement the traces are, 0, 1 or 2; 0 where they differ."""
-        orders = {record.order for record in self.traces}
-        return orders.pop() if len(orders) == 1 else 0
+        """Which derivative of the displacement the records are, 0, 1 or 2; 0 where they differ."""
+        return common_order(self.records)
 
     @property
     def heldout(self) -> tuple[Trace, ...]:

@@ -6,6 +6,7 @@ A record is one file: a trace (time, drive, response) or a sweep (frequency, lev
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
@@ -272,3 +273,9 @@ def same_level(level: np.ndarray) -> tuple[np.ndarray, ...]:
 
 
 Record = Trace | Sweep
+
+
+def common_order(records: Iterable[Record]) -> int:
+    """Which derivative of the displacement all of some records are, 0, 1 or 2; 0 where they differ."""
+    orders = {record.order if isinstance(record, Trace) else 0 for record in records}
+    return orders.pop() if len(orders) == 1 else 0

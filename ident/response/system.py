@@ -253,6 +253,8 @@ def _rates(
     """Rates of the hidden states, effect by effect; zeros of those behind the sensor if these are not asked for."""
     voltage, rate, t = at[:3]
     z, v, *hidden = y
+    remembering = any(behind_the_sensor(effect) and effect.state0() for effect in system.effects)
+    read = _read(system, parts, y, at, acceleration) if sensors and remembering else (z, v)
     found: list[tuple[Any, ...]] = []
     for effect, own in zip(system.effects, parts, strict=True):
         if own is None or own.start == own.stop:
@@ -261,7 +263,7 @@ def _rates(
         if behind and not sensors:
             found.append(tuple(0.0 * h for h in hidden[own]))
             continue
-        seen = _read(system, parts, y, at, acceleration) if behind else system.seen_by(effect, z, v, voltage, rate)
+        seen = read if behind else system.seen_by(effect, z, v, voltage, rate)
         state = State(*seen, tuple(hidden[own]))
         found.append(tuple(effect.rate(state, system.drive_of(effect, voltage, rate), t)))
     return found

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from ...campaign.device import Device, Oscillator
-from ...campaign.record import Record, Trace
+from ...campaign.record import Record, common_order
 from ...units import base_unit, exponents, find_unit
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -60,8 +60,7 @@ def display_unit(unit: str, device: Device, *, plain: bool = False) -> str:
 
 def reading_unit(records: Iterable[Record]) -> str:
     """The unit, SI, of what the sensors of some records read: m, m/s or m/s^2; "m" where they differ."""
-    orders = {record.order if isinstance(record, Trace) else 0 for record in records}
-    return ("m", "m/s", "m/s^2")[orders.pop()] if len(orders) == 1 else "m"
+    return ("m", "m/s", "m/s^2")[common_order(records)]
 
 
 def _base(unit: str) -> str:
