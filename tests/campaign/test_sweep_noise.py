@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
+from ident.campaign import read_campaign
+from ident.campaign.quality.suspect import suspects_by_data
 from ident.campaign.record import Channel, NoiseFloor, Sweep
 from ident.campaign.sweeps.jump import find_jump, loop_runs_backwards
 from ident.campaign.sweeps.noise import sweep_noise
 from ident.campaign.sweeps.together import seen_together
 from tests.campaign.curves import QUALITY, RESONANCE, both_ways, duffing
+from tests.end_to_end.user import DATA
 
 # 40 frequencies, 4.5 of them within the half-power width near resonance, as in experiments/curves
 FREQUENCY = RESONANCE * (
@@ -180,3 +184,24 @@ def test_a_jump_on_which_the_motion_was_on_its_way_is_one(phase: bool) -> None:
     seen = find_jump(f, late, turned)
     assert seen is not None and seen.low <= clean.low and seen.high > clean.high
     assert abs(seen.frequency - clean.frequency) <= seen.uncertainty
+
+
+def test_two_passes_over_the_same_frequencies_tell_the_noise():
+    sweeps, ratios = [], []
+    for seed in (0, 1):
+        sweep, amplitude, angle = _sweep(0.03, True, (1e-3, 2e-3, 2e-3), seed)
+        sweeps.append(replace(sweep, name=f"{seed}.csv", noise=NoiseFloor(1e-3, relative_error=0.1)))
+    for found in seen_together(sweeps, []):
+        assert isinstance(found, Sweep)
+        ratios.append([np.median(found.deviation / amplitude), np.median(found.phase_deviation / angle)])
+    assert np.all(np.abs(np.log(ratios)) < 0.15), ratios
+
+
+def test_a_curve_that_is_listed_twice_is_called_so(tmp_path):
+    shutil.copytree(DATA / "platform_sweeps", tmp_path / "twice")
+    copy = tmp_path / "twice" / "copy.csv"
+    shutil.copy(tmp_path / "twice" / "sweep_5V.csv", copy)
+    listed = tmp_path / "twice" / "campaign.toml"
+    listed.write_text(listed.read_text() + '[[record]]\nfile = "copy.csv"\nkind = "sweep"\n')
+    (suspect,) = suspects_by_data(read_campaign(tmp_path / "twice"))
+    assert (suspect.file, suspect.kind) == ("copy.csv", "duplicate") and "sweep_5V.csv" in suspect.says

@@ -87,7 +87,21 @@ def suspects_by_data(campaign: Campaign) -> tuple[Suspect, ...]:
             share = 100 * abs(judged.drift) / judged.size
             says = f"the mean moves by {share:.0f} % of the rms response"
             found.append(Suspect(record.name, "drift", share, "% of rms", 0.5, says))
-    return tuple(found)
+    return tuple(found + _curves_twice(campaign))
+
+
+def _curves_twice(campaign: Campaign) -> list[Suspect]:
+    """Sweeps of which an earlier one has all points, in whichever order and however many more."""
+    found = []
+    tables = [np.column_stack([s.frequency, s.amplitude, np.zeros_like(s.frequency) if s.phase is None else s.phase])
+              for s in campaign.sweeps]  # fmt: skip
+    for k, sweep in enumerate(campaign.sweeps):
+        rows = set(map(tuple, tables[k].tolist()))
+        twin = next((j for j in range(k) if rows <= set(map(tuple, tables[j].tolist()))), None)
+        if twin is not None:
+            says = f"its curve is point by point in {campaign.sweeps[twin].name}"
+            found.append(Suspect(sweep.name, "duplicate", 1.0, "records", 1.0, says))
+    return found
 
 
 _BEGIN = 8  # samples, which tell most records apart

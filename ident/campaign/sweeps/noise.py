@@ -152,7 +152,9 @@ def _of_piece(sweep: Sweep, rows: np.ndarray, variances: np.ndarray | None) -> S
 def _cubic(frequency: np.ndarray, centre: np.ndarray, offsets: tuple[int, ...]) -> np.ndarray:
     """(m, 6) weights of the neighbours `_AROUND`, of which only `offsets` serve, for the value at each centre."""
     x = frequency[centre[:, None] + np.array(offsets)] - frequency[centre][:, None]
-    x = x / max(float(np.median(np.diff(frequency))), 1e-300)
+    steps = np.diff(frequency)
+    steps = steps[steps > 0]  # a curve that was passed twice has each frequency twice
+    x = x / (float(np.median(steps)) if len(steps) else 1.0)
     weights = np.zeros((len(centre), len(_AROUND)))
     weights[:, [_AROUND.index(k) for k in offsets]] = np.linalg.pinv(x[:, None, :] ** np.arange(4)[None, :, None])[
         ..., 0
