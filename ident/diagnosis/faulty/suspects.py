@@ -134,8 +134,8 @@ def _by_others(fitted: Fit, look: Look) -> list[Suspect]:
     found: list[Suspect] = []
     worst = max(errors[i] for i in order if not traces[i].holdout)
     known = _Explained(fitted.model, fitted.values, _left(fitted), fitted.freedom, worst, traces)
-    if len(fitted.campaign.fitted) > 2 and known.excess > _FLOOR**2 - 1:
-        one = _most_likely(fitted, inside, look)
+    if known.excess > _FLOOR**2 - 1:  # two records that contradict one another do not tell which of them is wrong
+        one = _most_likely(fitted, inside if len(fitted.campaign.fitted) > 2 else [], look)
         if one is not None:
             suspect, known = one
             found = [suspect]
