@@ -18,7 +18,7 @@ class Drifting(AbstractEffect):
     """
 
     age = shape("s", "time since switching-on where a record begins in motion, a", grid=(1.0,), scale="duration",
-                limits=(0.01, 100.0))  # fmt: skip
+                limits=(1e-4, 100.0))  # fmt: skip  (less than a sample: the record says "in motion", and began at rest)
     begins = choice("at-rest", _IN_MOTION)
 
     @classmethod
