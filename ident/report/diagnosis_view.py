@@ -12,6 +12,7 @@ from ..diagnosis.ranking.score import NAMED_BY_CHANCE, Candidate
 from ..diagnosis.search.beyond import NAME
 from ..diagnosis.search.steps import Discovery, Step
 from ..fit import Fit
+from ..fit.start_score import mostly_starts
 from .figures.picture import draw
 from .figures.where import where_figure
 from .html import Section
@@ -57,8 +58,14 @@ def _verdict_words(found: Diagnosis) -> str:
     refine = "refines its shape" if len(shaped) == 1 else "refine its shape"
     refined = f" ({' and '.join(shaped)} only {refine})" if shaped else ""
     if loop.verdict == "ambiguous" and not named:
+        if mostly_starts(final):
+            return (
+                f"Nothing is named, {error}: with other starts than are claimed, the model would leave less than half. "
+                'Write start = "unknown" in these records, and ask again: what is then left is no matter of starts.'
+            )
         return (
-            f"Nothing is named, {error}: no law explains what the model leaves; it may be noise, or how records begin."
+            f"Nothing is named, {error}: what the model leaves looks like no law that a simulation keeps; it may be "
+            "noise that the floors do not know."
         )
     if loop.verdict == "ambiguous" and not loop.lacking and not any(len(s.tie_set) > 1 for s in named):
         seen = "On the fitted records"

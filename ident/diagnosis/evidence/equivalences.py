@@ -37,8 +37,9 @@ EQUIVALENCES: tuple[Equivalence, ...] = (
     _of("creep viscoelastic-support",
         "what comes late in the drive and in the support makes transfer functions with as many poles and zeros",
         "a record in which something else than the drive moves the stage (a load that is taken away, a tap)"),
-    _of("ac-coupling creep", "what leaks away behind the sensor and what comes late in the drive make transfer functions with "
-        "as many poles and zeros", "the instrument: switch it to DC, or look up its lower corner"),
+    _of("ac-coupling creep",
+        "what leaks away behind the sensor and what comes late in the drive make the same transfer function",
+        "the instrument: switch it to DC, or look up its lower corner"),
     _of("static-force sensor-offset", "on a linear device a constant force only shifts the reading by a constant",
         "a record of the sensor with the stage blocked, or a dc bias if the device is nonlinear", True),
     _of("static-force sensor-offset sensor-drift", "within one short record a slow drift is a constant",
