@@ -17,8 +17,10 @@ class Drifting(AbstractEffect):
     the same for all of them.
     """
 
-    age = shape("s", "time since switching-on where a record begins in motion, a", grid=(1.0,), scale="duration",
-                limits=(1e-4, 100.0))  # fmt: skip  (less than a sample: the record says "in motion", and began at rest)
+    age = shape(
+        "s", "time since switching-on where a record begins in motion, a", grid=(1.0,), scale="duration",
+        limits=(1e-4, 100.0),  # down to less than a sample: one that is said to be in motion may have begun at rest
+    )  # fmt: skip
     begins = choice("at-rest", _IN_MOTION)
 
     @classmethod

@@ -99,6 +99,14 @@ class Curves:
         """How many numbers were measured."""
         return len(self.phase) + int(np.count_nonzero(self.phased)) + self.heard.count
 
+    def apart(self, equation: Equation, found: Controlled | None) -> Curves:
+        """The same with responses of its own, those `found` where they are known: one reading may have several motions,
+        and a search is not to go on from those of another."""
+        known = self.known.get(equation)
+        if found is not None and np.all(found.converged) and (known is None or known.found is not found):
+            known = Known(found)
+        return replace(self, known={} if known is None else {equation: known})
+
     def places(self, own: slice) -> np.ndarray:
         """Which of the numbers are those of a sweep, (k,): its amplitudes, its phases, then its harmonics."""
         points = np.arange(own.start, own.stop)

@@ -28,6 +28,7 @@ import numpy as np
 
 from ..programs import program
 from .coordinates import slopes
+from .curves import Known
 from .normal import Normal, moving, normal_equations, pack, unpack
 from .problem import Data, Evaluation, Static, Unknowns, evaluate, in_ranges
 from .squares import squares_of
@@ -203,11 +204,13 @@ class Search:
         compared: bool = False,
     ):
         self.static, self._robust, self._compared = static, robust, compared
-        self._given = data
+        curves, steady = data.curves, None if begun is None else begun.steady
+        self._given = data = data._replace(curves=curves and curves.apart(static.equation, steady))
         opened = in_ranges(
             static, data, start, np.where(np.isfinite(data.lower), 0.0, data.lower), np.full_like(data.upper, np.inf)
         )
         self._data, self._start, self._best = rescale(static, *opened, begun)
+        self._known = self._responses()
         self._limits = _limits(self._data, data)
         self._at = pack(self._start, self._data)
         self._point = normal_equations(static, self._data, self._at, self._best, robust)
@@ -237,6 +240,10 @@ class Search:
             if time.monotonic() > until:
                 return
 
+    def _responses(self) -> Known | None:
+        """The steady responses of curves that the next ones are sought from."""
+        return None if self._data.curves is None else self._data.curves.known.get(self.static.equation)
+
     def _step(self) -> None:
         change, found, trial = self._next, self._best, self._point
         if self.steps:
@@ -246,6 +253,10 @@ class Search:
         self._turn = _turn(self._point, trial, change, self._turn, self.steps == 1)
         if self._turn.accepted:
             self._at, self._point, self._best = self._at + change, trial, found
+            self._known = self._responses()
+        elif self._data.curves is not None and self._known is not None and np.all(self._known.found.converged):
+            # One reading may have several motions: those of a refused trial are not gone on from.
+            self._data.curves.known[self.static.equation] = self._known
         low, high = self._limits.around(self._at)
         self._next = _limited(self._point, self._turn, low, high)
         promised = _decrement(self._point, self._turn.units, low, high)

@@ -17,6 +17,7 @@ KNOWN = {
     "electrostriction": ("drive", ("V",)),
     "sensor-nonlinearity": ("sensor", ("z",)),
     "sensor-offset": ("sensor", ()),
+    "stribeck-friction": ("force", ("v",)),
     "creep": None,  # memories
     "bouc-wen": None,
     "arch-force": None,  # builds on residual stress

@@ -61,6 +61,10 @@ KINKED_LAWS = {
         dict(damping=0.4 * C, exponent=1.4, velocity=2e-2),
         lambda t, z, v, h: -C * v * (abs(v / 2e-2) ** 0.4 - 1),
     ),
+    "stribeck-friction": (
+        dict(friction=0.2 * C * 2e-2, sliding=0.4, fall=4e-3, velocity=2e-3),
+        lambda t, z, v, h: -0.2 * C * 2e-2 * (0.4 + 0.6 * np.exp(-((v / 4e-3) ** 2))) * np.tanh(v / 2e-3),
+    ),
     "coulomb-friction": (
         dict(friction=0.05 * C * 2e-2, velocity=4e-4),
         lambda t, z, v, h: -0.05 * C * 2e-2 * np.tanh(v / 4e-4),

@@ -16,7 +16,7 @@ class CoulombFriction(AbstractEffect):
     source = (
         "Olsson, Åström, Canudas de Wit, Gäfvert, Lischinsky, Friction models and compensation, 1998, Eur. J. Control 4"
     )
-    mistaken_for = ("bouc-wen", "quadratic-damping")
+    mistaken_for = ("bouc-wen", "quadratic-damping", "stribeck-friction")
     steps_per_period = 250
 
     friction = amplitude("N", "friction force", one_sided=True)
