@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from . import devices, driven_far, held, of_structures, on_base, on_benches, ringing, through_sensors
+from . import devices, driven_far, held, of_structures, on_base, on_benches, ringing, through_sensors, with_friction
 from .lab import DEVICES, Lab
 
 __all__ = [
@@ -17,6 +17,7 @@ __all__ = [
     "on_benches",
     "ringing",
     "through_sensors",
+    "with_friction",
 ]
 
 OFFSETS = frozenset({"sensor-offset", "static-force"})
