@@ -25,6 +25,7 @@ from .linearised.shorten import working
 from .next_record.experiments import NextExperiment, next_experiments, rank_experiments
 from .ranking.look import first_look
 from .search.discover import Keep, continue_from
+from .search.once_more import with_other_starts
 from .search.steps import Discovery, Verdict, Walked
 from .search.ties import Unseen, unseen
 from .search.written import AS_WELL, beyond_library
@@ -143,7 +144,7 @@ def diagnose(
     suspects = judged_again(suspects, found.final, report)
     if found.verdict == "identified" and any(one.kind in BY_OTHERS for one in suspects):
         found = replace(found, verdict="ambiguous")
-    if found.verdict == "not-in-library" and mostly_starts(found.final):
+    if found.verdict == "not-in-library" and _starts_settle(found.final):
         found = replace(found, verdict="ambiguous", lacking=0.0)  # what is left may be no physics at all
     answer = partial(Diagnosis, where=where, unseen=unseen(regression, found.ranking, library), suspects=suspects)
     if not fitted.campaign.fitted:
@@ -156,6 +157,12 @@ def diagnose(
     if written.discovery.verdict == "not-in-library" or written.discovery is not found:
         return answer(written.discovery)
     return answer(found, next_experiments=measure_next(found, library, report))
+
+
+def _starts_settle(last: Fit) -> bool:
+    """Whether a model reaches the noise with other starts than are claimed: what it leaves is then no physics."""
+    freed = with_other_starts(last) if mostly_starts(last) else None
+    return freed is not None and adequate(prepare(working(freed)))
 
 
 def _read_apart(

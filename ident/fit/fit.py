@@ -107,9 +107,11 @@ def minimise(
     most: int = solve.MAX_STEPS,
     compared: bool = False,
     until: float = np.inf,
+    scales: DataScales | None = None,
 ) -> Minimum:
     """The least-squares minimum alone, without uncertainties; arguments as in `fit`, `most` steps per start, and
-    whether it is only `compared` with that of another model."""
+    whether it is only `compared` with that of another model. `scales`: by which limits are placed, if not those of the
+    campaign's records: of all records, where these are a part."""
     records, sweeps = campaign.fitted, campaign.fitted_sweeps
     if not records and not sweeps:
         what = "the campaign has no record that is not held out"
@@ -120,7 +122,7 @@ def minimise(
     else:
         report("reading the resonance off the records")
         guess = first_guess(model, campaign)
-    scales = scales_of(campaign, guess.frequency)
+    scales = scales or scales_of(campaign, guess.frequency)
     base = told[0] if told else base_values(model, guess, scales)
     static, data = assemble_fit(model, campaign, guess, scales, base)
     report(f"compiling the model ({len(static.free)} parameters, {len(records) + len(sweeps)} records)")

@@ -23,6 +23,11 @@ from .words.tables import listed, percent_text, ratio_text
 
 _LISTED = 6
 
+_OTHER_STARTS = (
+    "with other starts than are claimed the model leaves less than half of that. "
+    'Write start = "unknown" in these records, and ask again: what is then left is no matter of starts.'
+)
+
 
 def verdict_words(found: Diagnosis) -> str:
     """The verdict in one or two sentences."""
@@ -59,14 +64,13 @@ def _verdict_words(found: Diagnosis) -> str:
     refined = f" ({' and '.join(shaped)} only {refine})" if shaped else ""
     if loop.verdict == "ambiguous" and not named:
         if mostly_starts(final):
-            return (
-                f"Nothing is named, {error}: with other starts than are claimed, the model would leave less than half. "
-                'Write start = "unknown" in these records, and ask again: what is then left is no matter of starts.'
-            )
+            return f"Nothing is named, {error}: {_OTHER_STARTS}"
         return (
             f"Nothing is named, {error}: what the model leaves looks like no law that a simulation keeps; it may be "
             "noise that the floors do not know."
         )
+    if loop.verdict == "ambiguous" and not adequate(loop.regression) and mostly_starts(final):
+        return f"{names}{refined} come{s} near, {error}: {_OTHER_STARTS}"
     if loop.verdict == "ambiguous" and not loop.lacking and not any(len(s.tie_set) > 1 for s in named):
         seen = "On the fitted records"
         if any(record.differs for record in final.campaign.records):

@@ -21,7 +21,7 @@ from ...campaign.record import Sweep, Trace
 from ...fit import Fit
 from ...fit.finish import Minimum
 from ...fit.fit import minimise
-from ...fit.linear.guess import GRID_STEP, coarse_frequency
+from ...fit.linear.guess import GRID_STEP, DataScales, coarse_frequency
 from ...fit.reading import read
 from ...model import FREQUENCY, Model
 from ..side_by_side import at_once
@@ -86,7 +86,7 @@ def told_by_others(fitted: Fit, i: int) -> Rest | None:
         frequency = coarse_frequency(others.fitted, fitted.campaign.fitted)
         far = abs(math.log(frequency / fitted.values[FREQUENCY])) >= 1.5 * GRID_STEP
         initial = None if far else initial
-    found = _minimum(fitted.model, others, initial)
+    found = _minimum(fitted.model, others, initial, scales=fitted.scales)
     return found and Rest(others, found.values, len(found.static.free), *residual_of(found, others))
 
 
@@ -110,14 +110,14 @@ def likeliest(fitted: Fit, records: Sequence[int], allowed: Callable[[Fault], bo
 @lru_cache(maxsize=8)  # first whether the record can be described at all, then what is wrong with it
 def own_device(fitted: Fit, i: int) -> Minimum | None:
     """A device of its own for one record: another load, or another device."""
-    return _minimum(fitted.model, _only(fitted.campaign, fitted.campaign.traces[i]), None)
+    return _minimum(fitted.model, _only(fitted.campaign, fitted.campaign.traces[i]), None, scales=fitted.scales)
 
 
 def reach(fitted: Fit, record: Trace, *known: Minimum | None) -> float:
     """Error over noise below which no device that all records share brings a record, read so: that of a device of its
     own. `known`: such ones; another is looked for from where the fit is."""
     only = _only(fitted.campaign, record)
-    found = (*known, _minimum(fitted.model, only, fitted.values))
+    found = (*known, _minimum(fitted.model, only, fitted.values, scales=fitted.scales))
     return min((residual_of(one, only)[1] for one in found if one is not None), default=np.inf)
 
 
@@ -293,9 +293,12 @@ def _instead(campaign: Campaign, record: Trace, other: Trace) -> Campaign:
     return replace(campaign, records=tuple(other if r is record else r for r in campaign.records))
 
 
-def _minimum(model: Model, campaign: Campaign, initial: np.ndarray | None, most: int = _STEPS) -> Minimum | None:
+def _minimum(
+    model: Model, campaign: Campaign, initial: np.ndarray | None, most: int = _STEPS, scales: DataScales | None = None
+) -> Minimum | None:
+    """`scales`: of all records, where these are a part: else a shape might leave its limits for those of a few."""
     try:
-        found = minimise(model, campaign, initial=initial, most=most)
+        found = minimise(model, campaign, initial=initial, most=most, scales=scales)
     except (FloatingPointError, np.linalg.LinAlgError):
         return None
     return found if np.all(np.isfinite(found.best.found.residuals)) and np.all(np.isfinite(found.values)) else None
