@@ -43,7 +43,7 @@ from .constant import with_its_constant
 from .drive import other_drive
 from .further_mode import with_its_mode
 from .lacking import lacking
-from .once_more import begun_with, deeper, drive_beside, lower_start, with_other_starts
+from .once_more import begun_with, drive_beside, lower_start, with_other_starts
 from .parts import Parts
 from .prune import Pruned, prune
 from .steps import Discovery, Step, Verdict, Walked
@@ -116,9 +116,6 @@ def continue_from(
         keep(Walked(start, tuple(steps), gains))
     if revised and steps and (lower := lower_start(start, current, report)) is not None:
         return once_more(lower)
-    if revised and steps and not adequate(look.regression) and (lower := deeper(current, report)) is not None:
-        onward = Walked(start, (*steps[:-1], steps[-1]._replace(fit=lower)), gains)
-        return continue_from(onward, library, report, most, keep, revised=revised - 1)
     return _concluded(Walked(start, tuple(steps), gains), look, at_best, ranking)
 
 

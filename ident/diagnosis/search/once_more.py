@@ -1,5 +1,5 @@
-"""Where a walk begins again: with another drive between the samples, or from a better minimum of its first model or its
-last."""
+"""Where a walk begins again: with another drive between the samples, with other starts of its records, or from a better
+minimum of its first model."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ import numpy as np
 
 from ...campaign.campaign import Campaign
 from ...fit import Fit, fit
-from ...fit.fit import minimise
 from ...model import QUALITY
 from ...pulse import Report
 from ..evidence.criterion import clearly_better
@@ -18,8 +17,6 @@ from ..linearised.shorten import CRAWLS, is_long, working
 from ..linearised.trajectory import Diverged
 from .drive import other_drive
 from .steps import Step
-
-_LEFT_OUT = 3  # records, one at a time
 
 
 def begun_with(start: Fit, campaign: Campaign) -> Fit:
@@ -45,34 +42,6 @@ def lower_start(start: Fit, last: Fit, report: Report) -> Fit | None:
     except (Diverged, FloatingPointError, np.linalg.LinAlgError):  # from there the motion has no bound
         return None
     report("the first model has a better minimum: once more, from there")
-    return lower
-
-
-def deeper(last: Fit, report: Report) -> Fit | None:
-    """The fit of a model from where all records but one lead it, if that is a clearly lower minimum.
-
-    Where a law turns sharply a search of all records may end in a side valley; fewer have others, and what they agree
-    on lies in those of all. Left out is one of the few records that the model describes worst.
-    """
-    campaign = last.campaign
-    if is_long(campaign) or campaign.sweeps or len(campaign.fitted) < 3:
-        return None
-    told = {score.name: score.error_over_noise for score in last.trace_scores}
-    worst = sorted(campaign.fitted, key=lambda record: -told[record.name])[:_LEFT_OUT]
-    report("do fewer records know a lower minimum?")
-    try:
-        starts = []
-        for record in worst:
-            others = replace(campaign, records=tuple(r for r in campaign.records if r is not record))
-            part = minimise(last.model, others, initial=last.values, most=CRAWLS, compared=True, scales=last.scales)
-            starts.append(part.values)
-        found = minimise(last.model, campaign, initial=starts, most=CRAWLS, compared=True)
-        lower = fit(last.model, campaign, initial=found.values)
-        if not clearly_better(prepare(working(lower)), prepare(working(last))):
-            return None
-    except (Diverged, FloatingPointError, np.linalg.LinAlgError):  # from there the motion has no bound
-        return None
-    report(f"a lower minimum: error over noise {lower.fitted.error_over_noise:.3g}")
     return lower
 
 
