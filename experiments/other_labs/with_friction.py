@@ -25,8 +25,8 @@ def slide(lab: Lab, rng: np.random.Generator) -> None:
 
 @device("stribeck-friction", floor=False)
 def carriage(lab: Lab, rng: np.random.Generator) -> None:
-    """A carriage without a spring, moved by a motor, A and mm. Its friction falls otherwise than the library's, and what is
-    left of a force adds up twice."""
+    """A carriage without a spring, moved by a motor, A and mm. Its friction falls otherwise than the library's, and
+    what is left of a force adds up twice."""
     t = np.arange(5000) / 500
     grip = 3.0 * rng.uniform(0.8, 1.2)  # m/s² of the motor
     for i, size in enumerate([1.0, 2.0, 3.0, 2.5]):
