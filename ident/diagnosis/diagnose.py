@@ -8,7 +8,8 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..campaign.quality.suspect import Suspect
+from ..campaign.held_drive import jumps
+from ..campaign.quality.suspect import ALL, Suspect
 from ..effects.registry import Registry, registry
 from ..fit import Fit, fit, fit_data
 from ..fit.fit_data import Effects
@@ -128,7 +129,10 @@ def diagnose(
     before = None if walked.steps or faulty else apart_before(look, report)
     if before is not None and (said := _read_apart(before, regression, library, report, keep)) is not None:
         return said
-    if first:
+    late = bool(first) and all(suspect.file == ALL for suspect in first)
+    # A drive that jumps tells by its edges how late it acts, and the walk begins again with that.
+    held = late and any(jumps(record.drive) for record in fitted.campaign.fitted if record.between == "auto")
+    if first and not held:
         nothing = Discovery("ambiguous", fitted, (), (), {}, (), regression)
         return Diagnosis(nothing, where, suspects=suspects)
     found = continue_from(walked, library, report, keep=keep, look=look)
