@@ -19,23 +19,23 @@ from ident import runtime
 runtime.configure()
 
 from ident.campaign import read_campaign  # noqa: E402  (JAX must be configured first)
-from ident.fit import fit  # noqa: E402
+from ident.fit import Fit, fit  # noqa: E402
 from ident.model import build_model  # noqa: E402
 
 from .files import STYLES, write  # noqa: E402
-from .generator import Noise, draw  # noqa: E402
+from .generator import Case, Noise, draw  # noqa: E402
 
 EFFECT, SIZE = "sensor-nonlinearity", 0.3
 REACHED, SHARE = 1.15, 0.8  # noise floors; of the fits, asserted
 
 
-def error_over_noise(seed: int, phase: bool) -> float:
-    """What the right law leaves of one device."""
+def fitted(seed: int, phase: bool) -> tuple[Case, Fit]:
+    """One device, and the fit of the right law to it."""
     case = draw(seed, (EFFECT,), size=SIZE, noise=Noise())
     with tempfile.TemporaryDirectory() as folder:
         write(case, Path(folder), STYLES[seed % len(STYLES)], phase)
         campaign = read_campaign(folder)
-        return fit(build_model(campaign, (EFFECT,)), campaign).fitted.error_over_noise
+        return case, fit(build_model(campaign, (EFFECT,)), campaign)
 
 
 def main() -> None:
@@ -47,7 +47,7 @@ def main() -> None:
     left = []
     for seed in range(asked.first, asked.first + asked.devices):
         for phase in (True, False):
-            left.append(error_over_noise(seed, phase))
+            left.append(fitted(seed, phase)[1].fitted.error_over_noise)
             print(f"{seed} {'with' if phase else 'without'} phase: error over noise {left[-1]:.3f}", flush=True)
     reached = sum(error < REACHED for error in left)
     print(f"{reached} of {len(left)} reach {REACHED} noise floors")

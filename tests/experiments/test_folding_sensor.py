@@ -4,18 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from experiments.curves.files import STYLES, write
-from experiments.curves.generator import Noise, draw
-from ident.campaign import read_campaign
-from ident.fit import fit
-from ident.model import build_model
+from experiments.curves.folding import fitted
 
 
-def test_a_search_does_not_go_on_from_the_motions_of_a_trial_that_it_refused(tmp_path):
-    case = draw(9824, ("sensor-nonlinearity",), size=0.3, noise=Noise())
-    write(case, tmp_path, STYLES[0], True)
-    campaign = read_campaign(tmp_path)
-    found = fit(build_model(campaign, ("sensor-nonlinearity",)), campaign)
+def test_a_search_does_not_go_on_from_the_motions_of_a_trial_that_it_refused():
+    case, found = fitted(9824, phase=True)
     assert found.fitted.error_over_noise == pytest.approx(1.0, abs=0.1)
     for name in ("frequency", "quality"):
         true = case.truth["parameters"][f"platform.{name}"]
