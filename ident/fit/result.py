@@ -12,7 +12,7 @@ import numpy as np
 from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
 from ..model import Model
-from ..response import divided
+from ..response import ALLOWED, divided
 from . import access
 from .curve_reading import CurveReading
 from .curves import in_smaller_steps
@@ -124,10 +124,11 @@ class Fit:
 
     @cached_property
     def step_error(self) -> float:
-        """Largest discretisation error of any fitted record, in units of its noise floor, by halving the step."""
+        """Largest discretisation error of any fitted record, in units of its noise floor, by halving the step, and by
+        allowing a quarter where it meets a kink."""
         static, data, unknowns, found = self.solved
         steps, records = [2 * span.substeps for span in data.tape.spans], self.campaign.fitted
-        finer = readings(static, data._replace(tape=divided(records, steps)), unknowns)
+        finer = readings(static, data._replace(tape=divided(records, steps, ALLOWED / 4)), unknowns)
         change = np.abs(found.readings - finer)
         largest = [np.max(change[own]) / r.noise.sigma for own, r in zip(data.tape.slices, records, strict=True)]
         if data.curves is not None:

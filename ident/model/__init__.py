@@ -12,5 +12,6 @@ from .linear import QUALITY as QUALITY  # noqa: E402
 from .linear import LinearPart as LinearPart  # noqa: E402
 from .linear import linear_part as linear_part  # noqa: E402
 from .model import ABOVE_THE_DRIVE as ABOVE_THE_DRIVE  # noqa: E402
+from .model import COARSE as COARSE  # noqa: E402
 from .model import Model as Model  # noqa: E402
 from .parameters import ModelParameter as ModelParameter  # noqa: E402

@@ -14,6 +14,10 @@ from ..units import in_reading
 from .linear import LinearPart, linear_part
 from .parameters import ModelParameter
 
+COARSE = 40
+"""Solver steps in a period of the resonance, at least, where those that meet a kink are divided: a contact with a stop
+ten times as stiff as the suspension lasts six of them."""
+
 ABOVE_THE_DRIVE = 15.0
 """Times the drive's band lies the resonance that stands for none in a quasi-static model: there inertia changes the
 answer by 1/15², and at a quality of as much damping shifts it by less."""
@@ -91,6 +95,12 @@ class Model:
     def steps_per_period(self) -> int:
         """Solver steps per period of the resonance that the sharpest effect needs."""
         return max((effect.steps_per_period for effect in self.effects), default=0)
+
+    @property
+    def coarsest(self) -> int:
+        """The same where steps are divided that meet a kink."""
+        needed = (COARSE if effect.has_kink else effect.steps_per_period for effect in self.effects)
+        return max(needed, default=0)
 
     @property
     def key(self) -> tuple[Any, ...]:

@@ -1,7 +1,9 @@
 """Solving the equation of motion for the measured drive."""
 
 from .ensemble import respond_many as respond_many
+from .lane import ALLOWED as ALLOWED
 from .substeps import divided as divided
+from .substeps import fine as fine
 from .substeps import lay_out as lay_out
 from .substeps import steps_of as steps_of
 from .system import Equation as Equation

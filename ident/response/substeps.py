@@ -10,7 +10,7 @@ import numpy as np
 
 from ..campaign.record import Trace
 from ..model import ABOVE_THE_DRIVE, Model
-from .lane import lane_of
+from .lane import ALLOWED, lane_of
 from .tape import Tape, lay
 
 _EDGES = 0.3  # of the noise: so much may the edges of a held drive change a response
@@ -21,17 +21,22 @@ def lay_out(records: Sequence[Trace], frequency: float, quality: float, model: M
 
     **Arguments:** `frequency` (Hz) and `quality` of the resonance, roughly.
     """
+    return divided(records, [steps_of(r, frequency, quality, model.coarsest, model.form) for r in records])
+
+
+def fine(records: Sequence[Trace], frequency: float, quality: float, model: Model) -> Tape:
+    """Records on a tape with a step that is small enough everywhere, also for a kink."""
     return divided(records, [steps_of(r, frequency, quality, model.steps_per_period, model.form) for r in records])
 
 
-def divided(records: Sequence[Trace], substeps: Sequence[int]) -> Tape:
-    """Records on a tape, with so many solver steps per sample of each."""
-    return _laid(tuple(records), tuple(substeps))
+def divided(records: Sequence[Trace], substeps: Sequence[int], allowed: float = ALLOWED) -> Tape:
+    """Records on a tape, with so many solver steps per sample of each; `allowed` as of `lane_of`."""
+    return _laid(tuple(records), tuple(substeps), allowed)
 
 
 @lru_cache(maxsize=6)  # the models that are compared on some records lie on the same tape
-def _laid(records: tuple[Trace, ...], substeps: tuple[int, ...]) -> Tape:
-    return lay([lane_of(record, each) for record, each in zip(records, substeps, strict=True)], substeps)
+def _laid(records: tuple[Trace, ...], substeps: tuple[int, ...], allowed: float) -> Tape:
+    return lay([lane_of(record, each, allowed) for record, each in zip(records, substeps, strict=True)], substeps)
 
 
 def steps_of(record: Trace, frequency: float, quality: float, finest: int, form: str = "oscillator") -> int:

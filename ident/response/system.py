@@ -62,6 +62,12 @@ class Equation:
         values = np.array([p.value for p in self.model.parameters])
         return not any(runs_by_a_clock(effect) for effect in self.model.bind(values)[1])
 
+    @cached_property
+    def has_kink(self) -> bool:
+        """Whether any force of the motion has one."""
+        pairs = zip(self.model.effects, self.follow_drive, strict=True)
+        return any(effect.has_kink and not before for effect, before in pairs)
+
     @property
     def stepped(self) -> int:
         """Hidden states that are integrated with the motion."""
@@ -99,6 +105,7 @@ class Block(NamedTuple):
     order: Any
     stiffer: Any
     sine: Any
+    allowed: Any
 
     def times(self, points: int, spacing: float) -> Array:
         """Times of the points of the block, s since the first sample of the record; `spacing` in steps."""
@@ -203,7 +210,7 @@ def derivative(
     system: System, parts: tuple[slice | None, ...], y: tuple[Any, ...], at: tuple[Any, ...]
 ) -> tuple[Any, ...]:
     """(ż, v̇, hidden rates) of the state `y` at `at` = (V, V̇, t), and the remembered force if there is one."""
-    v, acceleration = y[1], _acceleration(system, parts, y, at)
+    v, acceleration = y[1], accelerated(system, parts, y, at)
     rates = _rates(system, parts, y, at, acceleration)
     return (v, acceleration, *(rate for own in rates for rate in own))
 
@@ -230,7 +237,8 @@ def behind_the_sensor(effect: AbstractEffect) -> bool:
     return effect.overrides("sensor") and not effect.overrides("force")
 
 
-def _acceleration(system: System, parts: tuple[slice | None, ...], y: tuple[Any, ...], at: tuple[Any, ...]) -> Any:
+def accelerated(system: System, parts: tuple[slice | None, ...], y: tuple[Any, ...], at: tuple[Any, ...]) -> Any:
+    """v̇ of the state `y` at `at`, as `derivative`."""
     voltage, rate, t, *remembered = at
     z, v, *hidden = y
     apart, pace = system.apart(z, v, voltage, rate)
@@ -282,7 +290,7 @@ def _read(
     steady = tuple(0.0 * x for x in at[3:])
     onward = ((v, acceleration, *hidden), (at[1], 0.0 * at[1], 1.0, *steady))
     numbers = lambda tree: jax.tree.map(lambda x: jnp.asarray(x, float), tree)
-    of_motion = lambda y, at: _acceleration(system, parts, y, at)
+    of_motion = lambda y, at: accelerated(system, parts, y, at)
     jerk = jax.jvp(of_motion, numbers((tuple(y), tuple(at))), numbers(onward))[1]
     return system.read(z, v, acceleration, jerk)
 

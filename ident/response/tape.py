@@ -25,7 +25,7 @@ class Chunk(NamedTuple):
     """The drive on a stretch of the tape, (BLOCKS, …).
 
     **Arguments:** `voltage` and `rate`, (…, 2 BLOCK + 1) on the half-step grid; per block the `step`, s; the `clock`, s
-    since the first sample of the record; `omega`, `load`, `moving`, `order`, `stiffer` and `sine` of the record;
+    since the first sample of the record; `omega`, `load`, `moving`, `order`, `stiffer`, `sine` and `allowed` of it;
     whether it is its `first`; `count` of the blocks that hold something.
     """
 
@@ -39,6 +39,7 @@ class Chunk(NamedTuple):
     order: Numbers
     stiffer: Numbers
     sine: Numbers
+    allowed: Numbers
     first: Numbers
     count: Numbers
 
@@ -82,7 +83,7 @@ class Tape:
         voltage = self.windows([lane.voltage for lane in self.lanes])
         rate = self.windows([lane.rate for lane in self.lanes])
         shape = (len(voltage) * BLOCKS,)
-        own = ("step", "omega", "load", "moving", "order", "stiffer", "sine")
+        own = ("step", "omega", "load", "moving", "order", "stiffer", "sine", "allowed")
         told = {name: np.zeros(shape) for name in ("step", "clock", *own[1:], "first")}
         for lane, span in zip(self.lanes, self.spans, strict=True):
             there = slice(span.block, span.block + span.blocks)

@@ -20,9 +20,10 @@ import numpy as np
 from jax import lax
 
 from ..programs import program
+from .kinks import bend, between, limits_of, parts_of
 from .lane import Numbers
 from .memory import Remembered, Seen, forgotten, remembered_force
-from .runge_kutta import runge_kutta, stages, steps_of
+from .runge_kutta import runge_kutta, stages, steps_of, with_stages
 from .system import Block, Equation, System, assemble, begun, derivative, reading, slices, tangents
 from .tape import BLOCK, BLOCKS, Chunk, Tape
 
@@ -165,7 +166,7 @@ def march(
 
     def one_block(k: Any, state: tuple) -> tuple:
         y, dy, memories, *out = state
-        block = Block(*(field[k] for field in chunk[2:10]))
+        block = Block(*(field[k] for field in chunk[2:11]))
         voltage, rate, first = chunk.voltage[k], chunk.rate[k], chunk.first[k]
         time = block.times(2 * BLOCK + 1, 0.5)
         seen = Seen(None, None, voltage, rate, time, block.step, block.omega, numbers[3], block.moving)
@@ -184,13 +185,34 @@ def march(
             slope = jax.jit(partial(derivative, system, parts))  # traced once instead of four times
             inputs = [(*now, *force) for now, force in zip(stages(at), stages(remembered), strict=True)]
             shown = reading(system, parts, y, stages(at)[0], slope(y, inputs[0])[1])
-            return runge_kutta(slope, y, inputs, block.step), shown
+            after, states = with_stages(slope, y, inputs, block.step)
+            return after, shown, states
+
+        def in_parts(y: tuple, dy: tuple, at: tuple, remembered: tuple, changes: Any, limits: tuple) -> tuple:
+            slope = lambda numbers: jax.jit(partial(derivative, system_of(numbers).at(block), parts))
+            count = parts_of(slope(numbers), y, (*at, *remembered), block.step, *limits)
+
+            def part(k: Any, state: tuple) -> tuple:
+                def one(numbers: Any, y: tuple, remembered: tuple) -> tuple:
+                    inputs = between((*at, *remembered), k / count, 1 / count)
+                    return runge_kutta(slope(numbers), y, inputs, block.step / count)
+
+                y, dy = state
+                return tangents(one, (numbers, y, remembered), (along, dy, changes))
+
+            return lax.fori_loop(0, count.astype(int), part, (y, dy))
 
         def advance(state: tuple, x: tuple) -> tuple:
             (y, dy), (at, remembered, changes) = state, x
             f = lambda numbers, y, remembered: ahead(numbers, y, remembered, at)
-            (after, shown), change = tangents(f, (numbers, y, remembered), (along, dy, changes))
-            dafter, dshown = change or (None, None)
+            (after, shown, states), change = tangents(f, (numbers, y, remembered), (along, dy, changes))
+            dafter, dshown, _ = change or (None, None, None)
+            if equation.has_kink:
+                now, (first, middle, last) = system_of(numbers).at(block), stages(at)
+                rate, allowed = limits = limits_of(now, block.allowed)
+                missed = bend(now, parts, states, (first, middle, middle, last), block.step)
+                divided = lambda: in_parts(y, dy, at, remembered, changes, limits)
+                after, dafter = lax.cond(missed > rate * allowed, divided, lambda: (after, dafter))
             return (after, dafter), (shown, y[0], y[1], dshown)
 
         inputs = (steps_of((voltage, rate, time)), steps_of(forces), pushes and steps_of(pushes))

@@ -60,16 +60,6 @@ def test_hysteresis_alone_gives_no_offset_and_residual_stress_does():
     assert second > 1e-4 * first
 
 
-@pytest.mark.parametrize("effect", ["coulomb-friction", "end-stop"])
-def test_an_effect_with_a_kink_gets_a_finer_step(effect):
-    records = [sine(500.0, 1.0, 4, per_period=40, noise=NoiseFloor(0.1))]
-    smooth, sharp = Model(Oscillator()), Model(Oscillator(), (built_in()[effect](),))
-    plain = lay_out(records, 500.0, 20.0, smooth).spans[0].substeps
-    finer = lay_out(records, 500.0, 20.0, sharp).spans[0].substeps
-    assert finer * 40 >= sharp.steps_per_period
-    assert finer > plain
-
-
 def test_records_of_any_length_come_back_in_their_own():
     records = [sine(400.0, 1.0, n) for n in (3, 20, 5, 19)]
     found = read(Model(Oscillator()), np.array([500.0, 20.0, 1.0]), records)

@@ -197,7 +197,7 @@ def _memories(
 
     def one_block(k: Any, state: tuple) -> tuple:
         hidden, paths = state
-        block = Block(*(field[k] for field in chunk[2:10]))
+        block = Block(*(field[k] for field in chunk[2:11]))
         here = system.at(block)
         ends, found = [], []
         for effect, part, h, path in zip(here.effects, parts, hidden, paths, strict=True):
@@ -232,7 +232,7 @@ def _at_points(function: Any, system: System, motion: Motion, paths: tuple, chun
         axes = (0, 0, tuple(1 for _ in hidden), 0, 0, 0)
         return jax.vmap(one, in_axes=axes)(*jax.tree.map(thin, (z, v, hidden, voltage, rate, time)))
 
-    blocks = Block(*chunk[2:10])
+    blocks = Block(*chunk[2:11])
     return jax.vmap(one_block)(blocks, motion.z, motion.v, paths, chunk.voltage, chunk.rate)
 
 

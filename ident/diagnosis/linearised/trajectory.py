@@ -25,7 +25,8 @@ from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 from ...campaign.record import Trace
 from ...fit import Fit
 from ...fit.result import Solved
-from ...response import Tape
+from ...model import QUALITY
+from ...response import Tape, fine
 from .columns import Dynamics, Motion, linearised
 
 _SLOWER, _FASTER = 4.0, 6.0  # periods and frequencies of the resonance: what is integrated lies between
@@ -48,18 +49,15 @@ class Trajectories:
     """A fit laid out for diagnosis: its arrays, and the trajectories in its fitted records.
 
     **Arguments:** `residuals`: per record (n,), measured − model, m; `paths`: per record, the corrected trajectory;
-    `own`: the model's.
+    `own`: the model's. Where the fit's steps are divided at kinks, which a derivative along a path cannot follow, the
+    steps of its `tape` are short everywhere.
     """
 
     solved: Solved
+    tape: Tape
     paths: tuple[Path, ...]
     own: tuple[Path, ...]
     residuals: tuple[np.ndarray, ...]
-
-    @property
-    def tape(self) -> Tape:
-        """Where the records are."""
-        return self.solved.data.tape
 
     @cached_property
     def histories(self) -> np.ndarray:
@@ -109,6 +107,8 @@ def lay_out(fit: Fit) -> Trajectories:
     """
     solved, paths, own, residuals = fit.solved, [], [], []
     tape, response = solved.data.tape, solved.found.response
+    if solved.static.equation.has_kink:
+        tape = fine(fit.campaign.fitted, 1.0 / fit.scales.period, float(fit.values[QUALITY]), fit.model)
     for record, part, span, lane in zip(fit.campaign.fitted, tape.slices, tape.spans, tape.lanes, strict=True):
         residual = record.across(record.response - response.readings[part])
         if not np.all(np.isfinite(residual)):
@@ -120,7 +120,7 @@ def lay_out(fit: Fit) -> Trajectories:
             spline = CubicHermiteSpline(record.time, *at)
             found.append(Path(spline(inside), spline(inside, 1)))
         residuals.append(residual)
-    return Trajectories(solved, tuple(paths), tuple(own), tuple(residuals))
+    return Trajectories(solved, tape, tuple(paths), tuple(own), tuple(residuals))
 
 
 def _trusted(residual: np.ndarray, record: Trace) -> float:

@@ -18,10 +18,11 @@ class CoulombFriction(AbstractEffect):
     )
     mistaken_for = ("bouc-wen", "quadratic-damping", "stribeck-friction")
     steps_per_period = 250
+    has_kink = True
 
     friction = amplitude("N", "friction force", one_sided=True)
     velocity = shape(
-        "m/s", "velocity over which the force turns", grid=(0.01, 0.05), limits=(0.003, 0.15), scale="velocity"
+        "m/s", "velocity over which the force turns", grid=(0.01, 0.05), limits=(0.0003, 0.15), scale="velocity"
     )
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:

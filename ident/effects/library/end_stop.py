@@ -20,6 +20,7 @@ class EndStop(AbstractEffect):
         "cubic-stiffness", "quadratic-stiffness", "quintic-stiffness", "power-law-stiffness", "sensor-nonlinearity"
     )  # fmt: skip
     steps_per_period = 120
+    has_kink = True
 
     above = amplitude("N/m", "contact stiffness of the upper stop, k_a", one_sided=True)
     below = amplitude("N/m", "contact stiffness of the lower stop, k_b", one_sided=True)

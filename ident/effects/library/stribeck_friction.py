@@ -23,14 +23,15 @@ class StribeckFriction(AbstractEffect):
     mistaken_for = ("coulomb-friction", "bouc-wen")
     contains = ("coulomb-friction",)
     steps_per_period = 250
+    has_kink = True
 
     friction = amplitude("N", "force that breaks it loose, F_s", one_sided=True)
     sliding = shape("1", "share of it that is left in fast sliding, s", grid=(0.1, 0.5), limits=(0.01, 1.0))
     fall = shape(
-        "m/s", "velocity at which the force falls, v_S", grid=(0.02, 0.1), limits=(0.003, 1.0), scale="velocity"
+        "m/s", "velocity at which the force falls, v_S", grid=(0.02, 0.1), limits=(0.001, 1.0), scale="velocity"
     )
     velocity = shape(
-        "m/s", "velocity over which the force turns, v_t", grid=(0.01,), limits=(0.003, 0.15), scale="velocity"
+        "m/s", "velocity over which the force turns, v_t", grid=(0.01,), limits=(0.0003, 0.15), scale="velocity"
     )
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:

@@ -13,6 +13,7 @@ from ...campaign.drive import drive_frequency
 from ...campaign.quality.suspect import suspects_by_data
 from ...campaign.record import VAGUE
 from ...diagnosis.faulty.suspects import alone_off
+from ...effects.registry import built_in
 from ...fit.carry_over import expected_error
 from ...fit.judge import GOOD
 from ...fit.linear.one_tone import gain_of
@@ -234,6 +235,9 @@ def _numerics(fit: Fit) -> list[Sentence]:
             f"Halving the solver's step changes a record by {error} of its noise floor, more than a tenth: "
             "part of the error may be the solver's."
         )
+        own = [effect.name for effect in fit.model.effects if effect.name not in built_in() and not effect.has_kink]
+        if own:
+            text += f" If a force of {listed(own)} turns or jumps, write has_kink = True in the effect's file."
         found.append(Sentence(text, True))
     return [*found, *_curves(fit)]
 

@@ -1,0 +1,70 @@
+"""Steps that are divided where the motion meets the kink of a law: where friction turns, or a stop is hit.
+
+What a step can miss at a kink is told by the forces of the laws that have one, at the four states of the method: where
+these change, or bend, the step is tried whole and as two halves. Their ends differ by a share of the step's length if a
+kink lies in it and by its fifth power if none does: a step that misses by so many times what is allowed goes in as many
+parts. Away from its kinks a law costs what a smooth one does.
+
+Source: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 1993, §II.4 (step doubling) and
+§II.6 (discontinuities).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import jax.numpy as jnp
+from jax import Array, lax
+
+from .lane import Numbers
+from .runge_kutta import Slope, runge_kutta
+from .system import System, accelerated
+
+MOST = 64
+"""Parts of a step: 2560 in a period of the resonance, if the step is one of `substeps.COARSE`."""
+
+
+def bend(system: System, slots: tuple[slice | None, ...], states: Any, inputs: Any, h: Numbers) -> Array:
+    """Change of velocity, m/s, by which a step `h` may be wrong: that by what the forces with kinks, at the four
+    `states` and inputs, say beyond a straight line."""
+    own = [i for i, effect in enumerate(system.effects) if effect.has_kink]
+    alone = system._replace(effects=tuple(system.effects[i] for i in own), damping=0.0, stiffness=0.0, gain=0.0)
+    places = tuple(slots[i] for i in own)
+    a, b, c, d = (accelerated(alone, places, y, at[:3]) for y, at in zip(states, inputs, strict=True))
+    return h / 6 * jnp.abs(a - b - c + d)
+
+
+def limits_of(system: System, allowed: Any) -> tuple[Array, Array]:
+    """The rate, 1/s, that makes of a change of velocity the one of displacement to which it leads, and the change of
+    displacement, m, that is `allowed` of what is measured."""
+    rate = jnp.sqrt(jnp.abs(system.stiffness) / system.mass) + jnp.abs(system.damping) / system.mass
+    return rate, allowed / rate**system.order
+
+
+def parts_of(slope: Slope, y: tuple[Array, ...], grids: tuple[Any, ...], h: Numbers, rate: Any, allowed: Any) -> Array:
+    """In how many parts a step `h` from the state `y` goes.
+
+    **Arguments:** `grids`, the inputs at its beginning, middle and end; `rate` and `allowed` as of `limits_of`.
+    """
+
+    def attempt(k: Any, ends: tuple[tuple[Array, ...], tuple[Array, ...]]) -> Any:
+        whole, halves = ends
+        first, length = jnp.where(k == 2, 0.5, 0.0), jnp.where(k == 0, 1.0, 0.5)
+        begin = tuple(jnp.where(k == 2, b, a) for a, b in zip(y, halves, strict=True))
+        end = runge_kutta(slope, begin, between(grids, first, length), h * length)
+        kept = lambda old, now: tuple(jnp.where(now, a, b) for a, b in zip(end, old, strict=True))
+        return kept(whole, k == 0), kept(halves, k > 0)
+
+    whole, halves = lax.fori_loop(0, 3, attempt, (y, y))  # a loop, so that the laws are compiled once
+    missed = jnp.maximum(jnp.abs(whole[0] - halves[0]), jnp.abs(whole[1] - halves[1]) / rate)
+    return jnp.clip(jnp.ceil(missed / allowed), 1, MOST)
+
+
+def between(grids: tuple[Any, ...], first: Any, length: Any) -> list[tuple[Any, ...]]:
+    """Inputs at beginning, middle and end of a part of a step, in lengths of it, by parabolas through the step's."""
+    return [tuple(_parabola(grid, first + share * length) for grid in grids) for share in (0.0, 0.5, 1.0)]
+
+
+def _parabola(grid: tuple[Any, Any, Any], s: Any) -> Any:
+    a, b, c = grid
+    return a * (1 - s) * (1 - 2 * s) + 4 * b * s * (1 - s) + c * s * (2 * s - 1)
