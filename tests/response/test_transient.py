@@ -1,7 +1,6 @@
 """The response against SciPy, and the symmetry by which the zero-point offset separates the two mechanisms."""
 
 import numpy as np
-import pytest
 from scipy.integrate import solve_ivp
 
 from ident.campaign.device import Oscillator, Platform
@@ -9,7 +8,6 @@ from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.effects.registry import built_in
 from ident.fit.reading import read
 from ident.model import Model
-from ident.response import lay_out
 
 
 def sine(hertz: float, volts: float, periods: int, per_period: int = 64, **more) -> Trace:
