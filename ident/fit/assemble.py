@@ -71,16 +71,17 @@ def assemble_fit(
     base: np.ndarray,
     values: np.ndarray | None = None,
     substeps: Sequence[int] | None = None,
+    compared: bool = False,
 ) -> tuple[Static, Data]:
     """The arrays of a fit to the records of a campaign that are not held out, at `values` (m,) SI, else at `base`.
 
     Guess and base, where a search starts, say in which steps the solver goes, if not so many `substeps` per sample of
-    each record are known.
+    each record are known; `compared`, whether a model is only compared with others, and no number of it is reported.
     """
     records, sweeps = campaign.fitted, campaign.fitted_sweeps
     slow, fast = [s for s in sweeps if not s.fast], [s for s in sweeps if s.fast]
     if substeps is None:
-        tape = lay_out(records, max(guess.frequency, float(base[FREQUENCY])), guess.quality, model)
+        tape = lay_out(records, max(guess.frequency, float(base[FREQUENCY])), guess.quality, model, compared)
     else:
         tape = divided(records, substeps)
     curves = lay_curves(slow, model) if slow else None

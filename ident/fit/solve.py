@@ -29,6 +29,7 @@ import numpy as np
 from ..programs import program
 from .coordinates import slopes
 from .curves import Known
+from .linear.independent import independent_samples
 from .normal import Normal, moving, normal_equations, pack, unpack
 from .problem import Data, Evaluation, Static, Unknowns, evaluate, in_ranges
 from .squares import squares_of
@@ -244,6 +245,13 @@ class Search:
         """The steady responses of curves that the next ones are sought from."""
         return None if self._data.curves is None else self._data.curves.known.get(self.static.equation)
 
+    def _worth(self) -> float:
+        """The fall of the cost ½χ² that is worth a step."""
+        if not self._compared:
+            return _SMALL_GAIN * max(self.cost / self._data.count, 1.0)
+        # What every model lacks is no noise: by its independent samples models are compared.
+        return _COMPARED * max(self.cost / independent_samples(self._best.residuals), 1.0)
+
     def _step(self) -> None:
         change, found, trial = self._next, self._best, self._point
         if self.steps:
@@ -260,7 +268,7 @@ class Search:
         low, high = self._limits.around(self._at)
         self._next = _limited(self._point, self._turn, low, high)
         promised = _decrement(self._point, self._turn.units, low, high)
-        worth = (_COMPARED if self._compared else _SMALL_GAIN) * max(self.cost / self._data.count, 1.0)
+        worth = self._worth()
         self.converged = promised < worth + _SMALL_SHARE * float(self._point.cost)
         hopeless = _fall(self._point, self._next) * MAX_STEPS < worth
         self.ended = self.converged or hopeless or float(self._turn.reach) < _LEAST_STEP

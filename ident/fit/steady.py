@@ -76,6 +76,11 @@ class Steady:
             starts[k] = alone.start if alone.found else np.nan
         return starts
 
+    def stepped(self, record: Trace, substeps: int) -> Steady:
+        """The same in other steps of the solver; where its orbit was, the next one is looked for."""
+        last = self.known[-1]
+        return replace(self, prelude=_prelude(record, substeps), known=[last._replace(directions=last.directions[:0])])
+
     def mirrored(self, record: Trace, substeps: int) -> Steady:
         """That of the record with its drive turned round, as physics has it that are symmetric."""
         first = self.known[0]

@@ -13,15 +13,17 @@ from ..model import ABOVE_THE_DRIVE, Model
 from .lane import ALLOWED, lane_of
 from .tape import Tape, lay
 
+_COMPARED = 0.03  # of the noise, by which a model's motion may miss: χ² is then a thousandth too large at the most
 _EDGES = 0.3  # of the noise: so much may the edges of a held drive change a response
 
 
-def lay_out(records: Sequence[Trace], frequency: float, quality: float, model: Model) -> Tape:
+def lay_out(records: Sequence[Trace], frequency: float, quality: float, model: Model, compared: bool = False) -> Tape:
     """Records on a tape, with a solver step small enough for their noise floors and for the sharpest effect.
 
-    **Arguments:** `frequency` (Hz) and `quality` of the resonance, roughly.
+    **Arguments:** `frequency` (Hz) and `quality` of the resonance, roughly; `compared` as of `steps_of`.
     """
-    return divided(records, [steps_of(r, frequency, quality, model.coarsest, model.form) for r in records])
+    finest, form = model.coarsest, model.form
+    return divided(records, [steps_of(r, frequency, quality, finest, form, compared) for r in records])
 
 
 def fine(records: Sequence[Trace], frequency: float, quality: float, model: Model) -> Tape:
@@ -39,20 +41,25 @@ def _laid(records: tuple[Trace, ...], substeps: tuple[int, ...], allowed: float)
     return lay([lane_of(record, each, allowed) for record, each in zip(records, substeps, strict=True)], substeps)
 
 
-def steps_of(record: Trace, frequency: float, quality: float, finest: int, form: str = "oscillator") -> int:
+def steps_of(
+    record: Trace, frequency: float, quality: float, finest: int, form: str = "oscillator", compared: bool = False
+) -> int:
     """Steps per sample for which the method's error moves the natural frequency by less than a tenth of its error bar;
     `finest` of them in a period of the resonance at the least.
 
     The phase error of Runge–Kutta steps is (ωh)⁴/120 per radian. It always has the same sign, so that samples do not
     average it as they do the noise: near resonance ln ω is known to σ/(2Q √n rms); a tenth of that is allowed.
     (With σ/10 instead of σ/(10 √n) 400 simulated campaigns returned frequencies 0.18 error bars too high.)
-    In an excerpt no frequency is reported: σ/10 is fine, and so is half of the steps that sharp effects need.
+    In an excerpt no frequency is reported: σ/10 is fine, and so is half of the steps that sharp effects need. Nor is
+    one of a model that is only `compared` with others, by residuals which another frequency then makes up for.
     An overdamped motion has a decay of rate ω/Q, of which a step may hold two times: it has no bound beyond 2.8.
     The edges of a drive that is held are a filter 1 − (ωh)²/12, of which a gain takes up the greater part.
     Of a resonance that stands for none, far above what is driven, nothing is asked: its steps need a bound only.
     """
     signal = float(np.std(record.response)) or 1.0
     share = 0.1 / (1.0 if record.excerpt else math.sqrt(len(record.time)))
+    if compared:
+        share = max(share, _COMPARED)
     allowed = share * min(max(record.noise.sigma / signal, 1e-4), 0.1)
     largest = (120 * allowed / max(2 * quality, 2.0)) ** 0.25
     slower = 1.0  # than the resonance, what moves

@@ -35,10 +35,10 @@ def contradicted(fit: Fit) -> bool:
 
 
 def predicts_better(before: Fit, after: Fit) -> bool:
-    """Whether held-out records are predicted better, or there are none."""
+    """Whether held-out records are predicted better, by more than chance makes of them, or there are none."""
     if before.holdout is None or after.holdout is None:
         return True
-    return after.holdout.error_over_noise < before.holdout.error_over_noise
+    return after.holdout.error_over_noise < before.holdout.error_over_noise and _beyond_chance(after, before)
 
 
 def hurts(before: Fit, after: Fit) -> bool:
@@ -70,8 +70,8 @@ def _worse_in_each(before: Fit, after: Fit) -> bool:
 
 
 def _beyond_chance(before: Fit, after: Fit) -> bool:
-    """Whether held-out traces are predicted worse, by more than their independent samples leave to chance; where only
-    sweeps are held out, whose points are independent, nothing is left to it."""
+    """Whether the second of two fits predicts held-out traces worse, by more than their independent samples leave to
+    chance; where only sweeps are held out, whose points are independent, nothing is left to it."""
     was, now = _missed(before), _missed(after)
     if not len(was):
         return True

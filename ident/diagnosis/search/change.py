@@ -63,7 +63,7 @@ def try_without(parent: Fit, name: str, start: Fit) -> Fit:
     model, rest = parent.model - name, values_without(parent, name)
     linear = sum(p.kind == "linear" for p in model.parameters)
     starts = [rest, np.concatenate([start.values[:linear], rest[linear:]])]
-    race = minimise(model, parent.campaign, initial=starts, most=_FEW)
+    race = minimise(model, parent.campaign, initial=starts, most=_FEW, compared=True)
     found = minimise(model, parent.campaign, initial=race.values, most=ENOUGH, compared=True)
     return fit_at(model, parent.campaign, found.values, converged=False)  # what is kept of it is fitted to its end
 
