@@ -10,6 +10,7 @@ from ...effects.registry import registry
 from ...fit import Fit, fit
 from ...pulse import Report
 from ..linearised.regression import Regression
+from ..linearised.shorten import CRAWLS
 from ..unknown.effect_file import write_effect
 from ..unknown.find import Unknown
 from .change import add
@@ -28,7 +29,8 @@ class Beyond(NamedTuple):
 def go_beyond(
     fitted: Fit, regression: Regression, unknown: Unknown, path: Path, report: Report = lambda _: None
 ) -> Beyond:
-    """Write what a fit lacks to a file that does not exist yet, and refit with it.
+    """Write what a fit lacks to a file that does not exist yet, and refit with it, in as many steps as models that are
+    compared.
 
     **Arguments:** `regression`: of the fit, or of its `working` excerpt; `unknown`: what `find_unknown` says there.
 
@@ -38,11 +40,10 @@ def go_beyond(
     write_effect(unknown, path, name)
     files = (*fitted.campaign.effect_files, path)
     known = lambda parent: replace(parent, campaign=replace(parent.campaign, effect_files=files))
-    found = add(
-        known(regression.fit), registry(files)[name], report, others=0
-    )  # its numbers are estimates, and no guesses
+    # Its numbers are estimates, and no guesses.
+    found = add(known(regression.fit), registry(files)[name], report, others=0, most=CRAWLS)
     if regression.fit is not fitted:
-        found = fit(found.model, known(fitted).campaign, initial=found.values, report=report)
+        found = fit(found.model, known(fitted).campaign, initial=found.values, report=report, most=CRAWLS)
     return Beyond(unknown, path, found)
 
 

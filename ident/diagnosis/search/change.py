@@ -11,6 +11,7 @@ from ...effects.registry import find, registry
 from ...fit import Fit, fit
 from ...fit.fit import minimise
 from ...fit.rebuild import fit_at
+from ...fit.solve import MAX_STEPS
 from ...fit.starts import starting_points
 from ...pulse import Report
 from ...threads import one_thread
@@ -24,9 +25,15 @@ ENOUGH = 25  # steps from the parent's values: a model that is as good without t
 
 
 @one_thread
-def add(parent: Fit, effect: str | type[AbstractEffect], report: Report = lambda _: None, others: int = 4) -> Fit:
+def add(
+    parent: Fit,
+    effect: str | type[AbstractEffect],
+    report: Report = lambda _: None,
+    others: int = 4,
+    most: int = MAX_STEPS,
+) -> Fit:
     """The parent's model with one effect more, fitted from the parent's values and the size that the score predicts,
-    and from so many `others` of its grids.
+    and from so many `others` of its grids, in at most so many steps from each.
 
     **Raises:** UserError if there is no such effect, the model has it, or it cannot act on this device.
     """
@@ -36,7 +43,7 @@ def add(parent: Fit, effect: str | type[AbstractEffect], report: Report = lambda
     model = without_unseen(with_effect(parent, effect), found[0] if found else None)
     first = np.concatenate([parent.values, start_of(model, found[0] if found else None, parent.scales)])
     grid = starting_points(model, first, parent.scales, others)[1:]
-    return fit(model, parent.campaign, initial=[first, *grid], report=report)
+    return fit(model, parent.campaign, initial=[first, *grid], report=report, most=most)
 
 
 @one_thread

@@ -21,7 +21,7 @@ from ...model import FREQUENCY, QUALITY, make_effect
 from ...pulse import Report
 from ..evidence.criterion import Left, clearly_better
 from ..linearised.regression import Regression, prepare
-from ..linearised.shorten import working
+from ..linearised.shorten import CRAWLS, working
 from ..linearised.trajectory import Diverged
 
 _GREATER_PART = 0.5  # of χ² beyond noise
@@ -50,7 +50,7 @@ def with_its_mode(fitted: Fit, regression: Regression, report: Report) -> tuple[
     begin = [*((f"{name}.travel", travel), (f"{name}.period", 1 / frequency), (f"{name}.quality", quality))]
     more = replace(more, start=(*more.start, *begin))
     try:
-        found = fit(more, campaign, initial=np.append(fitted.values, [value for _, value in begin]))
+        found = fit(more, campaign, initial=np.append(fitted.values, [value for _, value in begin]), most=CRAWLS)
         after = prepare(working(found))
     except Diverged:
         return fitted, regression
