@@ -38,7 +38,7 @@ _NEAR = 0.01  # of the cost: the search itself goes the rest
 _ROUNDS = 2  # in which initial states are fitted before a search: they enter almost linearly
 _SPREAD = 0.3  # of a parameter, by which random starts move it at most
 _SEEN = 1.0  # noise floors of all numbers together by which a slope moves them at a small size, to be one
-_LAST_STEPS = 12  # in short steps of the solver, at least, of a search that has taken all of its own in long ones
+_LAST_STEPS = 25  # of a search in short steps of the solver, at most: the one in long ones has led near the minimum
 _SETTLED = 0.01  # relative change of the cost by new weights that is not worth another search
 
 
@@ -234,7 +234,7 @@ def _exactly(
         return data, found
     steady = tuple(one.stepped(records[one.record], tape.spans[one.record].substeps) for one in data.steady)
     data = data._replace(tape=tape, steady=steady)
-    data, better = search(static, data, found.unknowns, max(most - found.steps, _LAST_STEPS))
+    data, better = search(static, data, found.unknowns, min(most, _LAST_STEPS))
     return data, better._replace(steps=found.steps + better.steps)
 
 
