@@ -2,7 +2,7 @@
 
 Dry friction and a stop, driven by a sine, against SciPy going from kink to kink with the sign function itself.
 Asserted: with divided steps the readings are right within a fifth of a noise of 10⁻⁴ V, and steps that are short
-everywhere take more than twice the time for the same.
+everywhere take more than six times as long for the same, of the stop twice.
 """
 
 from __future__ import annotations
@@ -87,6 +87,7 @@ def stop(at: np.ndarray) -> np.ndarray:
 
 
 TRUTH = {"coulomb-friction": friction, "end-stop": stop}
+LONGER = {"coulomb-friction": 6.0, "end-stop": 2.0}  # as long, at least
 
 
 def simulated(tape: Tape, effect: str) -> tuple[np.ndarray, float]:
@@ -119,7 +120,7 @@ def main() -> None:
             print(f"{'':18} {steps * 40:>9} in a period {missed(plain):12.3f} {1e3 * longer:7.1f}")
             if missed(plain) <= 1.1 * missed(found):
                 break
-        assert longer > 2 * taken
+        assert longer > LONGER[effect] * taken
 
 
 if __name__ == "__main__":
