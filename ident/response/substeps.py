@@ -26,9 +26,11 @@ def lay_out(records: Sequence[Trace], frequency: float, quality: float, model: M
     return divided(records, [steps_of(r, frequency, quality, finest, form, compared) for r in records])
 
 
-def fine(records: Sequence[Trace], frequency: float, quality: float, model: Model) -> Tape:
-    """Records on a tape with a step that is small enough everywhere, also for a kink."""
-    return divided(records, [steps_of(r, frequency, quality, model.steps_per_period, model.form) for r in records])
+def lay_path(records: Sequence[Trace], frequency: float, quality: float, model: Model) -> Tape:
+    """Records on a tape along whose path derivatives are taken: no number is reported of these, but they follow a kink
+    only in steps that are short everywhere."""
+    finest, form = model.steps_per_period, model.form
+    return divided(records, [steps_of(r, frequency, quality, finest, form, compared=True) for r in records])
 
 
 def divided(records: Sequence[Trace], substeps: Sequence[int], allowed: float = ALLOWED) -> Tape:

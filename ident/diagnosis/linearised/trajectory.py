@@ -26,7 +26,7 @@ from ...campaign.record import Trace
 from ...fit import Fit
 from ...fit.result import Solved
 from ...model import QUALITY
-from ...response import Tape, fine
+from ...response import Tape, lay_path
 from .columns import Dynamics, Motion, linearised
 
 _SLOWER, _FASTER = 4.0, 6.0  # periods and frequencies of the resonance: what is integrated lies between
@@ -49,8 +49,7 @@ class Trajectories:
     """A fit laid out for diagnosis: its arrays, and the trajectories in its fitted records.
 
     **Arguments:** `residuals`: per record (n,), measured − model, m; `paths`: per record, the corrected trajectory;
-    `own`: the model's. Where the fit's steps are divided at kinks, which a derivative along a path cannot follow, the
-    steps of its `tape` are short everywhere.
+    `own`: the model's. The steps of its `tape` are not those of the fit (`lay_path`).
     """
 
     solved: Solved
@@ -106,9 +105,8 @@ def lay_out(fit: Fit) -> Trajectories:
     **Raises:** Diverged if the model's motion has no bound.
     """
     solved, paths, own, residuals = fit.solved, [], [], []
-    tape, response = solved.data.tape, solved.found.response
-    if solved.static.equation.has_kink:
-        tape = fine(fit.campaign.fitted, 1.0 / fit.scales.period, float(fit.values[QUALITY]), fit.model)
+    response = solved.found.response
+    tape = lay_path(fit.campaign.fitted, 1.0 / fit.scales.period, float(fit.values[QUALITY]), fit.model)
     for record, part, span, lane in zip(fit.campaign.fitted, tape.slices, tape.spans, tape.lanes, strict=True):
         residual = record.across(record.response - response.readings[part])
         if not np.all(np.isfinite(residual)):
