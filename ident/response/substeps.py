@@ -26,11 +26,15 @@ def lay_out(records: Sequence[Trace], frequency: float, quality: float, model: M
     return divided(records, [steps_of(r, frequency, quality, finest, form, compared) for r in records])
 
 
-def lay_path(records: Sequence[Trace], frequency: float, quality: float, model: Model) -> Tape:
-    """Records on a tape along whose path derivatives are taken: no number is reported of these, but they follow a kink
-    only in steps that are short everywhere."""
-    finest, form = model.steps_per_period, model.form
-    return divided(records, [steps_of(r, frequency, quality, finest, form, compared=True) for r in records])
+def lay_path(records: Sequence[Trace], frequency: float, quality: float, model: Model, tape: Tape) -> Tape:
+    """Records on a tape along whose path derivatives are taken; `tape`: that of the fit.
+
+    No number is reported of these, so that longer steps do, but they follow a kink only in steps that are short
+    everywhere, and a memory may be faster than the motion.
+    """
+    finest, form, memory = model.steps_per_period, model.form, any(e.hidden_units for e in model.effects)
+    steps = [steps_of(r, frequency, quality, finest, form, not memory) for r in records]
+    return divided(records, [max(a, b.substeps * memory) for a, b in zip(steps, tape.spans, strict=True)])
 
 
 def divided(records: Sequence[Trace], substeps: Sequence[int], allowed: float = ALLOWED) -> Tape:

@@ -5,8 +5,11 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
+from ident.campaign.record import NoiseFloor
+from ident.diagnosis.evidence import held_out
 from ident.diagnosis.search import discover
 from ident.diagnosis.search.steps import Step
 
@@ -16,8 +19,15 @@ def step(added: str, held_out: float) -> Any:
     return SimpleNamespace(added=added, fit=fit, regression=None)
 
 
+def predicted(missed: np.ndarray) -> Any:
+    """A fit that misses a held-out record by so much."""
+    record = SimpleNamespace(response=missed, noise=NoiseFloor(1.0), counted=np.ones(len(missed), bool), holdout=True)
+    size = SimpleNamespace(error_over_noise=float(np.sqrt(np.mean(missed**2))))
+    return SimpleNamespace(holdout=size, campaign=SimpleNamespace(traces=[record]), readings=[np.zeros(len(missed))])
+
+
 @pytest.mark.parametrize(
-    ("held_out", "kept"),
+    ("held_out_errors", "kept"),
     [
         ((6.4, 5.3, 5.8, 5.7), 2),  # the last is better than the one before it, not than the best
         ((6.4, 5.3, 5.8, 5.2), 4),
@@ -26,14 +36,26 @@ def step(added: str, held_out: float) -> Any:
     ],
 )
 def test_a_name_counts_if_it_predicts_better_than_every_model_before(
-    held_out: tuple[float, ...], kept: int, monkeypatch: pytest.MonkeyPatch
+    held_out_errors: tuple[float, ...], kept: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(discover, "adequate", lambda _: False)
     monkeypatch.setattr(discover, "hurts", lambda *_: False)
-    steps = [step(f"law-{i}", error) for i, error in enumerate(held_out)]
+    monkeypatch.setattr(held_out, "_beyond_chance", lambda *_: True)
+    steps = [step(f"law-{i}", error) for i, error in enumerate(held_out_errors)]
     regression: Any = None
     found = discover._without_refuted(step("start", 6.2).fit, steps, regression)
     assert [one.added for one in found] == [f"law-{i}" for i in range(kept)]
+
+
+@pytest.mark.parametrize(
+    ("smooth", "share", "better"), [(True, 0.98, False), (False, 0.9, True), (True, 0.5, True), (True, 1.0, False)]
+)
+def test_a_prediction_is_better_by_more_than_chance(smooth: bool, share: float, better: bool) -> None:
+    """A slow misfit says a few things only, however many its samples are."""
+    noise = np.random.default_rng(3).normal(size=4000)
+    missed = np.sin(np.arange(4000) / 300.0) if smooth else noise
+    before, after = (predicted(missed * size) for size in (1.0, share))
+    assert held_out.predicts_better(before, after) == better
 
 
 @pytest.mark.parametrize(("foretold", "kept"), [(True, 2), (False, 1)])

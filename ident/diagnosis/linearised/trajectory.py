@@ -25,7 +25,7 @@ from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 from ...campaign.record import Trace
 from ...fit import Fit
 from ...fit.result import Solved
-from ...model import QUALITY
+from ...model import FREQUENCY, QUALITY
 from ...response import Tape, lay_path
 from .columns import Dynamics, Motion, linearised
 
@@ -106,7 +106,8 @@ def lay_out(fit: Fit) -> Trajectories:
     """
     solved, paths, own, residuals = fit.solved, [], [], []
     response = solved.found.response
-    tape = lay_path(fit.campaign.fitted, 1.0 / fit.scales.period, float(fit.values[QUALITY]), fit.model)
+    fastest = max(1.0 / fit.scales.period, float(fit.values[FREQUENCY]))
+    tape = lay_path(fit.campaign.fitted, fastest, float(fit.values[QUALITY]), fit.model, solved.data.tape)
     for record, part, span, lane in zip(fit.campaign.fitted, tape.slices, tape.spans, tape.lanes, strict=True):
         residual = record.across(record.response - response.readings[part])
         if not np.all(np.isfinite(residual)):
