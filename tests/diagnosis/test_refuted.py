@@ -32,6 +32,7 @@ def predicted(missed: np.ndarray) -> Any:
         ((6.4, 5.3, 5.8, 5.7), 2),  # the last is better than the one before it, not than the best
         ((6.4, 5.3, 5.8, 5.2), 4),
         ((6.4, 5.3), 2),
+        ((17.9, 7.4), 1),  # the last is better than the one before it, not than what there was without effects
         ((6.4,), 1),
     ],
 )

@@ -173,13 +173,14 @@ def _without_refuted(start: Fit, steps: list[Step], regression: Regression) -> l
 
     Where the noise floor is not reached, or on the fitted records alone, the model still lacks something, and one more
     law may bend to mimic a part of that: after the first, a name then counts if it predicts other records better than
-    every model before it.
+    every model before it, that without effects included.
     """
     kept, left = list(steps), regression
     while kept:
         before, after = kept[-2].fit if len(kept) > 1 else start, kept[-1].fit
         unsure = not (adequate(left) and foretold(after))
-        mimics = unsure and not all(predicts_better(step.fit, after) for step in kept[:-1])
+        earlier = [start, *(step.fit for step in kept[:-1])] if len(kept) > 1 else []
+        mimics = unsure and not all(predicts_better(fit, after) for fit in earlier)
         if not (mimics or hurts(before, after)):
             break
         left = kept.pop().regression or left
