@@ -14,6 +14,7 @@ from .lane import ALLOWED, lane_of
 from .tape import Tape, lay
 
 _COMPARED = 0.03  # of the noise, by which a model's motion may miss: χ² is then a thousandth too large at the most
+_SHARPEST = 250  # steps in a period, along a path, with which dry friction is told by its score
 _EDGES = 0.3  # of the noise: so much may the edges of a held drive change a response
 
 
@@ -27,14 +28,18 @@ def lay_out(records: Sequence[Trace], frequency: float, quality: float, model: M
 
 
 def lay_path(records: Sequence[Trace], frequency: float, quality: float, model: Model, tape: Tape) -> Tape:
-    """Records on a tape along whose path derivatives are taken; `tape`: that of the fit.
+    """Records on a tape along whose path derivatives are taken, and effects that the model lacks; `tape`: the fit's.
 
-    No number is reported of these, so that longer steps do, but they follow a kink only in steps that are short
-    everywhere, and a memory may be faster than the motion.
+    No number is reported of these, so that steps which the sharpest effect needs do where those of the fit are shorter.
+    The kinks of the model itself are followed in steps that are short everywhere only, and a memory may be faster than
+    the motion.
     """
-    finest, form, memory = model.steps_per_period, model.form, any(e.hidden_units for e in model.effects)
-    steps = [steps_of(r, frequency, quality, finest, form, not memory) for r in records]
-    return divided(records, [max(a, b.substeps * memory) for a, b in zip(steps, tape.spans, strict=True)])
+    form, own = model.form, [span.substeps for span in tape.spans]
+    if model.coarsest < model.steps_per_period or any(effect.hidden_units for effect in model.effects):
+        needed = [steps_of(r, frequency, quality, model.steps_per_period, form) for r in records]
+        return divided(records, [max(pair) for pair in zip(needed, own, strict=True)])
+    enough = [steps_of(r, frequency, quality, max(model.steps_per_period, _SHARPEST), form, True) for r in records]
+    return divided(records, [min(pair) for pair in zip(enough, own, strict=True)])
 
 
 def divided(records: Sequence[Trace], substeps: Sequence[int], allowed: float = ALLOWED) -> Tape:

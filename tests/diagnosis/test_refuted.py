@@ -14,6 +14,12 @@ from ident.diagnosis.search import discover
 from ident.diagnosis.search.steps import Step
 
 
+@pytest.fixture
+def certain(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing is left to chance, but everything to the errors."""
+    monkeypatch.setattr(held_out, "_beyond_chance", lambda *_: True)
+
+
 def step(added: str, held_out: float) -> Any:
     fit = SimpleNamespace(holdout=SimpleNamespace(error_over_noise=held_out))
     return SimpleNamespace(added=added, fit=fit, regression=None)
@@ -36,12 +42,12 @@ def predicted(missed: np.ndarray) -> Any:
         ((6.4,), 1),
     ],
 )
+@pytest.mark.usefixtures("certain")
 def test_a_name_counts_if_it_predicts_better_than_every_model_before(
     held_out_errors: tuple[float, ...], kept: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(discover, "adequate", lambda _: False)
     monkeypatch.setattr(discover, "hurts", lambda *_: False)
-    monkeypatch.setattr(held_out, "_beyond_chance", lambda *_: True)
     steps = [step(f"law-{i}", error) for i, error in enumerate(held_out_errors)]
     regression: Any = None
     found = discover._without_refuted(step("start", 6.2).fit, steps, regression)
@@ -60,6 +66,7 @@ def test_a_prediction_is_better_by_more_than_chance(smooth: bool, share: float, 
 
 
 @pytest.mark.parametrize(("foretold", "kept"), [(True, 2), (False, 1)])
+@pytest.mark.usefixtures("certain")
 def test_a_floor_that_the_fitted_records_alone_have_reached_excuses_nothing(
     foretold: bool, kept: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -71,6 +78,7 @@ def test_a_floor_that_the_fitted_records_alone_have_reached_excuses_nothing(
     assert len(found) == kept
 
 
+@pytest.mark.usefixtures("certain")
 def test_held_out_records_are_asked_again_where_the_last_search_had_not_ended(monkeypatch: pytest.MonkeyPatch) -> None:
     """A refit that was left crawling predicts a little better than what it crawls to."""
 
