@@ -14,6 +14,7 @@ from ...pulse import Report
 from ..evidence.criterion import STRONG, behind
 from ..evidence.enough import ANOTHER_LAW
 from ..evidence.family import is_family_of, is_that_member
+from ..evidence.held_out import hurts_more
 from ..linearised.regression import Regression, prepare
 from ..linearised.trajectory import Diverged
 from ..ranking.confirm import Confirmed, accept, confirm
@@ -53,7 +54,7 @@ def take_apart(
     A law with several parameters mimics any two of the simple ones that it implies, and a walk that adds one effect at
     a time meets it first. One with many bends to what any two do that it does not imply. But one name is a simpler
     answer than two: each further one costs 2 ln(size of the library). Beyond that the evidence must be strong for
-    either answer; in between, both are given. On curves alone they are, too, where simpler ones with no more numbers
+    either answer, and held-out records must not contradict it; in between, both are given. On curves alone they are, too, where simpler ones with no more numbers
     leave no more than laws of one kind differ by: a law with more to bend may owe its lead to the shape of another.
     """
     alike: list[Parts] = []
@@ -83,7 +84,7 @@ def take_apart(
         except Diverged:  # a motion without bound explains nothing
             continue
         worse = behind(regression, whole) + 2 * np.log(len(library)) * (len(names) - 1)
-        if names and worse < -STRONG:
+        if names and worse < -STRONG and not hurts_more(last, current):
             near = whole.fit_chi2 - regression.fit_chi2 < ANOTHER_LAW * without.excess
             return [*alike, Parts(name, tuple(names), current, True, last, near)]
         shape = regression.fit_chi2 - whole.fit_chi2 < ANOTHER_LAW * without.excess

@@ -100,6 +100,7 @@ def prune(last: Fit, added: list[str], library: Registry, first: Regression, rep
         if parts.better:
             at = names.index(parts.whole)
             names, last = [*names[:at], *parts.names, *names[at + 1 :]], parts.fit
+            report(f"now {', '.join(names)}: error over noise {last.fitted.error_over_noise:.3g}{_held_out(last)}")
             # What the whole could not say beside the others, its parts may say without them.
             names, last = _questioned(names, last, library, first, report)
     if names == added:
@@ -121,7 +122,12 @@ def _questioned(
         if change is None:
             break
         names, last = change
+        report(f"now {', '.join(names)}: error over noise {last.fitted.error_over_noise:.3g}{_held_out(last)}")
     return names, last
+
+
+def _held_out(fit: Fit) -> str:
+    return "" if fit.holdout is None else f", held out {fit.holdout.error_over_noise:.3g}"
 
 
 def _changed(
@@ -136,7 +142,7 @@ def _changed(
         without = try_without(last, name, first.fit)
         try:
             regression = prepare(without)
-            if superfluous(regression, full, first) and _still_possible(without, last):
+            if superfluous(regression, full, first) and _still_possible(without, last) and not hurts(last, without):
                 return [*names[:i], *names[i + 1 :]], without
             # Where scores cannot be believed, every effect has been refitted already.
             if full.credible and (found := _replaced(name, last, full, regression, library)) is not None:
