@@ -54,8 +54,9 @@ def take_apart(
     A law with several parameters mimics any two of the simple ones that it implies, and a walk that adds one effect at
     a time meets it first. One with many bends to what any two do that it does not imply. But one name is a simpler
     answer than two: each further one costs 2 ln(size of the library). Beyond that the evidence must be strong for
-    either answer, and held-out records must not contradict it; in between, both are given. On curves alone they are, too, where simpler ones with no more numbers
-    leave no more than laws of one kind differ by: a law with more to bend may owe its lead to the shape of another.
+    either answer, and held-out records must not contradict it; in between, both are given. On curves alone they are,
+    too, where simpler ones with no more numbers leave no more than laws of one kind differ by: a law with more to bend
+    may owe its lead to the shape of another.
     """
     alike: list[Parts] = []
     for name in added:
