@@ -78,11 +78,11 @@ class AbstractEffect:
     - `caution(lowest, highest)`: what a reader of its numbers must know;
     - `prepare()`: whatever is constant along a trajectory, computed once and found in `self.prepared`.
 
-    An effect that builds on another names it in `needs`, and finds it in `self.partner`. One with a kink, as
-    friction or a stop, says so in `has_kink`: the steps that meet it are divided. `steps_per_period` is how finely a
-    period of the resonance must be divided to follow an effect all along, or, if it has a kink, in the steady motions
-    of sweeps, whose steps are all alike. One whose law implies simpler
-    effects names them in `contains`: they are tried in its place.
+    An effect that builds on another names it in `needs`, and finds it in `self.partner`. One with a kink, as friction
+    or a stop, says so in `has_kink`: the steps that meet it are divided. (A loop that bends all along is cheaper in
+    steps that are short everywhere.) `steps_per_period` is how finely a period of the resonance must be divided to
+    follow an effect all along, or, if it has a kink, in the steady motions of sweeps, whose steps are all alike. One
+    whose law implies simpler effects names them in `contains`: they are tried in its place.
     """
 
     name: ClassVar[str] = ""

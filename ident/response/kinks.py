@@ -1,9 +1,9 @@
 """Steps that are divided where the motion meets the kink of a law: where friction turns, or a stop is hit.
 
 What a step can miss at a kink is told by the forces of the laws that have one, at the four states of the method: where
-these change, or bend, the step is tried whole and as two halves. Their ends differ by a share of the step's length if a
-kink lies in it and by its fifth power if none does: a step that misses by so many times what is allowed goes in as many
-parts. Away from its kinks a law costs what a smooth one does.
+these change, or bend, the step is tried whole and as two halves. If their ends differ by more than is allowed, a half
+is tried in the same way, and so on until a part is short enough; the next part is tried twice as long. So a kink is
+closed in by halving, and away from its kinks a law costs what a smooth one does.
 
 Source: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 1993, §II.4 (step doubling) and
 §II.6 (discontinuities).
@@ -20,8 +20,8 @@ from .lane import Numbers
 from .runge_kutta import Slope, runge_kutta
 from .system import System, accelerated
 
-MOST = 64
-"""Parts of a step: 2560 in a period of the resonance, if the step is one of `substeps.COARSE`."""
+SHORTEST = 1 / 256
+"""Part of a step: ten thousand in a period of the resonance, if the step is one of `model.COARSE`."""
 
 
 def bend(system: System, slots: tuple[slice | None, ...], states: Any, inputs: Any, h: Numbers) -> Array:
@@ -41,23 +41,34 @@ def limits_of(system: System, allowed: Any) -> tuple[Array, Array]:
     return rate, allowed / rate**system.order
 
 
-def parts_of(slope: Slope, y: tuple[Array, ...], grids: tuple[Any, ...], h: Numbers, rate: Any, allowed: Any) -> Array:
-    """In how many parts a step `h` from the state `y` goes.
+def halved(
+    slope: Slope, y: tuple[Array, ...], grids: tuple[Any, ...], h: Numbers, first: Any, length: Any, limits: Any
+) -> Any:
+    """A part of a step `h` that is short enough, in lengths of it: the given one, or a half of it, or a quarter …
 
-    **Arguments:** `grids`, the inputs at its beginning, middle and end; `rate` and `allowed` as of `limits_of`.
+    **Arguments:** `y`, the state at its beginning `first`; `grids`, the inputs at beginning, middle and end of the
+    step; `limits`, as of `limits_of`.
     """
+    rate, allowed = limits
 
-    def attempt(k: Any, ends: tuple[tuple[Array, ...], tuple[Array, ...]]) -> Any:
-        whole, halves = ends
-        first, length = jnp.where(k == 2, 0.5, 0.0), jnp.where(k == 0, 1.0, 0.5)
-        begin = tuple(jnp.where(k == 2, b, a) for a, b in zip(y, halves, strict=True))
-        end = runge_kutta(slope, begin, between(grids, first, length), h * length)
-        kept = lambda old, now: tuple(jnp.where(now, a, b) for a, b in zip(end, old, strict=True))
-        return kept(whole, k == 0), kept(halves, k > 0)
+    def misses(length: Any) -> Any:
+        def attempt(k: Any, ends: tuple[tuple[Array, ...], tuple[Array, ...]]) -> Any:
+            whole, halves = ends
+            begun, share = jnp.where(k == 2, 0.5, 0.0), jnp.where(k == 0, 1.0, 0.5)
+            begin = tuple(jnp.where(k == 2, b, a) for a, b in zip(y, halves, strict=True))
+            end = runge_kutta(slope, begin, between(grids, first + begun * length, share * length), h * share * length)
+            kept = lambda old, now: tuple(jnp.where(now, a, b) for a, b in zip(end, old, strict=True))
+            return kept(whole, k == 0), kept(halves, k > 0)
 
-    whole, halves = lax.fori_loop(0, 3, attempt, (y, y))  # a loop, so that the laws are compiled once
-    missed = jnp.maximum(jnp.abs(whole[0] - halves[0]), jnp.abs(whole[1] - halves[1]) / rate)
-    return jnp.clip(jnp.ceil(missed / allowed), 1, MOST)
+        whole, halves = lax.fori_loop(0, 3, attempt, (y, y))  # a loop, so that the laws are compiled once
+        missed = jnp.maximum(jnp.abs(whole[0] - halves[0]), jnp.abs(whole[1] - halves[1]) / rate)
+        return ~(missed <= allowed)  # also where it is no number
+
+    def half(state: tuple[Any, Any]) -> tuple[Any, Any]:
+        length, _ = state
+        return 0.5 * length, (length > 2 * SHORTEST) & misses(0.5 * length)
+
+    return lax.while_loop(lambda state: state[1], half, (length, (length > SHORTEST) & misses(length)))[0]
 
 
 def between(grids: tuple[Any, ...], first: Any, length: Any) -> list[tuple[Any, ...]]:

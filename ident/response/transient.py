@@ -20,7 +20,7 @@ import numpy as np
 from jax import lax
 
 from ..programs import program
-from .kinks import bend, between, limits_of, parts_of
+from .kinks import bend, between, halved, limits_of
 from .lane import Numbers
 from .memory import Remembered, Seen, forgotten, remembered_force
 from .runge_kutta import runge_kutta, stages, steps_of, with_stages
@@ -190,17 +190,21 @@ def march(
 
         def in_parts(y: tuple, dy: tuple, at: tuple, remembered: tuple, changes: Any, limits: tuple) -> tuple:
             slope = lambda numbers: jax.jit(partial(derivative, system_of(numbers).at(block), parts))
-            count = parts_of(slope(numbers), y, (*at, *remembered), block.step, *limits)
 
-            def part(k: Any, state: tuple) -> tuple:
+            def part(state: tuple) -> tuple:
+                first, length, y, dy = state
+                length = halved(slope(numbers), y, (*at, *remembered), block.step, first, length, limits)
+
                 def one(numbers: Any, y: tuple, remembered: tuple) -> tuple:
-                    inputs = between((*at, *remembered), k / count, 1 / count)
-                    return runge_kutta(slope(numbers), y, inputs, block.step / count)
+                    inputs = between((*at, *remembered), first, length)
+                    return runge_kutta(slope(numbers), y, inputs, block.step * length)
 
-                y, dy = state
-                return tangents(one, (numbers, y, remembered), (along, dy, changes))
+                y, dy = tangents(one, (numbers, y, remembered), (along, dy, changes))
+                first = first + length
+                return first, jnp.minimum(2 * length, 1 - first), y, dy
 
-            return lax.fori_loop(0, count.astype(int), part, (y, dy))
+            zero = 0.0 * block.step
+            return lax.while_loop(lambda state: state[0] < 1, part, (zero, zero + 1, y, dy))[2:]
 
         def advance(state: tuple, x: tuple) -> tuple:
             (y, dy), (at, remembered, changes) = state, x

@@ -75,7 +75,9 @@ def effect_source(formula: Formula, name: str, found: str = "") -> str:
     kinds = "AbstractEffect, amplitude" + (", shape" if "= shape(" in declared else "")
     plays = "from ident.effects.memory import dragged\n" if "dragged(" in whole else ""
     sharp = next((n for mark, n in (("tanh", 250), ("dragged(", 120), ("maximum(", 120)) if mark in whole), 0)
-    fine = f"    steps_per_period = {sharp}\n    has_kink = True\n" if sharp else ""
+    fine = f"    steps_per_period = {sharp}\n" if sharp else ""
+    if "tanh" in whole or "maximum(" in whole:
+        fine += "    has_kink = True\n"
     found = found.replace("\\", "/").replace('"', "'")  # a unit of the user's own stands in it
     head = f'"""{found or "What a fit could not explain, as a formula."}\n\nEdit it as you learn what it is."""\n\n'
     title = "".join(word.capitalize() for word in name.split("-"))

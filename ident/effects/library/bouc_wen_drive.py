@@ -22,7 +22,6 @@ class BoucWenDrive(AbstractEffect):
     )
     mistaken_for = ("prandtl-ishlinskii", "pzt-hysteresis", "bouc-wen", "drive-lag")
     steps_per_period = 80
-    has_kink = True
     hidden_units = ("1",)
 
     loop = amplitude("V", "half height of the loop, V_h")

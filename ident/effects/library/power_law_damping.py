@@ -25,7 +25,6 @@ class PowerLawDamping(AbstractEffect):
     mistaken_for = ("squeeze-film-damping",)
     contains = ("coulomb-friction", "quadratic-damping", "cubic-damping")
     steps_per_period = 120
-    has_kink = True
 
     damping = amplitude("N*s/m", "growth of F/ż with ln ż at the reference velocity, c")
     exponent = shape("1", "power of the velocity, n", grid=(0.4, 1.5, 2.5), limits=(0.1, 4.0))
