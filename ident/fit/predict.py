@@ -15,15 +15,8 @@ from ..campaign.drive_alone import drive_alone
 from ..campaign.in_memory import table_of
 from ..campaign.load import read_table
 from ..campaign.record import Trace
-from ..model import FREQUENCY, QUALITY, Model
-from ..response import lay_out
-from .assemble import assemble, begin
 from .change_values import changed_values
-from .coordinates import slopes
-from .fit_starts import fit_starts
-from .on_orbits import on_orbits
-from .problem import evaluate
-from .uncertainty import told_by_start
+from .reading import read_with_slopes
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -68,16 +61,11 @@ def predict(fit: Fit, data: Any, values: Mapping[str, float | str] | None = None
     """The reading of a fitted model for a record or a drive; see `Fit.predict`."""
     record = record_of(fit.campaign, data)
     model, at = fit.model, changed_values(fit.model, fit.values, values or {}, fit.campaign.order)
-    reading, by_value, by_start = _with_slopes(model, at, record)
+    reading, by_value, basis = read_with_slopes(model, at, record)
     kept = [k for k, i in enumerate(fit.free) if at[i] == fit.values[i]]
     covariance = fit.covariance[np.ix_(kept, kept)]
     slope = by_value[:, kept]
-    if by_start.shape[1]:
-        basis = told_by_start(by_start.T / record.noise.sigma)
-        slope = slope - basis @ (basis.T @ slope)
-    variance = np.einsum("ni,ij,nj->n", slope, covariance, slope)
-    if by_start.shape[1]:
-        variance = variance + record.noise.sigma**2 * np.sum(basis**2, axis=1)
+    variance = np.einsum("ni,ij,nj->n", slope, covariance, slope) + record.noise.sigma**2 * np.sum(basis**2, axis=1)
     floors = [r.noise.sigma for r in fit.campaign.fitted]
     noise = record.noise.sigma if np.any(record.response) else float(np.median(floors))
     names = [model.parameters[fit.free[k]].name for k in kept]
@@ -95,18 +83,3 @@ def record_of(campaign: Campaign, data: Any) -> Trace:
         return names[data]
     table = read_table(Path(data), Path(data).name) if isinstance(data, (str, os.PathLike)) else table_of(data, "drive")
     return drive_alone(table, campaign.device)
-
-
-def _with_slopes(model: Model, values: np.ndarray, record: Trace) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Reading (n,), its derivatives by the fitted parameters (n, p) and by an unknown initial state (n, s)."""
-    tape = lay_out([record], float(values[FREQUENCY]), float(values[QUALITY]), model)
-    static, data = assemble(model, Campaign("", (record,), model.device), [record], tape, values)
-    unknowns = begin(data, static)
-    if static.starts_free:
-        held = assemble(model, Campaign("", (record,), model.device), [record], tape, values, held=True)
-        unknowns = unknowns._replace(starts=fit_starts(*held, begin(held[1], held[0]))[0].starts)
-        static, data, unknowns = on_orbits(static, data, [record], unknowns)
-    found = evaluate(static, data._replace(weight=np.ones(len(record.time))), unknowns)
-    unit = slopes(values[list(static.free)], data.lower, data.upper) * data.scale
-    (own,) = tape.slices
-    return found.readings[own], (found.by_x[:, own] / unit[:, None]).T, found.by_start[:, own].T

@@ -11,21 +11,48 @@ from ..campaign.record import Trace
 from ..model import FREQUENCY, QUALITY, Model
 from ..response import lay_out
 from .assemble import assemble, begin
+from .coordinates import slopes
 from .fit_starts import fit_starts
 from .on_orbits import on_orbits
-from .problem import readings
+from .problem import evaluate, readings
+from .uncertainty import told_by_start
+
+_ENOUGH = 1e-3  # of the cost: initial states of records that are only compared need no more
 
 
-def read(model: Model, values: np.ndarray, records: Sequence[Trace]) -> list[np.ndarray]:
-    """Readings of a model with given parameters; unknown initial states are fitted."""
-    tape = lay_out(records, float(values[FREQUENCY]), float(values[QUALITY]), model)
+def read(model: Model, values: np.ndarray, records: Sequence[Trace], compared: bool = False) -> list[np.ndarray]:
+    """Readings of a model with given parameters; unknown initial states are fitted, as well as it takes if it is only
+    `compared` with others."""
+    tape = lay_out(records, float(values[FREQUENCY]), float(values[QUALITY]), model, compared)
     campaign = Campaign("", tuple(records), model.device)
     static, data = assemble(model, campaign, records, tape, values, held=True)
     unknowns = begin(data, static)
     if static.starts_free:
-        unknowns, found = fit_starts(static, data, unknowns)
+        unknowns, found = fit_starts(static, data, unknowns, enough=_ENOUGH if compared else 0.0)
         static, data, unknowns = on_orbits(static, data, records, unknowns)
         shown = readings(static, data, unknowns) if data.steady else found.readings
     else:
         shown = readings(static, data, unknowns)
     return [shown[own] for own in tape.slices]
+
+
+def read_with_slopes(model: Model, values: np.ndarray, record: Trace) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Reading (n,) of a model with given parameters, and how it changes.
+
+    **Returns:** the reading; its derivatives by the fitted parameters, (n, p), with an unknown initial state fitted
+    anew; what such a state may add to it, (n, q) orthonormal, q = 0 if none is unknown.
+    """
+    tape = lay_out([record], float(values[FREQUENCY]), float(values[QUALITY]), model)
+    campaign = Campaign("", (record,), model.device)
+    static, data = assemble(model, campaign, [record], tape, values)
+    unknowns = begin(data, static)
+    if static.starts_free:
+        held = assemble(model, campaign, [record], tape, values, held=True)
+        unknowns = unknowns._replace(starts=fit_starts(*held, begin(held[1], held[0]))[0].starts)
+        static, data, unknowns = on_orbits(static, data, [record], unknowns)
+    found = evaluate(static, data._replace(weight=np.ones(len(record.time))), unknowns)
+    unit = slopes(values[list(static.free)], data.lower, data.upper) * data.scale
+    (own,) = tape.slices
+    by_value = (found.by_x[:, own] / unit[:, None]).T
+    basis = told_by_start(found.by_start[:, own] / record.noise.sigma)
+    return found.readings[own], by_value - basis @ (basis.T @ by_value), basis

@@ -61,9 +61,9 @@ def test_a_motion_without_bound_says_nothing(monkeypatch: pytest.MonkeyPatch) ->
     model = SimpleNamespace(parameters=[SimpleNamespace(positive=False)])
     fit: Any = SimpleNamespace(campaign=campaign, covariance=np.eye(1), values=np.ones(1), free=(0,), model=model)
     for size in (1e200, np.inf):
-        far = lambda _, values, __, size=size: [np.full(3, np.copysign(size, values[0] - 1))]
-        monkeypatch.setattr(carry_over, "read", far)
-        assert carry_over.expected_error(fit) == np.inf
+        far = lambda *_, size=size: (np.full(3, size), np.full((3, 1), size), np.zeros((3, 0)))
+        monkeypatch.setattr(carry_over, "read_with_slopes", far)
+        assert expected_error.__wrapped__(fit) == np.inf
 
 
 def test_the_squares_of_uncertain_steps_are_the_covariance_whatever_the_units() -> None:

@@ -250,7 +250,7 @@ def explanations(
 ) -> list[Nuisance]:
     """What may be wrong with a record that a model with given values predicts, best first."""
     record = traces[i]
-    readings = read(model, values, traces)
+    readings = read(model, values, traces, compared=True)
     if not np.all(np.isfinite(readings[i])):
         return []
     found = [*nuisances(record, readings[i]), _time_scale(model, values, record, scales)]
@@ -266,7 +266,7 @@ def _anew(model: Model, values: np.ndarray, record: Trace, told: Nuisance) -> Nu
     """The same explanation of a record, its number by what the model says now."""
     if told.kind == "time-scale":
         return _time_scale(model, values, record, (told.size,))
-    reading = read(model, values, [record])[0]
+    reading = read(model, values, [record], compared=True)[0]
     if told.kind == "wrong-record" or not np.all(np.isfinite(reading)):
         return told
     same = lambda one: (one.kind in ("gain", "sign"), one.unit) == (told.kind in ("gain", "sign"), told.unit)
@@ -277,7 +277,7 @@ def _time_scale(model: Model, values: np.ndarray, record: Trace, scales: Sequenc
     """The record's time runs s times as fast as it says."""
 
     def error(scale: float) -> float:
-        reading = read(model, values, [stretched(record, scale)])[0]
+        reading = read(model, values, [stretched(record, scale)], compared=True)[0]
         misfit = (record.response - reading)[record.counted]
         return rms(misfit, record.noise.sigma) if np.all(np.isfinite(misfit)) else 1e300
 
