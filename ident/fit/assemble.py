@@ -80,14 +80,18 @@ def assemble_fit(
     """
     records, sweeps = campaign.fitted, campaign.fitted_sweeps
     slow, fast = [s for s in sweeps if not s.fast], [s for s in sweeps if s.fast]
-    if substeps is None:
-        tape = lay_out(records, max(guess.frequency, float(base[FREQUENCY])), guess.quality, model, compared)
-    else:
-        tape = divided(records, substeps)
+    given = None if substeps is None else divided(records, substeps)
+    tape = given or tape_of(model, campaign, guess, base, compared)
     curves = lay_curves(slow, model) if slow else None
     passes = lay_passes(fast, model) if fast else None
     at = base if values is None else values
     return assemble(model, campaign, records, tape, at, scales, curves=curves, passes=passes)
+
+
+def tape_of(model: Model, campaign: Campaign, guess: LinearGuess, base: np.ndarray, compared: bool = False) -> Tape:
+    """The records of a campaign that are not held out; arguments as of `assemble_fit`."""
+    frequency = max(guess.frequency, float(base[FREQUENCY]))
+    return lay_out(campaign.fitted, frequency, guess.quality, model, compared)
 
 
 def weight_of(record: Trace, frequency: float) -> np.ndarray:

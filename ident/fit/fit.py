@@ -16,7 +16,7 @@ from ..model import FREQUENCY, QUALITY, Model
 from ..pulse import Pulse, Report
 from ..response import Tape
 from . import solve
-from .assemble import assemble_fit, at_values, begin, begin_at
+from .assemble import assemble_fit, at_values, begin, begin_at, tape_of
 from .finish import Minimum, finish
 from .fit_starts import fit_starts
 from .linear.guess import DataScales, LinearGuess
@@ -178,8 +178,7 @@ def minimise(
     data, best = _reweighed(static, data, best, search, most)
     data, best = _remembered(static, data, best, search, most)
     if not compared:
-        exact = assemble_fit(model, campaign, guess, scales, base)[1].tape
-        data, best = _exactly(static, data, records, best, exact, search, most)
+        data, best = _exactly(static, data, records, best, tape_of(model, campaign, guess, base), search, most)
     ends = [best if i == chosen else one.found[1] for i, one in enumerate(searches)]
     table = tuple(
         Start(per_sample(first), per_sample(end.cost), end.steps, end.converged)
@@ -229,12 +228,13 @@ def _exactly(
     static: Static, data: Data, records: Sequence[Trace], found: solve.Solution, tape: Tape, search: Search, most: int
 ) -> tuple[Data, solve.Solution]:
     """A solution in the steps of the solver that the error bars of its numbers need: those of a model that is only
-    compared, which led near it, are up to three times as long."""
+    compared, which led near it, are up to three times as long. Of one that was cut off no number is near its end."""
     if [span.substeps for span in tape.spans] == [span.substeps for span in data.tape.spans]:
         return data, found
     steady = tuple(one.stepped(records[one.record], tape.spans[one.record].substeps) for one in data.steady)
     data = data._replace(tape=tape, steady=steady)
-    data, better = search(static, data, found.unknowns, min(most, _LAST_STEPS))
+    left = most if found.converged else most - found.steps
+    data, better = search(static, data, found.unknowns, max(min(left, _LAST_STEPS), 0))
     return data, better._replace(steps=found.steps + better.steps)
 
 

@@ -17,6 +17,7 @@ from ..model import Model
 from ..units import in_reading
 from .lane import Numbers
 from .memory import follows_drive_alone
+from .tape import Chunk
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +107,11 @@ class Block(NamedTuple):
     stiffer: Any
     sine: Any
     allowed: Any
+
+    @classmethod
+    def of(cls, chunk: Chunk) -> Block:
+        """Those of all blocks of a chunk, (BLOCKS,) each."""
+        return cls(*(getattr(chunk, name) for name in cls._fields))
 
     def times(self, points: int, spacing: float) -> Array:
         """Times of the points of the block, s since the first sample of the record; `spacing` in steps."""

@@ -166,7 +166,7 @@ def march(
 
     def one_block(k: Any, state: tuple) -> tuple:
         y, dy, memories, *out = state
-        block = Block(*(field[k] for field in chunk[2:11]))
+        block = jax.tree.map(lambda field: field[k], Block.of(chunk))
         voltage, rate, first = chunk.voltage[k], chunk.rate[k], chunk.first[k]
         time = block.times(2 * BLOCK + 1, 0.5)
         seen = Seen(None, None, voltage, rate, time, block.step, block.omega, numbers[3], block.moving)

@@ -197,7 +197,7 @@ def _memories(
 
     def one_block(k: Any, state: tuple) -> tuple:
         hidden, paths = state
-        block = Block(*(field[k] for field in chunk[2:11]))
+        block = jax.tree.map(lambda field: field[k], Block.of(chunk))
         here = system.at(block)
         ends, found = [], []
         for effect, part, h, path in zip(here.effects, parts, hidden, paths, strict=True):
@@ -232,8 +232,7 @@ def _at_points(function: Any, system: System, motion: Motion, paths: tuple, chun
         axes = (0, 0, tuple(1 for _ in hidden), 0, 0, 0)
         return jax.vmap(one, in_axes=axes)(*jax.tree.map(thin, (z, v, hidden, voltage, rate, time)))
 
-    blocks = Block(*chunk[2:11])
-    return jax.vmap(one_block)(blocks, motion.z, motion.v, paths, chunk.voltage, chunk.rate)
+    return jax.vmap(one_block)(Block.of(chunk), motion.z, motion.v, paths, chunk.voltage, chunk.rate)
 
 
 def _force(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any) -> Any:

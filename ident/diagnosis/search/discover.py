@@ -194,7 +194,7 @@ def _on_all_samples(start: Fit, steps: list[Step], report: Report) -> list[Step]
     while kept and (is_long(start.campaign) or not kept[-1].fit.converged):
         report("fitting all samples")
         last = kept[-1].fit
-        kept[-1] = kept[-1]._replace(fit=fit(last.model, last.campaign, initial=last.values))
+        kept[-1] = kept[-1]._replace(fit=fit(last.model, last.campaign, initial=last.values, report=report))
         left = _without_refuted(start, kept, prepare(working(kept[-1].fit)))
         if len(left) == len(kept):
             break

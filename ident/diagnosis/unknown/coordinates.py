@@ -67,7 +67,6 @@ def rows_of(regression: Regression, stage: Stage, side: Side, functions: Callabl
     if side == "sensor":
         shown = np.concatenate([functions(place)[:, 0] for place in stage.modelled], axis=1)
         return by_record(regression, stage.sensor_unit * shown)
-    grids = [stage.force_unit * functions(place)[:, 0] for place in stage.moved]
-    return by_record(
-        regression, push_columns(trajectories.tape, trajectories.dynamics, trajectories.tape.windows(grids))
-    )
+    grids = trajectories.tape.windows([functions(place)[:, 0] for place in stage.moved])
+    pushed = push_columns(trajectories.tape, trajectories.dynamics, grids)
+    return by_record(regression, stage.force_unit * pushed)

@@ -115,15 +115,26 @@ def splines(x: np.ndarray, size: Size, count: int) -> np.ndarray:
 
 
 def plays(signals: Sequence[np.ndarray], widths: np.ndarray) -> list[np.ndarray]:
-    """Play operators of half widths (k,) along several signals (points,), all zero before; (k, points) each."""
+    """Play operators of half widths (k,) along several signals (points,), all zero before; (k, points) each.
+
+    A play limits what it was to where its signal now is, give or take its width; what a stretch of a signal makes of
+    any state before it is a limit too, that of the lowest and of the highest one. So stretches are marched side by side.
+    """
     longest = max(len(x) for x in signals)
-    together = np.stack([np.pad(x, (0, longest - len(x)), mode="edge") for x in signals], axis=1)
-    found = np.empty((longest, len(widths), len(signals)))
-    low, high = together[:, None] - widths[:, None], together[:, None] + widths[:, None]
-    state = np.zeros(found.shape[1:])
-    for k in range(longest):
-        state = np.minimum(np.maximum(state, low[k]), high[k], out=found[k])
-    return [found[: len(x), :, i].T for i, x in enumerate(signals)]
+    many = max(round(longest**0.5), 1)
+    each = -(-longest // many)
+    together = np.stack([np.pad(x, (0, many * each - len(x)), mode="edge") for x in signals])
+    centre = together.reshape(len(signals), 1, many, each).transpose(3, 0, 1, 2)
+    low, high = centre - widths[:, None], centre + widths[:, None]
+    limits = np.empty((each, 2, *low.shape[1:]))
+    state = np.stack([np.full(low.shape[1:], -np.inf), np.full(low.shape[1:], np.inf)])
+    for k in range(each):
+        state = np.minimum(np.maximum(state, low[k]), high[k], out=limits[k])
+    before = np.zeros(low.shape[1:])
+    for j in range(1, many):
+        before[..., j] = np.clip(before[..., j - 1], limits[-1, 0, ..., j - 1], limits[-1, 1, ..., j - 1])
+    found = np.clip(before, limits[:, 0], limits[:, 1]).transpose(1, 2, 3, 0).reshape(len(signals), len(widths), -1)
+    return [own[:, : len(x)] for own, x in zip(found, signals, strict=True)]
 
 
 def lagging(x: np.ndarray, step: np.ndarray, time: float, period: float) -> np.ndarray:
