@@ -118,7 +118,8 @@ def plays(signals: Sequence[np.ndarray], widths: np.ndarray) -> list[np.ndarray]
     """Play operators of half widths (k,) along several signals (points,), all zero before; (k, points) each.
 
     A play limits what it was to where its signal now is, give or take its width; what a stretch of a signal makes of
-    any state before it is a limit too, that of the lowest and of the highest one. So stretches are marched side by side.
+    any state before it is a limit too, by what it makes of the lowest and of the highest one. So stretches are marched
+    side by side.
     """
     longest = max(len(x) for x in signals)
     many = max(round(longest**0.5), 1)
