@@ -8,6 +8,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..campaign.campaign import Campaign
 from ..campaign.held_drive import jumps
 from ..campaign.quality.suspect import ALL, Suspect
 from ..effects.registry import Registry, registry
@@ -139,8 +140,7 @@ def diagnose(
     sharper = sharpened(found.final)
     if sharper is not None:
         report("what the last model leaves tells the noise floors better: once more, with these")
-        again = Walked(fit(fitted.model, sharper, initial=fitted.values))
-        return diagnose(again, library, report, effect_file, keeps_walk, keep)
+        return diagnose(_with_floors(found, sharper), library, report, effect_file, keeps_walk, keep)
     if found.verdict != "adequate" and not adequate(found.regression) and before is None:
         after = apart_after(look, found.final, report)
         if after is not None and (said := _read_apart(after, regression, library, report, keep)) is not None:
@@ -163,6 +163,16 @@ def diagnose(
     return answer(found, next_experiments=measure_next(found, library, report))
 
 
+def _with_floors(found: Discovery, sharper: Campaign) -> Walked:
+    """The walk with other noise floors: with its steps where all are lower, and what was named counts for more then;
+    from its beginning where one is higher."""
+    again = lambda one: fit(one.model, sharper, initial=one.values)
+    floors = zip(found.start.campaign.traces, sharper.traces, strict=True)
+    higher = any(new.noise.sigma > old.noise.sigma for old, new in floors)
+    steps = () if higher else tuple(step._replace(fit=again(step.fit)) for step in found.steps)
+    return Walked(again(found.start), steps, found.confirmed)
+
+
 def _starts_settle(last: Fit) -> bool:
     """Whether a model reaches the noise with other starts than are claimed: what it leaves is then no physics."""
     freed = with_other_starts(last) if mostly_starts(last) else None
@@ -182,14 +192,16 @@ def _read_apart(
         law = find_unknown(regression)
         if law.formula is not None and law.dimension < 2 and law.chi2_after < AS_WELL:
             return None
-    said = diagnose(one.begun(start), library, report, keep=keep)
-    again = differing(fit(said.final.model, start.campaign, initial=said.final.values), (one.kind,))
+    walk = lambda one: continue_from(Walked(one.begun(start)), library, report)
+    found = walk(one)
+    again = differing(fit(found.final.model, start.campaign, initial=found.final.values), (one.kind,))
     if again is None:
         return None
     if again.moved(one):
-        said = diagnose(again.begun(start), library, report, keep=keep)
-    if not adequate(said.discovery.regression):
+        found = walk(again)
+    if not adequate(found.regression):
         return None
+    said = diagnose(Walked(found.start, found.steps, found.confirmed), library, report, keep=keep)
     # An effect may be mistaken for what differs, as for what is faulty.
     sure = said.verdict == "identified"
     return replace(said, discovery=replace(said.discovery, verdict="ambiguous")) if sure else said

@@ -228,13 +228,12 @@ def _exactly(
     static: Static, data: Data, records: Sequence[Trace], found: solve.Solution, tape: Tape, search: Search, most: int
 ) -> tuple[Data, solve.Solution]:
     """A solution in the steps of the solver that the error bars of its numbers need: those of a model that is only
-    compared, which led near it, are up to three times as long. Of one that was cut off no number is near its end."""
+    compared, which led near it, are up to three times as long."""
     if [span.substeps for span in tape.spans] == [span.substeps for span in data.tape.spans]:
         return data, found
     steady = tuple(one.stepped(records[one.record], tape.spans[one.record].substeps) for one in data.steady)
     data = data._replace(tape=tape, steady=steady)
-    left = most if found.converged else most - found.steps
-    data, better = search(static, data, found.unknowns, max(min(left, _LAST_STEPS), 0))
+    data, better = search(static, data, found.unknowns, min(most, _LAST_STEPS))
     return data, better._replace(steps=found.steps + better.steps)
 
 

@@ -79,8 +79,9 @@ def _glimpsed(regression: Regression, candidate: Candidate, effect: type[Abstrac
     """The candidate with the fall of χ² that a few steps of a fit reach."""
     before = regression.fit
     model = with_effect(before, effect)
-    start = np.concatenate([base_of(regression), start_of(model, candidate, before.scales)])
-    found = weigh(regression, model, candidate, [start], FEW)
+    bases = [base_of(regression), *(() if candidate.beside is None else (candidate.beside,))]
+    starts = [np.concatenate([base, start_of(model, candidate, before.scales)]) for base in bases]
+    found = weigh(regression, model, candidate, starts, FEW)
     if not np.isfinite(found.chi2):
         return candidate._replace(drop=0.0, predicted_gain=0.0)
     return candidate._replace(

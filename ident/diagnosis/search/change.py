@@ -60,6 +60,12 @@ def without(parent: Fit, names: Sequence[str]) -> Fit:
     return fit(model, parent.campaign, initial=values_without(parent, *names), most=CRAWLS)
 
 
+def to_its_end(found: Fit, report: Report = lambda _: None) -> Fit:
+    """A fit that was only compared so far, as long as it takes, with the initial states that it had found."""
+    begun = found.solved.found.starts
+    return fit(found.model, found.campaign, initial=found.values, begun=begun, report=report)
+
+
 def try_without(parent: Fit, name: str, start: Fit) -> Fit:
     """The same for a comparison only: a model that lacks what it needs would crawl for long, and no number of it is
     reported.

@@ -38,7 +38,7 @@ from ..ranking.confirm import Confirmed, accept, confirm
 from ..ranking.look import Look, best_drop, first_look, possible
 from ..ranking.score import Candidate, kept_more_than_chance, score, significant
 from ..side_by_side import at_once
-from .change import try_without
+from .change import to_its_end, try_without
 from .constant import with_its_constant
 from .drive import other_drive
 from .further_mode import with_its_mode
@@ -193,8 +193,7 @@ def _on_all_samples(start: Fit, steps: list[Step], report: Report) -> list[Step]
     kept = list(steps)
     while kept and (is_long(start.campaign) or not kept[-1].fit.converged):
         report("fitting all samples")
-        last = kept[-1].fit
-        kept[-1] = kept[-1]._replace(fit=fit(last.model, last.campaign, initial=last.values, report=report))
+        kept[-1] = kept[-1]._replace(fit=to_its_end(kept[-1].fit, report))
         left = _without_refuted(start, kept, prepare(working(kept[-1].fit)))
         if len(left) == len(kept):
             break

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-from ...fit import Fit, fit
+from ...fit import Fit
 from ...pulse import Report
 from ..evidence.criterion import clearly_better
 from ..evidence.enough import adequate, superfluous, worth_a_name
@@ -19,7 +19,7 @@ from ..ranking.look import BROKEN
 from ..unknown.effect_file import write_effect
 from ..unknown.find import Unknown, find_unknown, followed_noise
 from .beyond import Beyond, free_name, go_beyond
-from .change import without
+from .change import to_its_end, without
 from .steps import Discovery, Step
 
 _NEARLY = 0.05  # of the first misfit: if named effects leave less, they are kept and the rest is looked for
@@ -52,7 +52,7 @@ def beyond_library(
         if not _says_more(found.final, beyond.fit):
             beyond.path.unlink()
             return Written(found, unknown)
-        step = _step(beyond._replace(fit=_to_its_end(beyond.fit)), gain)
+        step = _step(beyond._replace(fit=_ended(beyond.fit)), gain)
         return Written(replace(found, steps=(step,), verdict="not-in-library"), beyond.unknown, beyond.path)
     if not found.steps and adequate(found.regression):
         return Written(found)  # the fitted records lack nothing: it is the held-out ones that contradict
@@ -76,7 +76,7 @@ def beyond_library(
         beside or not found.steps or (beyond.unknown.told and _says_more(found.final, beyond.fit))
     )
     if better and not hurts(last, beyond.fit):  # what bends to the fitted records alone is written, but not kept
-        step = _step(beyond._replace(fit=_to_its_end(beyond.fit)), gain)
+        step = _step(beyond._replace(fit=_ended(beyond.fit)), gain)
         found = replace(found, steps=(*found.steps, step) if beside else (step,))
         if beside and (by_itself := _by_itself(found, start, report)) is not None:
             found = replace(found, steps=(step._replace(fit=by_itself),))
@@ -116,9 +116,8 @@ def _simulated(last: Fit, base: Regression, unknown: Unknown, path: Path, report
     return beyond, 1 - (after**2 - 1) / max(before**2 - 1, 1e-9)
 
 
-def _to_its_end(found: Fit) -> Fit:
-    """A fit that was only compared so far, as long as it takes."""
-    return found if found.converged else fit(found.model, found.campaign, initial=found.values)
+def _ended(found: Fit) -> Fit:
+    return found if found.converged else to_its_end(found)
 
 
 def _step(beyond: Beyond, gain: float) -> Step:
