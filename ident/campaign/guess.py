@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,7 +16,7 @@ from .drive import drive_rate
 from .quality.checks import PLATFORM_RATE, PLATFORM_TRAVEL, travel_of
 from .sweeps.form import curve_form, level_in
 from .tables.amplitude_unit import AmplitudeUnit, amplitude_unit, split_convention
-from .tables.columns import Role, match_columns, sweep_roles, trace_roles
+from .tables.columns import PUSHES, Role, match_columns, sweep_roles, trace_roles
 from .tables.table import Column, Table
 
 # What a sensor of an oscillator may read; a "response" in kg is a slip, not an oscillator.
@@ -29,9 +29,6 @@ _READINGS: tuple[Dimension, ...] = (
     (1, 1, -2, 0, 0, 0, 0),
     (-1, 1, -2, 0, 0, 0, 0),
 )
-
-_PUSHES: tuple[Dimension, ...] = (CURRENT, (1, 1, -2, 0, 0, 0, 0), (2, 1, -2, 0, 0, 0, 0), (1, 0, -2, 0, 0, 0, 0))
-"""What may drive a thing that is no platform: a current, a force, a torque, an acceleration of its base."""
 
 _TIME = trace_roles(VOLTAGE, LENGTH)[:1]
 _OCTAVE = 2.0  # by which a thickness or a mass that is not the nominal one does not move a resonance
@@ -89,7 +86,7 @@ def _meaning(column: Column) -> AmplitudeUnit | None:
 
     def drives(name: str) -> bool:
         found = find_unit(name)
-        return found is not None and found.dimension in (VOLTAGE, *_PUSHES)
+        return found is not None and found.dimension in (VOLTAGE, *PUSHES)
 
     return None if column.unit is None else amplitude_unit(column.unit, reads, drives)
 
@@ -149,15 +146,19 @@ def _elsewhere(frequency: Column) -> str:
     return f"No platform is swept from {low:.6g} to {high:.6g} Hz" if far else ""
 
 
-def in_units_of(device: Oscillator, table: Table | None) -> tuple[Oscillator, list[str]]:
-    """An oscillator with the units that its campaign leaves open as the columns of a table have them, volts where these
-    have none; and a sentence that says so."""
-    found = {} if table is None else _signals(table)[1]
-    told: dict[str, str] = {}
-    for key, names in (("output", _RESPONSES), ("input", _DRIVES)):
-        if not getattr(device, key):
-            dimension = next((_measured(found[name]) for name in names if name in found), None)
-            told[key] = "V" if dimension is None else base_unit(dimension)
+def in_units_of(device: Oscillator, tables: Iterable[Table]) -> tuple[Oscillator, list[str]]:
+    """An oscillator with the units that its campaign leaves open as the first columns of tables have them that state
+    one, volts where none does; and a sentence that says so."""
+    names = {"output": _RESPONSES, "input": _DRIVES}
+    told = {key: "" for key in names if not getattr(device, key)}
+    for table in tables:
+        found = _signals(table)[1]
+        for key in (key for key, unit in told.items() if not unit):
+            dimension = next((_measured(found[name]) for name in names[key] if name in found), None)
+            told[key] = "" if dimension is None else base_unit(dimension)
+        if all(told.values()):
+            break  # decays have no drive, and may come first
+    told = {key: unit or "V" for key, unit in told.items()}
     said = ", ".join(f'{key} = "{unit}"' for key, unit in told.items() if unit != "V")
     note = f"The units of the oscillator are taken from its columns ({said})."
     return replace(device, **told), [note] if said else []
@@ -200,7 +201,7 @@ def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
     alone = len(tables) == undriven
     wide = PLATFORM_TRAVEL < travel < _BENCH
     apart = bool(other) and all(other)
-    thing = alone or wide or apart or pushed in _PUSHES
+    thing = alone or wide or apart or pushed in PUSHES
     if reading is not None and (reading in _READINGS or (reading == LENGTH and thing)):
         output, source = base_unit(reading), base_unit(pushed)
         units = f'output = "{output}", input = "{source}"'

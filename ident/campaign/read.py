@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -110,7 +110,7 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
         chosen = document.section("defaults").section("columns").values
         device, notes = guess_device([renamed(table, chosen) for table in tables if isinstance(table, Table)])
     if isinstance(device, Oscillator) and not (device.output and device.input):
-        device, told = in_units_of(device, _first_table(document, folder))
+        device, told = in_units_of(device, _tables(document, folder))
         notes = [*notes, *told]
     device, measures, rate = of_displacement(device)
     notes += rate
@@ -157,18 +157,18 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
     )
 
 
-def _first_table(document: Section, folder: Path) -> Table | None:
-    """The table of the first record, its columns called by their roles; None if it cannot be read, which is said where
-    all records are, or if the campaign says what its numbers mean."""
-    section = next(record_sections(document), None)
-    if section is None or "scale" in section.values:
-        return None
-    table, file = section.values.get("data"), section.text("file")
-    try:
-        table = table if isinstance(table, Table) else read_table(folder / file, file)
-        return renamed(table, section.section("columns").values, section.section("units").values)
-    except (UserError, OSError, ValueError):
-        return None
+def _tables(document: Section, folder: Path) -> Iterator[Table]:
+    """The tables of the records, their columns called by their roles, up to one that cannot be read, which is said
+    where all records are, or of which the campaign says what its numbers mean."""
+    for section in record_sections(document):
+        if "scale" in section.values:
+            return
+        table, file = section.values.get("data"), section.text("file")
+        try:
+            table = table if isinstance(table, Table) else read_table(folder / file, file)
+            yield renamed(table, section.section("columns").values, section.section("units").values)
+        except (UserError, OSError, ValueError):
+            return
 
 
 def _modes(model: Section, device: Device, linear: str) -> int | None:

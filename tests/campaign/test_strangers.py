@@ -16,6 +16,7 @@ from ident.campaign.tables.clock import clock_seconds
 from ident.campaign.tables.header import header_of
 from ident.campaign.tables.preamble import preamble_words, step_of
 from ident.campaign.tables.table import Column
+from ident.errors import UserError
 from tests.campaign.strangers import (
     COUNT,
     DRIVE,
@@ -292,3 +293,41 @@ def test_beside_a_response_that_is_named_the_other_signal_is_the_drive(tmp_path)
     campaign = _campaign(tmp_path, a_csv=text)
     assert isinstance(campaign.device, Oscillator) and campaign.device.output == "V"
     np.testing.assert_allclose(campaign.traces[0].drive, 1e-3 * drive, rtol=1e-4, atol=1e-7)
+
+
+_OSCILLATOR = 'device = {{ kind = "oscillator" }}\n\n[[record]]\nfile = "a.csv"\n{more}'
+
+
+@pytest.mark.parametrize(
+    ("header", "more"),
+    [
+        ("t (s),load cell (N),tip (mm)", ""),
+        ("t_s,F_N,x_mm", ""),
+        ("time (s),wheel pan [mm],body acceleration (g)", 'measures = "acceleration"\n'),
+        ("time (s),a_base (m/s2),z (mm)", ""),
+    ],
+)
+def test_the_only_column_left_in_a_unit_of_what_drives_is_the_drive(header, more, tmp_path):
+    (tmp_path / "a.csv").write_text(header + "\n" + rows(TIME, DRIVE, RESPONSE))
+    (tmp_path / "campaign.toml").write_text(_OSCILLATOR.format(more=more))
+    (record,) = read_campaign(tmp_path).traces
+    scale = 1e-3 if "[mm]" in header else 1.0
+    np.testing.assert_allclose(record.drive, scale * DRIVE, atol=2e-5)
+    if "(g)" in header:
+        np.testing.assert_allclose(record.response, 9.80665 * RESPONSE, atol=2e-4)
+
+
+def test_a_temperature_is_no_drive(tmp_path):
+    (tmp_path / "a.csv").write_text("t (s),z (mm),box (K)\n" + rows(TIME, RESPONSE, DRIVE + 300))
+    (tmp_path / "campaign.toml").write_text(_OSCILLATOR.format(more=""))
+    with pytest.raises(UserError, match="drive"):
+        read_campaign(tmp_path)
+
+
+def test_decays_may_come_before_the_first_record_that_states_the_unit_of_the_drive(tmp_path):
+    (tmp_path / "a.csv").write_text("t (s),z (mm)\n" + rows(TIME, RESPONSE))
+    (tmp_path / "b.csv").write_text("t (s),force (N),z (mm)\n" + rows(TIME, DRIVE, RESPONSE))
+    (tmp_path / "campaign.toml").write_text(_OSCILLATOR.format(more='\n[[record]]\nfile = "b.csv"\n'))
+    free, driven = read_campaign(tmp_path).traces
+    assert not np.any(free.drive)
+    np.testing.assert_allclose(driven.drive, DRIVE, atol=2e-5)

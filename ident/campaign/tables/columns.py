@@ -11,10 +11,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from ident.errors import UserError
-from ident.units import FREQUENCY, LENGTH, NUMBER, TIME, VOLTAGE, Dimension, base_unit, find_unit
+from ident.units import CURRENT, FREQUENCY, LENGTH, NUMBER, TIME, VOLTAGE, Dimension, base_unit, find_unit
 
 from .amplitude_unit import AmplitudeUnit, amplitude_unit, split_convention
-from .table import Column, Table
+from .table import Column, Table, signal_unit
+
+PUSHES: tuple[Dimension, ...] = (CURRENT, (1, 1, -2, 0, 0, 0, 0), (2, 1, -2, 0, 0, 0, 0), (1, 0, -2, 0, 0, 0, 0))
+"""What may drive a thing that is no platform: a current, a force, a torque; an acceleration of its base."""
+
+_BY_UNIT = ("level", "response", "drive")  # roles that a column may have although no name tells
 
 
 @dataclass(frozen=True)
@@ -155,6 +160,8 @@ def match_columns(
     - `units`: per role or header, the unit; it overrides the header.
     - `where`: the place in the campaign file, for errors about `given` and `units`.
     """
+    own = {role.own_unit for role in roles}
+    units = {name: unit if unit in own else signal_unit(unit, name) or "" for name, unit in units.items()}
     table = Table(table.name, tuple(_with_given_unit(c, units) for c in table.columns), table.notes)
     known = {role.name for role in roles} | {c.header for c in table.columns} | {c.stem for c in table.columns}
     for name in units:
@@ -167,14 +174,14 @@ def match_columns(
             chosen[role.name] = _given_column(table, role, given[role.name], where)
     for least in (3, 2, 1, 0):
         for role in roles:
-            if role.name in chosen or (least == 0 and not role.needed and role.name not in ("level", "response")):
+            if role.name in chosen or (least == 0 and not role.needed and role.name not in _BY_UNIT):
                 continue
             free = [column for column in table.columns if column not in chosen.values()]
             fits = [c for c in free if claim(c, role) >= least and role.accepts(units.get(role.name, c.unit))]
             if least == 0:  # no name helps: only the unit can tell
                 fits = [c for c in fits if c.unit is not None and not any(claim(c, r) >= 2 for r in roles)]
                 fits = fits if role.dimension not in (None, NUMBER) and _tells(role, roles, free) else []
-            if least == 0 and not fits and role.name == "response":
+            if least == 0 and not fits and role.name in ("response", "drive"):
                 fits = _only_one_left(role, roles, chosen, free)
             if len(fits) > 1:
                 raise _ambiguous(table, roles, chosen, role, fits)
@@ -198,8 +205,15 @@ def _tells(role: Role, roles: tuple[Role, ...], free: list[Column]) -> bool:
 def _only_one_left(
     role: Role, roles: tuple[Role, ...], chosen: Mapping[str, Column], free: list[Column]
 ) -> list[Column]:
-    """The last column of a table in which every other role has found its own, if it may be what is left."""
+    """The last column of a table in which every other role has found its own, if it may be what is left; one that
+    drives is in a unit of what drives, for a record may also have no drive, and a temperature that nobody asked for.
+    The only force, torque or current drives, whatever else is left."""
     others = all(other is role or other.name in chosen for other in roles)
+    if role.name == "drive":
+        measured = {c.header: unit.dimension for c in free if c.unit and (unit := find_unit(c.unit)) is not None}
+        pushing = [c for c in free if measured.get(c.header) in PUSHES[:-1]]
+        others = others or len(pushing) == 1
+        free = pushing or [c for c in free if measured.get(c.header) in (VOLTAGE, LENGTH, PUSHES[-1])]
     column = free[0] if len(free) == 1 and others else None
     return [column] if column is not None and not column.counts and role.accepts(column.unit) else []
 

@@ -166,16 +166,27 @@ _RATE = re.compile(r"(.*\w)[_ ]([um]?m|rad|deg)(?:_per_|_|per|p|(?=s-?2))s(?:ec)
 
 
 def split_header(header: str, own_unit: str = "") -> tuple[str, str | None, str]:
-    """A header as (stem, unit or None, doubtful text): "z [um]" is ("z", "um", ""). An accelerometer's g is that of
-    the Earth, not a gram.
+    """A header as (stem, unit or None, doubtful text): "z [um]" is ("z", "um", ""). The g of a signal is that of the
+    Earth, not a gram.
 
     `own_unit` is a unit that exists for this campaign only (an oscillator's "counts").
     """
     stem, unit, doubtful = _split(header, own_unit)
-    gravity = re.fullmatch(r"(acc.*?)[_ ]+g", header.strip(), re.IGNORECASE)
-    if own_unit != "g" and (gravity or unit in ("g", "G") and re.match("acc", stem, re.IGNORECASE)):
-        return gravity[1] if gravity else stem, "standard_gravity", ""
-    return stem, unit, doubtful
+    if own_unit == "g":
+        return stem, unit, doubtful
+    if (gravity := re.fullmatch(r"(.*acc.*?)[_ ]+g", header.strip(), re.IGNORECASE)) is not None:
+        return gravity[1], GRAVITY, ""
+    return stem, signal_unit(unit, stem), doubtful
+
+
+GRAVITY = "standard_gravity"
+_WEIGHED = re.compile(r"mass|weight|load|force|kraft|gewicht", re.IGNORECASE)
+
+
+def signal_unit(unit: str | None, stem: str) -> str | None:
+    """The unit of a column, where a bare g is that of the Earth: nobody drives a device in grams, or reads them, but
+    off a scale."""
+    return GRAVITY if unit in ("g", "G") and not _WEIGHED.search(stem) else unit
 
 
 def _split(header: str, own_unit: str) -> tuple[str, str | None, str]:
