@@ -17,7 +17,7 @@ from ..fit import Fit, fit
 from ..fit.linear.start_model import FURTHER
 from ..pulse import Report
 from .evidence.criterion import VERY_STRONG, Left, behind, criteria
-from .evidence.enough import adequate
+from .evidence.enough import MOST_OF_IT, adequate
 from .faulty.between import comparable, differing, kinds_of, rows_of
 from .faulty.differing import Differing, numbers_of
 from .linearised.regression import prepare
@@ -71,7 +71,10 @@ def apart_before(look: Look, report: Report) -> Apart | None:
 
 
 def apart_after(look: Look, final: Fit, report: Report) -> Apart | None:
-    """Records that differ beside what a walk has named; or beside what promises most, if that was wrong."""
+    """Records that differ beside what a walk has named; or beside what promises most, if that was wrong.
+
+    Each starts another walk: the first has to take away most of what the walk has left, the second to leave less.
+    """
     campaign = final.campaign
     if is_long(campaign) or any(record.differs for record in campaign.records):
         return None
@@ -84,9 +87,15 @@ def apart_after(look: Look, final: Fit, report: Report) -> Apart | None:
             other = _simulated(look, _best(look, report))
         else:
             other = differing(start)
-        if other is not None:
+        if other is not None and _excess(other.fit) < _excess(final):
             return Apart(look.regression.fit, other)
-    return found and Apart(start, found)
+    takes = found is not None and _excess(found.fit) < MOST_OF_IT * _excess(final)
+    return Apart(start, found) if found is not None and takes else None
+
+
+def _excess(fit: Fit) -> float:
+    regression = prepare(fit)
+    return regression.chi2 - regression.n
 
 
 def _told_by_another(found: Differing, look: Look) -> bool:
