@@ -17,7 +17,7 @@ _MOST_DOUBT = 0.1
 _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
 _WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
 MOST_OF_IT = 0.5  # of what is left: a wrong noise floor leaves nothing that one effect explains to this degree
-_LEAST = 0.2  # of what is left: where every effect promises less, the library lacks the one that is missing
+LEAST = 0.2  # of what is left: where every effect promises less, the library lacks the one that is missing
 SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
 _SAME_WHILE_LACKING = 0.02  # the same as long as ten times as much is unexplained
 _FAR = 4.0  # χ² per sample, more than a wrong noise floor would make
@@ -72,9 +72,9 @@ def not_worth_adding(regression: Regression, best: float, first: Regression) -> 
     what was found where the model is adequate without it."""
     share = best / regression.to_explain
     if first in (regression, regression.instead_of):
-        return share < _LEAST and regression.chi2 > _FAR * regression.n
+        return share < LEAST and regression.chi2 > _FAR * regression.n
     if worth_a_name(best, first):
-        return share < _LEAST
+        return share < LEAST
     return share < _WORTH or adequate(regression, explained=share)
 
 

@@ -9,7 +9,7 @@ from ...fit.carry_over import expected_error
 from ...fit.linear.independent import independent_samples
 from .enough import floor_of
 
-_CONTRADICTED = 3.0  # times what is expected, an error held out that no wrong noise floor makes: those are within 2
+BEYOND_FLOORS = 3.0  # times what is expected, an error that no wrong noise floor makes: those are within 2
 _HURT = 1.02  # held-out error may grow by this factor before a term is refused
 _CLEARLY_WORSE = 2.0  # of 2 ln(odds): less is not worth a mention (Kass, Raftery, as in `criterion`)
 
@@ -27,11 +27,11 @@ def contradicted(fit: Fit) -> bool:
     the error there is many noise floors and a good part of the signal, and what the parameters' errors can make of it
     is not enough."""
     held = fit.holdout
-    if held is None or held.error_over_noise < _CONTRADICTED * max(fit.fitted.error_over_noise, 1.0):
+    if held is None or held.error_over_noise < BEYOND_FLOORS * max(fit.fitted.error_over_noise, 1.0):
         return False
-    if held.error_over_signal < _CONTRADICTED * fit.fitted.error_over_signal:
+    if held.error_over_signal < BEYOND_FLOORS * fit.fitted.error_over_signal:
         return False
-    return held.error_over_noise > _CONTRADICTED * expected_error(fit)
+    return held.error_over_noise > BEYOND_FLOORS * expected_error(fit)
 
 
 def predicts_better(before: Fit, after: Fit) -> bool:

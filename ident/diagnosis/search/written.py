@@ -10,8 +10,8 @@ from typing import NamedTuple
 from ...fit import Fit
 from ...pulse import Report
 from ..evidence.criterion import clearly_better
-from ..evidence.enough import adequate, superfluous, worth_a_name
-from ..evidence.held_out import hurts, predicts_better
+from ..evidence.enough import LEAST, adequate, superfluous, worth_a_name
+from ..evidence.held_out import BEYOND_FLOORS, hurts, predicts_better
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, working
 from ..linearised.trajectory import Diverged
@@ -68,8 +68,7 @@ def beyond_library(
         write_effect(unknown, path, free_name(last))
         return Written(found, unknown, path)
     beyond, gain = _simulated(last, base, unknown, path, report)
-    helped = any(worth_a_name(kept * start.excess, start) for kept in found.confirmed.values())
-    if gain < BROKEN * beyond.unknown.share and not found.steps and not helped:
+    if gain < BROKEN * beyond.unknown.share and not found.steps and not _helped(found, start):
         beyond.path.unlink()  # neither an effect of the library nor this one is there, once it is simulated
         return Written(replace(found, verdict="ambiguous", lacking=0.0), followed_noise(beyond.unknown, gain))
     better = beyond.fit.fitted.error_over_noise < found.final.fitted.error_over_noise and (
@@ -81,6 +80,14 @@ def beyond_library(
         if beside and (by_itself := _by_itself(found, start, report)) is not None:
             found = replace(found, steps=(step._replace(fit=by_itself),))
     return Written(found, beyond.unknown, beyond.path)
+
+
+def _helped(found: Discovery, start: Regression) -> bool:
+    """Whether an effect of the library has explained a part of what is missing, once simulated: of an error that a
+    wrong noise floor may make as much as a step must, for noise gives something to everyone."""
+    vague = found.start.fitted.error_over_noise < BEYOND_FLOORS
+    kept = max(found.confirmed.values(), default=0.0)
+    return kept > LEAST if vague else worth_a_name(kept * start.excess, start)
 
 
 def lacked_by(regression: Regression, report: Report) -> Unknown:
