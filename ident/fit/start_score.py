@@ -43,8 +43,8 @@ def begun_otherwise(fit: Fit) -> list[tuple[str, float]]:
     another displacement and velocity at the first sample takes, where that is the greater part.
 
     The score statistic of two numbers a record, beside the parameters of the model: r ≈ J dx + K ds with the readings'
-    derivatives J by the fitted parameters and K by the start. A hint and no proof: a force that sets in with the record
-    moves it too.
+    derivatives J by the fitted parameters and K by the start. What dx takes by itself, or moves from one record to
+    another, is no start's. A hint and no proof: a force that sets in with the record moves it too.
     """
     static, data, _, found = fit.solved
     records = fit.campaign.fitted
@@ -66,12 +66,15 @@ def begun_otherwise(fit: Fit) -> list[tuple[str, float]]:
     basis = np.concatenate([found.by_x[:, :samples], own]).T
     if not (np.all(np.isfinite(basis)) and np.all(np.isfinite(left))):
         return []
-    step = np.linalg.lstsq(basis, left, rcond=1e-10)[0]
-    better, told = left - basis @ step, []
+    parameters = basis[:, : len(found.by_x)]
+    left = left - parameters @ np.linalg.lstsq(parameters, left, rcond=1e-10)[0]
+    better, told = left - basis @ np.linalg.lstsq(basis, left, rcond=1e-10)[0], []
+    whole = float(left @ left - better @ better)
     for record in claimed:
         part = data.tape.slices[record]
         before, after = float(left[part] @ left[part]), float(better[part] @ better[part])
-        share = (before - after) / max(before - np.count_nonzero(data.weight[part]), 1e-9)
-        if share > _GREATER_PART and before - after > _CLEAR:
+        fall = min(before - after, whole)
+        share = fall / max(before - np.count_nonzero(data.weight[part]), 1e-9)
+        if share > _GREATER_PART and fall > _CLEAR:
             told.append((records[record].name, min(share, 1.0)))
     return told
