@@ -155,7 +155,7 @@ def diagnose(
         return answer(found)  # what a curve lacks beyond the library, and the next record, only traces tell
     written = beyond_library(found, regression, effect_file, keeps_walk, report)
     answer = partial(answer, unknown=written.unknown, effect_file=written.path)
-    if written.discovery is not found and written.discovery.steps:
+    if suspects and written.discovery is not found and written.discovery.steps:
         # The law that they had lacked may have made them suspects.
         answer = partial(answer, suspects=judged_again(suspects, written.discovery.final, report))
     if written.discovery.verdict == "not-in-library" or written.discovery is not found:

@@ -29,7 +29,12 @@ _PLACE: dict[Kind, int] = {"resonance": FREQUENCY, "quality": QUALITY}
 MISSED = 1.1  # error over noise: a floor is itself known to some ten per cent
 _GREATER_PART = 0.5  # of what is left of a level beyond noise
 _VERY_STRONG = 10.0  # of 2 ln of a likelihood ratio: by so much one number explains more than the two others
-_RESONANCE = ("oscillator", "overdamped", "base")  # forms of the linear part in which the places above hold one
+_RESONANCE = (
+    "oscillator",
+    "overdamped",
+    "base",
+    "shaken",
+)  # forms of the linear part in which the places above hold one
 _ROUNDS = 8
 _FARTHEST = 0.3  # of the logarithm of a number, in one round
 _SETTLED = 0.1  # of its error bar: a step that moves it no further is the last

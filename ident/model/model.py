@@ -21,7 +21,12 @@ ten times as stiff as the suspension lasts six of them."""
 ABOVE_THE_DRIVE = 15.0
 """Times the drive's band lies the resonance that stands for none in a quasi-static model: there inertia changes the
 answer by 1/15², and at a quality of as much damping shifts it by less."""
-_LEAST_QUALITY = {"oscillator": 0.5, "overdamped": 1e-4, "base": 1e-2}
+_LEAST_QUALITY = {"oscillator": 0.5, "overdamped": 1e-4, "base": 1e-2, "shaken": 1e-2}
+
+_GAINS = {
+    "base": "travel of the base per unit of the drive",
+    "shaken": "acceleration of the base per unit of the drive",
+}
 
 
 @dataclass(frozen=True)
@@ -36,7 +41,8 @@ class Model:
       those that a fit holds because its records do not determine them.
     - `form` of the linear part: "oscillator"; "overdamped", the same without a least quality factor; "no-spring",
       whose second parameter is the decay time of a velocity, and whose first only sets the scale of time; "base", an
-      oscillator whose spring and damper stand on what the drive moves;
+      oscillator whose spring and damper stand on what the drive moves; "shaken", one whose drive is the acceleration of
+      its base, and whose accelerometer rides on the body;
       "quasi-static", an oscillator so far above the drive's band that its inertia does nothing there, both held.
     """
 
@@ -110,7 +116,7 @@ class Model:
     @property
     def kind(self) -> str:
         """The form as far as it decides the equation of motion."""
-        return self.form if self.form in ("no-spring", "base") else ""
+        return self.form if self.form in ("no-spring", "base", "shaken") else ""
 
     @property
     def parameters(self) -> tuple[ModelParameter, ...]:
@@ -120,7 +126,7 @@ class Model:
             *self._times(),
             ModelParameter(f"{linear.prefix}.{linear.gain_name}", "m/V" if self.form == "base" else linear.gain_unit,
                            1e-12, False, kind="linear", expected=linear.expected_gain,
-                           doc="travel of the base per unit of the drive" if self.form == "base" else "drive gain"),
+                           doc=_GAINS.get(self.form, "drive gain")),
         ]  # fmt: skip
         for effect in self.effects:
             own += [

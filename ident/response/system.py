@@ -131,6 +131,7 @@ class System(NamedTuple):
     order: Any = 0.0
     share: Any = 1.0  # of what the actuator gives, that acts on the stage; of the drive, that the sensor sees past it
     base: Any = None  # travel of the base that carries spring and damper, per unit of the drive; None if that pushes
+    riding: bool = False  # whether the drive is the acceleration of the base, and an accelerometer rides on the body
 
     def drive(self, voltage: Any, rate: Any) -> Drive:
         """The drive as the effects see it."""
@@ -151,6 +152,11 @@ class System(NamedTuple):
     def seen_by(self, effect: AbstractEffect, z: Any, v: Any, voltage: Any, rate: Any) -> tuple[Any, Any]:
         """Displacement and velocity as an effect sees them: a sensor stands beside the device."""
         return self.apart(z, v, voltage, rate) if effect.overrides("force") else (z, v)
+
+    def felt(self, acceleration: Any, voltage: Any) -> Any:
+        """Acceleration that a sensor of acceleration feels: where that rides on a body whose base the drive
+        accelerates, what the inertia of the body is to the base is none to the world."""
+        return acceleration - self.share * self.push(voltage) / self.mass if self.riding else acceleration
 
     def read(self, z: Any, v: Any, acceleration: Any, jerk: Any) -> tuple[Any, Any]:
         """What the sensor reads of a motion, and the rate of that."""
@@ -198,7 +204,9 @@ def assemble(equation: Equation, constants: Numbers, values: Numbers) -> System:
     stiffness, damping = equation.model.spring_and_damper(frequency, quality, constants[0])
     if equation.model.form == "base":
         return System(effects, constants[0], damping, stiffness, stiffness * gain, base=gain)
-    return System(effects, constants[0], damping, stiffness, constants[1] * gain)
+    riding = equation.model.form == "shaken"
+    force = constants[1] * gain
+    return System(effects, constants[0], damping, stiffness, -force if riding else force, riding=riding)
 
 
 def slices(equation: Equation) -> tuple[slice | None, ...]:
@@ -227,9 +235,8 @@ def reading(
     """What the sensor shows of the state `y` and its acceleration at `at` = (V, V̇, t)."""
     voltage, rate, t = at
     sensors = [pair for pair in zip(system.effects, parts, strict=True) if pair[0].overrides("sensor")]
-    read, its_rate = (
-        _read(system, parts, y, at, acceleration) if sensors else system.read(y[0], y[1], acceleration, 0.0)
-    )
+    felt = system.felt(acceleration, voltage)
+    read, its_rate = _read(system, parts, y, at, acceleration) if sensors else system.read(y[0], y[1], felt, 0.0)
     shown = read
     for effect, own in sensors:
         if own is not None:
@@ -298,7 +305,7 @@ def _read(
     numbers = lambda tree: jax.tree.map(lambda x: jnp.asarray(x, float), tree)
     of_motion = lambda y, at: accelerated(system, parts, y, at)
     jerk = jax.jvp(of_motion, numbers((tuple(y), tuple(at))), numbers(onward))[1]
-    return system.read(z, v, acceleration, jerk)
+    return system.read(z, v, system.felt(acceleration, at[0]), system.felt(jerk, at[1]))
 
 
 def at_rest(equation: Equation, values: Numbers) -> float:

@@ -89,7 +89,9 @@ class Terms(NamedTuple):
     @property
     def show(self) -> bool:
         """Whether any of them adds to the reading."""
-        return any(effect.overrides("sensor") for effect in self.equation.model.effects)
+        model = self.equation.model
+        riding = self.linear and model.form == "shaken"  # the sensor feels the gain of the drive itself
+        return riding or any(effect.overrides("sensor") for effect in model.effects)
 
 
 @lru_cache(maxsize=512)  # what a memory depends on is found by trying
@@ -249,7 +251,7 @@ def _force(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any
 
 def _shown(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any) -> Any:
     """What the sensor adds to what it reads of the motion, `z`, with its rate `v`."""
-    drive, shown = system.drive(u, r), 0.0 * z
+    drive, shown = system.drive(u, r), system.felt(0.0 * z, u)
     for effect, h in zip(system.effects, hidden, strict=True):
         if effect.overrides("sensor"):
             shown = shown + effect.sensor(State(z, v, tuple(h)), drive, t)

@@ -25,7 +25,7 @@ from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 from ...campaign.record import Trace
 from ...fit import Fit
 from ...fit.result import Solved
-from ...model import FREQUENCY, QUALITY
+from ...model import FREQUENCY, GAIN, QUALITY
 from ...response import Tape, lay_path
 from .columns import Dynamics, Motion, linearised
 
@@ -84,12 +84,15 @@ class Trajectories:
 
     def read(self, paths: Sequence[Path]) -> tuple[Path, ...]:
         """What the sensors read of motions along the records, and its rate: displacement, velocity or acceleration."""
-        found = []
+        found, solved = [], self.solved
+        model, values = solved.static.equation.model, solved.found.values
+        # An accelerometer that rides on a body feels the acceleration of its base too.
+        base = float(values[GAIN]) * model.linear.force_per_gain / model.linear.mass if model.form == "shaken" else 0.0
         for path, lane in zip(paths, self.tape.lanes, strict=True):
             if lane.order:
                 at = 0.5 * lane.step * np.arange(len(path.v))
                 speed, order = make_interp_spline(at, path.v, k=5), int(lane.order)
-                path = Path(speed(at, order - 1), speed(at, order))
+                path = Path(speed(at, order - 1) + base * lane.voltage, speed(at, order) + base * lane.rate)
             found.append(path)
         return tuple(found)
 

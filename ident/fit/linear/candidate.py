@@ -35,7 +35,8 @@ class Candidate(NamedTuple):
         """What it is, for a table."""
         names = {"constant": "a constant", "quasi-static": "gain and offset, no inertia", "overdamped":
                  "oscillator, overdamped", "no-spring": "mass and damper, no spring",
-                 "base": "oscillator on a base that the drive moves"}  # fmt: skip
+                 "base": "oscillator on a base that the drive moves",
+                 "shaken": "oscillator shaken by its base"}  # fmt: skip
         level = {"constant": "", "quasi-static": "", "no-spring": ", constant force"}.get(self.form, ", offset")
         modes = f", {1 + len(self.further)} modes" if self.further else ""
         held = "" if self.edge is None else ", drive held"

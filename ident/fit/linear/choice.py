@@ -24,7 +24,7 @@ from ...campaign.record import Trace
 from ...errors import UserError
 from ...model import ABOVE_THE_DRIVE
 from .candidate import Candidate
-from .drives import held, is_length, with_edge
+from .drives import held, is_acceleration, is_length, with_edge
 from .forms import FORMS
 from .guess import guess_linear
 from .independent import independent_samples
@@ -32,11 +32,12 @@ from .modes import find_modes, solved
 from .rows import Kind, fitted, rows_of, searched
 from .stretches import Stretch, highest_content, stretch_of
 
-FormName = Literal["oscillator", "overdamped", "base", "no-spring", "quasi-static"]
+FormName = Literal["oscillator", "overdamped", "base", "shaken", "no-spring", "quasi-static"]
+_ON_BASE = ("base", "shaken")
 Told = Literal["auto", "oscillator", "no-spring", "quasi-static"]
-LEVELS = {"oscillator": "sensor-offset", "overdamped": "sensor-offset", "base": "sensor-offset",
-          "no-spring": "static-force", "quasi-static": "sensor-offset"}  # fmt: skip
-"""The effect that a constant is, beside each form: without a spring it is a force, for a level is where it starts."""
+LEVELS = {"no-spring": "static-force", **dict.fromkeys(("oscillator", "overdamped", *_ON_BASE, "quasi-static"),
+                                                       "sensor-offset")}  # fmt: skip
+"""The effect that a constant is beside each form: without a spring it is a force, for a level is where it starts."""
 _FEWEST = 20.0  # independent samples in what is left: a single line has four, which buy nothing
 _GREATER_PART = math.sqrt(2.0)  # half of the power
 
@@ -77,7 +78,9 @@ def choose_linear(
         for name in get_args(FormName)
         if told == "auto" or told in (name, FORMS[name].family if name in FORMS else name)
     ]
-    forms = [FORMS[name] for name in names if name in FORMS and name != "base" and (driven or name != "no-spring")]
+    forms = [
+        FORMS[name] for name in names if name in FORMS and name not in _ON_BASE and (driven or name != "no-spring")
+    ]
     starts = {} if guess is None else {"oscillator": (guess.frequency, guess.quality)}
 
     def compared(stretches: Sequence[Stretch]) -> tuple[list[Candidate], float]:
@@ -157,9 +160,11 @@ def _on_base(
     smooth = all(stretch.edge is None for stretch in stretches)
     if not (springs and driven and smooth) or found[0].left < _GREATER_PART * _least(records, stretches):
         return []
-    best = searched(stretches, Kind("base", springs[0].level, FORMS["base"]), None)
     told = all(is_length(record.drive_channel.unit) for record in driven)
-    clear = told or best.left < found[0].left / _GREATER_PART
+    riding = all(record.order == 2 and is_acceleration(record.drive_channel.unit) for record in records)
+    form = FORMS["shaken" if riding else "base"]
+    best = searched(stretches, Kind(form.name, springs[0].level, form), None)
+    clear = told or riding or best.left < found[0].left / _GREATER_PART
     return [best._replace(criterion=_plain(best, n))] if clear else []
 
 

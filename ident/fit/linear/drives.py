@@ -3,7 +3,8 @@
 - A converter holds its value until the next one, a switch is open or closed (`campaign.held_drive`). Where the edges
   lie no sample tells: on the clock of the samples, or, where the drive itself jumps, anywhere between two.
 - What is shaken at its base is pushed by its spring and by its damper, k u + c u̇, where the motion u of the base was
-  recorded and not its acceleration; and what else acts between the two sees their distance (`forms.OnBase`).
+  recorded and not its acceleration; and what else acts between the two sees their distance (`forms.OnBase`). Where both
+  are accelerations the sensor rides on the body and reads the base's acceleration too (`forms.Shaken`).
 
 Each is linear physics, but a hidden effect is late or early, too. Where the drive itself jumps, and where it is the
 displacement of a base, the criterion decides alone; else what these forms explain must be the greater part of what is
@@ -70,6 +71,12 @@ def held(stretches: Sequence[Stretch], one: Candidate, free: Sequence[bool], jum
 def with_edge(stretches: Sequence[Stretch], free: Sequence[bool], edge: float | None) -> list[Stretch]:
     """The records with other drives between the samples, where they do not say what it is."""
     return [p._replace(edge=edge, sums={}) if own else p for p, own in zip(stretches, free, strict=True)]
+
+
+def is_acceleration(unit: str) -> bool:
+    """Whether a drive in this unit is the acceleration of a base."""
+    found = find_unit(unit)
+    return found is not None and found.dimension == (1, 0, -2, 0, 0, 0, 0)
 
 
 def is_length(unit: str) -> bool:

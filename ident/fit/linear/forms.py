@@ -116,6 +116,16 @@ class OnBase(_WithSpring):
         return super().answer(point, stretch, omega**2 * push + omega / float(point[1]) * stretch.rate)
 
 
+class Shaken(OnBase):
+    """The same where accelerations were measured, of the base as the drive and of the body as the response: they are
+    to one another as the displacements are."""
+
+    name = "shaken"
+
+    def answer(self, point: np.ndarray, stretch: Stretch, push: np.ndarray) -> np.ndarray:
+        return super().answer(point, stretch._replace(order=0), push)
+
+
 class NoSpring(Form):
     """z̈ + ż/τ = g u + F0: a mass and a damper, which stay where they are left."""
 
@@ -161,4 +171,4 @@ def _drifting_filter(tau: float, step: float, order: int, edge: float | None) ->
     return sampled_filter(ramp, np.array([1.0, -1.0 - decay, decay]), step, order, edge)
 
 
-FORMS: dict[str, Form] = {form.name: form for form in (Underdamped(), Overdamped(), OnBase(), NoSpring())}
+FORMS: dict[str, Form] = {form.name: form for form in (Underdamped(), Overdamped(), OnBase(), Shaken(), NoSpring())}

@@ -30,7 +30,8 @@ _SURPRISE = 4.0  # spreads from what is known beforehand: not one device in ten 
 
 
 _OTHER_KINDS = {"no-spring": "mass and damper without a spring", "quasi-static": "gain without inertia",
-                "base": "linear oscillator on the base that the drive moves"}  # fmt: skip
+                "base": "linear oscillator on the base that the drive moves",
+                "shaken": "linear oscillator shaken by its base"}  # fmt: skip
 
 
 class Sentence(NamedTuple):
