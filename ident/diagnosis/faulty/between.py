@@ -25,13 +25,13 @@ from ...fit.reading import read
 from ...model import FREQUENCY
 from ..evidence.criterion import VERY_STRONG, Left, behind, criteria
 from ..linearised.regression import Regression, by_record, prepare, stack
-from ..linearised.shorten import CRAWLS
 from ..linearised.trajectory import Diverged
 from ..unknown.subsets import regress
 from .between_levels import differing_levels
 from .differing import Differing, numbers_of
 
 _ROUNDS = 6  # of the records' numbers and the device's in turn
+_STEPS = 20  # of the device's fit in each round: the next one goes on from there
 _SETTLED = 0.3  # of its error bar: a step that moves no number further ends them
 _SMALL = 1e-4  # change of a stiffness by which its derivative is taken
 _FEWEST = 3  # records: of two that disagree nobody knows which one is the device's
@@ -109,7 +109,7 @@ def _found(fitted: Fit, kind: Kind) -> Differing | None:
         sizes[inside] += step
         if not np.all(np.abs(sizes) <= most):
             return None
-        now = fit(fitted.model, _with(campaign, kind, sizes), initial=now.values, most=CRAWLS)
+        now = fit(fitted.model, _with(campaign, kind, sizes), initial=now.values, most=_STEPS)
         if np.all(np.abs(step) < _SETTLED * errors[inside]):
             break
     for i, trace in enumerate(campaign.traces):

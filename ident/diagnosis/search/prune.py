@@ -115,14 +115,19 @@ def prune(last: Fit, added: list[str], library: Registry, first: Regression, rep
 def _questioned(
     names: list[str], last: Fit, library: Registry, first: Regression, report: Report
 ) -> tuple[list[str], Fit]:
-    """The effects and the fit after every change that is for the better."""
-    for _ in range(_MOST_CHANGES):
-        # The rivals of a single effect were weighed when it was added.
-        change = _changed(names, last, library, first, report) if len(names) > 1 else None
-        if change is None:
-            break
-        names, last = change
-        report(f"now {', '.join(names)}: error over noise {last.fitted.error_over_noise:.3g}{_held_out(last)}")
+    """The effects and the fit after every change that is for the better: each effect is asked in turn, until all that
+    are left have been asked since the last change."""
+    at = asked = changes = 0
+    # The rivals of a single effect were weighed when it was added.
+    while asked < len(names) > 1 and changes < _MOST_CHANGES:
+        at %= len(names)
+        change = _changed(at, names, last, library, first, report)
+        at, asked = at + 1, asked + 1
+        if change is not None:
+            at -= len(names) - len(change[0])
+            names, last = change
+            asked, changes = 0, changes + 1
+            report(f"now {', '.join(names)}: error over noise {last.fitted.error_over_noise:.3g}{_held_out(last)}")
     return names, last
 
 
@@ -131,22 +136,20 @@ def _held_out(fit: Fit) -> str:
 
 
 def _changed(
-    names: list[str], last: Fit, library: Registry, first: Regression, report: Report
+    i: int, names: list[str], last: Fit, library: Registry, first: Regression, report: Report
 ) -> tuple[list[str], Fit] | None:
-    """The effects and the fit after the first change that is for the better; None if there is none."""
-    full = prepare(last)
-    for i, name in enumerate(names):
-        if last.model.carries(name):
-            continue
-        report(f"does the model still need {name}?")
-        without = try_without(last, name, first.fit)
-        try:
-            regression = prepare(without)
-            if superfluous(regression, full, first) and _still_possible(without, last) and not hurts(last, without):
-                return [*names[:i], *names[i + 1 :]], without
-            # Where scores cannot be believed, every effect has been refitted already.
-            if full.credible and (found := _replaced(name, last, full, regression, library)) is not None:
-                return [*names[:i], found[0], *names[i + 1 :]], found[1]
-        except Diverged:  # without it, or with another in its place, the motion has no bound
-            continue
-    return None
+    """The effects and the fit without the i-th, or with another in its place, if that is for the better."""
+    full, name = prepare(last), names[i]
+    if last.model.carries(name):
+        return None
+    report(f"does the model still need {name}?")
+    without = try_without(last, name, first.fit)
+    try:
+        regression = prepare(without)
+        if superfluous(regression, full, first) and _still_possible(without, last) and not hurts(last, without):
+            return [*names[:i], *names[i + 1 :]], without
+        # Where scores cannot be believed, every effect has been refitted already.
+        found = _replaced(name, last, full, regression, library) if full.credible else None
+    except Diverged:  # without it, or with another in its place, the motion has no bound
+        return None
+    return None if found is None else ([*names[:i], found[0], *names[i + 1 :]], found[1])
