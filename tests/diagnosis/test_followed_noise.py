@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -12,6 +14,7 @@ from ident.campaign import Campaign, Trace
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor
 from ident.diagnosis.diagnose import diagnose
+from ident.diagnosis.search import written
 from ident.fit import fit
 from ident.model import build_model
 from ident.report.diagnosis_view import verdict_words
@@ -43,3 +46,11 @@ def test_what_a_simulation_does_not_keep_is_not_named(tmp_path: Path):
     assert not found.discovery.steps and found.verdict == "ambiguous" and not file.exists()
     assert "is no law" in " ".join(found.unknown.sentences)
     assert verdict_words(found).startswith("Nothing is named")
+
+
+def test_an_effect_that_takes_a_tenth_helps_only_where_no_floor_is_that_wrong():
+    first: Any = SimpleNamespace(chi2=500.0, n=100.0, excess=400.0)
+    for error, helps in ((2.3, False), (20.0, True)):
+        fitted = SimpleNamespace(fitted=SimpleNamespace(error_over_noise=error))
+        found: Any = SimpleNamespace(start=fitted, confirmed={"pzt-hysteresis": 0.105})
+        assert written._helped(found, first) is helps

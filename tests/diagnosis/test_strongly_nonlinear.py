@@ -15,6 +15,7 @@ from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.diagnosis.linearised.anchor import prepare_at_best
 from ident.diagnosis.linearised.regression import Regression, prepare
 from ident.diagnosis.ranking.confirm import confirm
+from ident.diagnosis.ranking.refits import by_refits
 from ident.diagnosis.ranking.score import score
 from ident.effects.registry import built_in
 from ident.fit import fit
@@ -61,6 +62,11 @@ def test_the_law_and_the_linear_part_beside_it_are_read_off_the_motion(regressio
     assert best.beside[[0, 2]] == pytest.approx([FREQUENCY, GAIN], rel=0.02)
     assert best.beside[1] == pytest.approx(QUALITY, rel=0.25)  # near resonance the velocity is small beside its noise
     assert confirm(regression, LIBRARY[best.name], best).gain > 0.9999
+
+
+def test_short_refits_begin_where_the_score_leads_too(regression: Regression) -> None:
+    ranked = by_refits(regression, score(regression, LIBRARY), LIBRARY, lambda _: None)
+    assert ranked[0].name == "cubic-stiffness" and ranked[0].predicted_gain > 0.9999
 
 
 def test_values_nearer_the_device_are_found_from_a_fit_that_bent_far(regression: Regression) -> None:
