@@ -90,9 +90,9 @@ def _refitted(
         starts.insert(1, np.concatenate([candidate.beside, start_of(model, candidate, before.scales)]))
     if regression.plane is not None or regression.passes is not None:
         starts.append(np.concatenate([base, start_of(model, _mirrored(candidate, model), before.scales)]))
-    if freed := _grids(model, before):
+    if freed := shapes_of(model, before):
         own = minimise(model, before.campaign, initial=starts, most=_RACE, compared=True).values
-        starts = [own, *(_with(own, i, value) for i, value in freed)]
+        starts = [own, *(with_one(own, i, value) for i, value in freed)]
     found = weigh(regression, model, candidate, starts, most)
     if np.max(np.abs(found.left), initial=0.0) < WORST:
         allowed = [start for start in starts if _begins_as_it_may(model, start)]
@@ -252,7 +252,7 @@ def start_of(model: Model, candidate: Candidate | None, scales: DataScales) -> n
     return np.array(values)
 
 
-def _grids(model: Model, before: Fit) -> list[tuple[int, float]]:
+def shapes_of(model: Model, before: Fit) -> list[tuple[int, float]]:
     """Position and value of the shapes of earlier effects at the points of their grids, a few of all."""
     points = [
         (i, g * getattr(before.scales, p.scale))
@@ -263,7 +263,7 @@ def _grids(model: Model, before: Fit) -> list[tuple[int, float]]:
     return points[:: max(-(-len(points) // _FREED), 1)]
 
 
-def _with(values: np.ndarray, index: int, value: float) -> np.ndarray:
+def with_one(values: np.ndarray, index: int, value: float) -> np.ndarray:
     changed = values.copy()
     changed[index] = value
     return changed

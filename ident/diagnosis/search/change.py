@@ -17,9 +17,10 @@ from ...pulse import Report
 from ...threads import one_thread
 from ..linearised.regression import prepare
 from ..linearised.shorten import CRAWLS
-from ..ranking.confirm import start_of, with_effect, without_unseen
+from ..ranking.confirm import shapes_of, start_of, with_effect, with_one, without_unseen
 from ..ranking.score import score
 
+_RACE = 12  # steps, after which the best of several shapes is known
 _FEW = 4  # steps after which the better of two starts is known
 ENOUGH = 25  # steps from the parent's values: a model that is as good without the effect, or with another, is near by
 
@@ -61,9 +62,21 @@ def without(parent: Fit, names: Sequence[str]) -> Fit:
 
 
 def to_its_end(found: Fit, report: Report = lambda _: None) -> Fit:
-    """A fit that was only compared so far, as long as it takes, with the initial states that it had found."""
-    begun = found.solved.found.starts
-    return fit(found.model, found.campaign, initial=found.values, begun=begun, report=report)
+    """A fit that was only compared so far, as long as it takes, with the initial states that it had found.
+
+    Where a law has a kink, slopes tell nothing of a shape that no step resolves, and a search stops before its end: it
+    then begins again with other shapes.
+    """
+    model, campaign, begun = found.model, found.campaign, found.solved.found.starts
+    last = fit(model, campaign, initial=found.values, begun=begun, report=report)
+    kinked = {effect.name for effect in model.effects if effect.has_kink}
+    shapes = [(i, x) for i, x in shapes_of(model, last) if model.parameters[i].name.partition(".")[0] in kinked]
+    if last.converged or not shapes:
+        return last
+    starts = [last.values, *(with_one(last.values, i, x) for i, x in shapes)]
+    best = minimise(model, campaign, initial=starts, most=_RACE, compared=True)
+    other = fit(model, campaign, initial=best.values, report=report)
+    return min(last, other, key=lambda one: one.fitted.chi2)
 
 
 def try_without(parent: Fit, name: str, start: Fit) -> Fit:
