@@ -61,6 +61,7 @@ def told_by_start(rows: np.ndarray) -> np.ndarray:
     return u[:, s > 1.0]
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def _spread(jacobian: np.ndarray, noise: NoiseFloor) -> np.ndarray:
     """Jᵀ R J: filter every column with the noise's own shape, scaled to unit variance."""
     if not noise.ar:
@@ -96,6 +97,7 @@ class Covariance(NamedTuple):
 _NULL = 1e-6
 
 
+@np.errstate(over="ignore", invalid="ignore")  # of a motion that hardly has a bound nothing is known
 def covariance(linear: Linearisation, prior_weight: np.ndarray) -> Covariance:
     """Covariance matrix of the fitted coordinates; `prior_weight` (p,) is 1/deviation in the same coordinates."""
     gram = linear.jacobian.T @ linear.jacobian + np.diag(prior_weight**2)
