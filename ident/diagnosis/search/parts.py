@@ -70,18 +70,23 @@ def take_apart(
             regression = without = prepare(current)
             while best := next(iter(significant(score(regression, simple))), None):
                 trial = _or_its_member(regression, best, simple)
-                # With more numbers than the whole has they are no simpler, however well they do.
-                many = trial.candidate.name not in mine.contains and trial.numbers > whole.numbers
-                if many or not (trial.possible and behind(trial, regression) < 0):
+                if not (trial.possible and behind(trial, regression) < 0):
                     break
-                current = accept(trial, current)
-                regression, names = prepare(current), [*names, trial.candidate.name]
-            for early in names[:-1]:  # taken up for want of those that came later
-                if current.model.carries(early):
-                    continue
-                less = try_without(current, early, start)
-                if behind(rest := prepare(less), regression) < 0:
-                    current, regression, names = less, rest, [other for other in names if other != early]
+                more, part = accept(trial, current), trial.candidate.name
+                left = prepare(more)
+                # With more numbers than the whole has they are no simpler, however well they do.
+                if part not in mine.contains and trial.numbers > whole.numbers:
+                    fewer = _without_one(more, names, start)
+                    if fewer is None or not (fewer[1].numbers <= whole.numbers and behind(fewer[1], regression) < 0):
+                        break
+                    more, left, gone = fewer
+                    names.remove(gone)
+                current, regression, names = more, left, [*names, part]
+            while fewer := _without_one(current, names[:-1], start):  # taken up for want of those that came later
+                if not behind(fewer[1], regression) < 0:
+                    break
+                current, regression, gone = fewer
+                names.remove(gone)
         except Diverged:  # a motion without bound explains nothing
             continue
         worse = behind(regression, whole) + 2 * np.log(len(library)) * (len(names) - 1)
@@ -94,6 +99,20 @@ def take_apart(
         if names and (worse < STRONG or shape):
             alike.append(Parts(name, tuple(names), current, False, last))
     return alike
+
+
+def _without_one(full: Fit, names: Sequence[str], start: Fit) -> tuple[Fit, Regression, str] | None:
+    """The fit without that one of some effects of which it leaves least, its regression, and which that is."""
+    tried = []
+    for name in names:
+        if full.model.carries(name):
+            continue
+        less = try_without(full, name, start)
+        try:
+            tried.append((less, prepare(less), name))
+        except Diverged:  # without it the motion has no bound
+            continue
+    return min(tried, key=lambda one: one[1].fit_chi2, default=None)
 
 
 def _or_its_member(regression: Regression, best: Candidate, simple: Registry) -> Confirmed:
