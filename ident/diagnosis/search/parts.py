@@ -87,6 +87,10 @@ def take_apart(
                     break
                 current, regression, gone = fewer
                 names.remove(gone)
+            for part in tuple(names):
+                wider = _of_its_family(part, current, regression, simple, start)
+                if wider is not None and wider[1].numbers <= whole.numbers:
+                    current, regression, names[names.index(part)] = wider
         except Diverged:  # a motion without bound explains nothing
             continue
         worse = behind(regression, whole) + 2 * np.log(len(library)) * (len(names) - 1)
@@ -113,6 +117,23 @@ def _without_one(full: Fit, names: Sequence[str], start: Fit) -> tuple[Fit, Regr
         except Diverged:  # without it the motion has no bound
             continue
     return min(tried, key=lambda one: one[1].fit_chi2, default=None)
+
+
+def _of_its_family(
+    part: str, full: Fit, regression: Regression, simple: Registry, start: Fit
+) -> tuple[Fit, Regression, str] | None:
+    """The fit with a family in the place of its member, its regression and its name, if that is better."""
+    mine = next(effect for effect in full.model.effects if effect.name == part)
+    families = {n: e for n, e in simple.items() if n not in full.model.names and is_family_of(e, mine)}
+    if not families or full.model.carries(part):
+        return None
+    without = prepare(try_without(full, part, start))
+    for wider in score(without, families):
+        trial = confirm(without, families[wider.name], wider)
+        if trial.possible and behind(trial, regression) < 0:
+            found = accept(trial, without.fit)
+            return found, prepare(found), wider.name
+    return None
 
 
 def _or_its_member(regression: Regression, best: Candidate, simple: Registry) -> Confirmed:
