@@ -91,7 +91,7 @@ def test_held_out_records_are_asked_again_where_the_last_search_had_not_ended(mo
     monkeypatch.setattr(discover, "is_long", lambda _: False)
     monkeypatch.setattr(discover, "prepare", lambda _: None)
     monkeypatch.setattr(discover, "working", lambda fit: fit)
-    monkeypatch.setattr(discover, "fit", lambda ends_at, *_, **__: model(ends_at, True))
+    monkeypatch.setattr(discover, "to_its_end", lambda last, _: model(last.model, True))
     first, crawling = model(3.50, True), model(3.49, False, ends_at=3.65)
     steps: list[Any] = [Step(name, 1.0, 1.0, (name,), "effect", one) for name, one in (("a", first), ("b", crawling))]
     found = discover._on_all_samples(model(6.9, True), steps, lambda _: None)

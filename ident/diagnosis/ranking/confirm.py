@@ -264,6 +264,7 @@ def shapes_of(model: Model, before: Fit) -> list[tuple[int, float]]:
 
 
 def with_one(values: np.ndarray, index: int, value: float) -> np.ndarray:
+    """Parameters (m,) with one of them at another value."""
     changed = values.copy()
     changed[index] = value
     return changed
