@@ -8,7 +8,6 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..campaign.campaign import Campaign
 from ..campaign.held_drive import jumps
 from ..campaign.quality.suspect import ALL, Suspect
 from ..effects.registry import Registry, registry
@@ -140,7 +139,8 @@ def diagnose(
     sharper = sharpened(found.final)
     if sharper is not None:
         report("what the last model leaves tells the noise floors better: once more, with these")
-        return diagnose(_with_floors(found, sharper), library, report, effect_file, keeps_walk, keep)
+        again = Walked(fit(fitted.model, sharper, initial=fitted.values))
+        return diagnose(again, library, report, effect_file, keeps_walk, keep)
     if found.verdict != "adequate" and not adequate(found.regression) and before is None:
         after = apart_after(look, found.final, report)
         if after is not None and (said := _read_apart(after, regression, library, report, keep)) is not None:
@@ -161,16 +161,6 @@ def diagnose(
     if written.discovery.verdict == "not-in-library" or written.discovery is not found:
         return answer(written.discovery)
     return answer(found, next_experiments=measure_next(found, library, report))
-
-
-def _with_floors(found: Discovery, sharper: Campaign) -> Walked:
-    """The walk with other noise floors: with its steps where all are lower, and what was named counts for more then;
-    from its beginning where one is higher."""
-    again = lambda one: fit(one.model, sharper, initial=one.values)
-    floors = zip(found.start.campaign.traces, sharper.traces, strict=True)
-    higher = any(new.noise.sigma > old.noise.sigma for old, new in floors)
-    steps = () if higher else tuple(step._replace(fit=again(step.fit)) for step in found.steps)
-    return Walked(again(found.start), steps, found.confirmed)
 
 
 def _starts_settle(last: Fit) -> bool:

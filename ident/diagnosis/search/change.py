@@ -61,6 +61,21 @@ def without(parent: Fit, names: Sequence[str]) -> Fit:
     return fit(model, parent.campaign, initial=values_without(parent, *names), most=CRAWLS)
 
 
+def try_without(parent: Fit, name: str, start: Fit) -> Fit:
+    """The same for a comparison only: a model that lacks what it needs would crawl for long, and no number of it is
+    reported.
+
+    `start`: the fit before any effect was added. An effect may have taken over the stiffness or the damping; from its
+    linear parameters the model finds back.
+    """
+    model, rest = parent.model - name, values_without(parent, name)
+    linear = sum(p.kind == "linear" for p in model.parameters)
+    starts = [rest, np.concatenate([start.values[:linear], rest[linear:]])]
+    race = minimise(model, parent.campaign, initial=starts, most=_FEW, compared=True)
+    found = minimise(model, parent.campaign, initial=race.values, most=ENOUGH, compared=True)
+    return fit_at(model, parent.campaign, found.values, converged=False)  # what is kept of it is fitted to its end
+
+
 def to_its_end(found: Fit, report: Report = lambda _: None) -> Fit:
     """A fit that was only compared so far, as long as it takes, with the initial states that it had found.
 
@@ -77,21 +92,6 @@ def to_its_end(found: Fit, report: Report = lambda _: None) -> Fit:
     best = minimise(model, campaign, initial=starts, most=_RACE, compared=True)
     other = fit(model, campaign, initial=best.values, report=report)
     return min(last, other, key=lambda one: one.fitted.chi2)
-
-
-def try_without(parent: Fit, name: str, start: Fit) -> Fit:
-    """The same for a comparison only: a model that lacks what it needs would crawl for long, and no number of it is
-    reported.
-
-    `start`: the fit before any effect was added. An effect may have taken over the stiffness or the damping; from its
-    linear parameters the model finds back.
-    """
-    model, rest = parent.model - name, values_without(parent, name)
-    linear = sum(p.kind == "linear" for p in model.parameters)
-    starts = [rest, np.concatenate([start.values[:linear], rest[linear:]])]
-    race = minimise(model, parent.campaign, initial=starts, most=_FEW, compared=True)
-    found = minimise(model, parent.campaign, initial=race.values, most=ENOUGH, compared=True)
-    return fit_at(model, parent.campaign, found.values, converged=False)  # what is kept of it is fitted to its end
 
 
 def values_without(parent: Fit, *names: str) -> np.ndarray:

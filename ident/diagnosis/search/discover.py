@@ -250,7 +250,7 @@ def _beside_parts(step: Step, alike: tuple[Parts, ...]) -> Step:
         if step.added == (parts.names[0] if parts.better else parts.whole):
             reason = f"{parts.words}: they explain the misfit as well"
             names = tuple(dict.fromkeys([*step.tie_set, *((parts.whole,) if parts.better else parts.names)]))
-            return step._replace(tie_set=names, reasons=(*step.reasons, reason), instead=parts)
+            return step._replace(tie_set=names, reasons=tuple(dict.fromkeys((*step.reasons, reason))), instead=parts)
     return step
 
 

@@ -127,12 +127,15 @@ def _of_its_family(
     families = {n: e for n, e in simple.items() if n not in full.model.names and is_family_of(e, mine)}
     if not families or full.model.carries(part):
         return None
-    without = prepare(try_without(full, part, start))
-    for wider in score(without, families):
-        trial = confirm(without, families[wider.name], wider)
-        if trial.possible and behind(trial, regression) < 0:
-            found = accept(trial, without.fit)
-            return found, prepare(found), wider.name
+    try:
+        without = prepare(try_without(full, part, start))
+        for wider in score(without, families):
+            trial = confirm(without, families[wider.name], wider)
+            if trial.possible and behind(trial, regression) < 0:
+                found = accept(trial, without.fit)
+                return found, prepare(found), wider.name
+    except Diverged:  # without it, or with the family, the motion has no bound
+        return None
     return None
 
 

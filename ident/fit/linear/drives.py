@@ -7,8 +7,8 @@
   are accelerations the sensor rides on the body and reads the base's acceleration too (`forms.Shaken`).
 
 Each is linear physics, but a hidden effect is late or early, too. Where the drive itself jumps, and where it is the
-displacement of a base, the criterion decides alone; else what these forms explain must be the greater part of what is
-left without them, as with further modes.
+displacement of a base, or its acceleration beside that of the body, the criterion decides alone; else what these forms
+explain must be the greater part of what is left without them, as with further modes.
 """
 
 from __future__ import annotations
