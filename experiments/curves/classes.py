@@ -27,6 +27,7 @@ UNSEEN = {
     "damping-drift": "needs a time that passes",
     "electrostriction": "even: a mean and a second harmonic",
     "electrostatic-force": "even: a mean and a second harmonic",
+    "bilinear-stiffness": "even, and the same at every amplitude",
 }
 """Effects without a fundamental of their own: no curve can show them."""
 

@@ -97,6 +97,8 @@ LAWS: tuple[Law, ...] = (
         lambda rng, own: (rng.choice([-1, 1]) * rng.uniform(2.0, 5.0), 0.0, 0.0)),
     Law("power-law-damping", "force", ("v",),
         lambda rng, own: (rng.choice([rng.uniform(0.4, 0.7), rng.uniform(1.3, 1.7)]) if own else 1.5, 0.0, 0.0)),
+    # Over how much of the travel a crack closes.
+    Law("bilinear-stiffness", "force", ("z",), _one(0.005, 0.02, 0.0)),
 )  # fmt: skip
 
 NAMES = tuple(law.name for law in LAWS)
@@ -104,7 +106,7 @@ INDEX = {name: i for i, name in enumerate(NAMES)}
 
 (STRESS, ARCH, CUBIC, QUADRATIC, VOLT, K_DRIFT, STOP, STATIC, MODE, VISCO, COULOMB, V2, V3, SQUEEZE, C_DRIFT, BOUC,
  PZT, PLAYS, BOUC_E, E2, CREEP, LAG_E, BEND, LAG_S, CROSS, S_DRIFT, OFFSET, SINE, Z2E, POWER_Z, VE, STRIBECK,
- PLATE, POWER_V) = range(len(LAWS))  # fmt: skip
+ PLATE, POWER_V, BILINEAR) = range(len(LAWS))  # fmt: skip
 
 
 @njit(error_model="numpy")
@@ -184,6 +186,8 @@ def force(z, v, e, t, h, q1, q2, c, s, g):
         f -= c[STRIBECK] * math.tanh(v / s[STRIBECK, 0]) * peak
     if c[PLATE] != 0:
         f += c[PLATE] * math.copysign(e * e, s[PLATE, 0]) / max(1 - z / s[PLATE, 0], 0.1) ** 2
+    if c[BILINEAR] != 0:
+        f -= c[BILINEAR] * (math.sqrt(z * z + s[BILINEAR, 0] ** 2) - s[BILINEAR, 0])
     return f
 
 

@@ -59,6 +59,8 @@ EQUIVALENCES: tuple[Equivalence, ...] = (
         "the highest voltage at resonance and a dc bias"),
     _of("electrostriction electrostatic-force", "while the stage moves little in its gap, a plate attracts by V² alone",
         "the highest voltage at resonance, where the gap closes most"),
+    _of("bilinear-stiffness quadratic-stiffness", "at one amplitude both are a mean and even harmonics",
+        "two levels: the one grows with the motion, the other with its square"),
     _of("quadratic-stiffness electrostriction voltage-stiffness residual-stress electrostatic-force",
         "z², zV and V² are the same constant and second harmonic where z follows V in one ratio",
         "records at half the resonance, at the resonance and with a dc bias"),
@@ -69,7 +71,8 @@ EQUIVALENCES: tuple[Equivalence, ...] = (
     _of("sensor-lag drive-lag sensor-crosstalk second-mode viscoelastic-support creep prandtl-ishlinskii "
         "bouc-wen-drive pzt-hysteresis bouc-wen ac-coupling", "at one frequency all are a shift of phase and gain",
         "two frequencies or more, one above the resonance, at two levels or more"),
-    _of("sensor-nonlinearity cubic-stiffness quadratic-stiffness end-stop electrostriction arch-force residual-stress",
+    _of("sensor-nonlinearity cubic-stiffness quadratic-stiffness end-stop electrostriction arch-force residual-stress "
+        "bilinear-stiffness",
         "at one frequency a bent spring and a bent sensor make the same harmonics",
         "the same level below, at and above the resonance: a force is amplified there, a reading is not"),
 )  # fmt: skip

@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...effects.dependence import depends_on
 from ...effects.effect import AbstractEffect
 from ...fit import Fit, fit
 from ...fit.fit import minimise
@@ -48,7 +47,6 @@ class Confirmed(NamedTuple):
 
 
 _FREED = 5  # points of earlier shapes from which a refit starts too
-_SPRING = ("force", ("z",))  # what a law of the displacement alone depends on
 _ABSENT = 0.05  # of an effect's largest amplitude: a smaller one is as good as none
 _FAINT = 0.01  # of what the score predicts: nearly absent, so that the motion is the one without it
 _OTHERWISE = -0.3  # of what the score predicts, where its sign may be wrong and its size too large, as in `balance`
@@ -207,8 +205,8 @@ def _weighed(
 def is_possible(model: Model, values: np.ndarray, effect: AbstractEffect, scales: DataScales) -> bool:
     """Whether an effect of a model has signs that physics allows, and no value beyond its limits.
 
-    A side of a stop that is about absent may have either. So may both beside another law of the displacement alone,
-    whose curve they then bend; a friction that drives is impossible beside any.
+    A side of a stop that is about absent may have either. A stop that pulls bends the curve of another law, and a
+    friction that drives makes good what another takes too much: neither is there.
     """
     own = dict(zip((p.name for p in model.parameters), values, strict=True))
     for p in effect.declared():
@@ -217,9 +215,7 @@ def is_possible(model: Model, values: np.ndarray, effect: AbstractEffect, scales
             if not p.limits[0] <= share <= p.limits[1]:
                 return False
     sizes = [own[f"{effect.name}.{p.name}"] for p in effect.declared() if p.one_sided]
-    if not sizes or min(sizes) >= -_ABSENT * max(map(abs, sizes)):
-        return True
-    return depends_on(effect) == _SPRING and any(depends_on(e) == _SPRING for e in model.effects if e is not effect)
+    return not sizes or min(sizes) >= -_ABSENT * max(map(abs, sizes))
 
 
 def accept(confirmed: Confirmed, before: Fit) -> Fit:

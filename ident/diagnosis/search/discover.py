@@ -41,6 +41,7 @@ from ..side_by_side import at_once
 from .change import to_its_end, try_without
 from .constant import with_its_constant
 from .drive import other_drive
+from .fewer_modes import without_a_mode
 from .further_mode import with_its_mode
 from .lacking import lacking
 from .once_more import begun_with, drive_beside, lower_start, with_other_starts
@@ -116,6 +117,9 @@ def continue_from(
         keep(Walked(start, tuple(steps), gains))
     if revised and steps and (lower := lower_start(start, current, report)) is not None:
         return once_more(lower)
+    asked = steps or look.worth_it
+    if asked and (fewer := without_a_mode(start, current, library, first, report)) is not None:
+        return once_more(fewer)
     return _concluded(Walked(start, tuple(steps), gains), look, at_best, ranking)
 
 

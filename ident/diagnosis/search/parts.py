@@ -76,13 +76,13 @@ def take_apart(
                 left = prepare(more)
                 # With more numbers than the whole has they are no simpler, however well they do.
                 if part not in mine.contains and trial.numbers > whole.numbers:
-                    fewer = _without_one(more, names, start)
+                    fewer = without_one(more, names, start)
                     if fewer is None or not (fewer[1].numbers <= whole.numbers and behind(fewer[1], regression) < 0):
                         break
                     more, left, gone = fewer
                     names.remove(gone)
                 current, regression, names = more, left, [*names, part]
-            while fewer := _without_one(current, names[:-1], start):  # taken up for want of those that came later
+            while fewer := without_one(current, names[:-1], start):  # taken up for want of those that came later
                 if not behind(fewer[1], regression) < 0:
                     break
                 current, regression, gone = fewer
@@ -105,7 +105,7 @@ def take_apart(
     return alike
 
 
-def _without_one(full: Fit, names: Sequence[str], start: Fit) -> tuple[Fit, Regression, str] | None:
+def without_one(full: Fit, names: Sequence[str], start: Fit) -> tuple[Fit, Regression, str] | None:
     """The fit without that one of some effects of which it leaves least, its regression, and which that is."""
     tried = []
     for name in names:

@@ -42,7 +42,7 @@ def _still_possible(after: Fit, before: Fit) -> bool:
     return all(possible(after, e) for e in after.model.effects if e.name in able)
 
 
-def _rivals(name: str, regression: Regression, library: Registry) -> list[Candidate]:
+def rivals(name: str, regression: Regression, library: Registry) -> list[Candidate]:
     """Who may stand in an effect's place: whoever scores better, and the best of those that it is mistaken for."""
     scored = significant(score(regression, library))
     enough = _PROMISING * next((c.drop for c in scored if c.name == name), 0.0)
@@ -60,8 +60,8 @@ def _replaced(
 
     `regression`: without the effect. Refits start from what its presence has made of the other parameters.
     """
-    rivals, rest = _rivals(name, regression, library), values_without(last, name)
-    tried = [confirm(regression, library[rival.name], rival, ENOUGH, rest) for rival in rivals]
+    likely, rest = rivals(name, regression, library), values_without(last, name)
+    tried = [confirm(regression, library[rival.name], rival, ENOUGH, rest) for rival in likely]
     tried = [found for found in tried if found.possible]
     if not tried:
         return None

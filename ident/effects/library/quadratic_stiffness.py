@@ -11,7 +11,7 @@ class QuadraticStiffness(AbstractEffect):
     source = "Nayfeh & Mook, Nonlinear Oscillations, 1979, §4.2"
     mistaken_for = (
         "residual-stress", "arch-force", "voltage-stiffness", "electrostriction", "electrostatic-force", "end-stop",
-        "sensor-nonlinearity",
+        "sensor-nonlinearity", "bilinear-stiffness",
     )  # fmt: skip
 
     k2 = amplitude("N/m^2", "quadratic stiffness")

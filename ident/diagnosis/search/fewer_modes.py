@@ -1,0 +1,56 @@
+"""The further modes of the start model, questioned once effects have their place: a mode may have mimicked what was
+missing, as a strongly damped one does a support that relaxes.
+
+It was chosen before any effect was known, and is none; but like one it has to be needed, and to say more than another
+effect in its place.
+"""
+
+from __future__ import annotations
+
+from ...effects.registry import Registry
+from ...fit import Fit
+from ...fit.linear.start_model import FURTHER
+from ...pulse import Report
+from ..evidence.criterion import behind
+from ..evidence.enough import superfluous
+from ..evidence.held_out import hurts, hurts_more
+from ..linearised.regression import Regression, prepare
+from ..linearised.shorten import working
+from ..linearised.trajectory import Diverged
+from ..ranking.confirm import accept, confirm
+from .change import ENOUGH, values_without, without
+from .parts import without_one
+from .prune import rivals
+
+
+def without_a_mode(start: Fit, last: Fit, library: Registry, first: Regression, report: Report) -> Fit | None:
+    """The first model of a walk without that further mode which its `last` model needs least, if that does as well
+    without, or with an effect in its place: the walk then begins again from there."""
+    campaign = start.campaign
+    chosen = [one for one in start.model.names if one in FURTHER and one not in campaign.effects]
+    if not chosen or campaign.modes is not None:
+        return None
+    report("does another effect stand for a mode?")
+    shown = working(last)
+    found = without_one(shown, chosen, start)
+    if found is None or not _does_as_well(shown, *found, library, first):
+        return None
+    try:
+        fewer = without(start, [found[2]])
+    except Diverged:  # without it the motion of the first model has no bound
+        return None
+    report(f"another answer needs no {found[2]}: once more, without it")
+    return fewer
+
+
+def _does_as_well(
+    last: Fit, less: Fit, regression: Regression, mode: str, library: Registry, first: Regression
+) -> bool:
+    full, rest = prepare(last), values_without(last, mode)
+    if superfluous(regression, full, first) and not hurts(last, less):
+        return True
+    for rival in rivals(mode, regression, library):
+        found = confirm(regression, library[rival.name], rival, ENOUGH, rest)
+        if found.possible and behind(found, full) < 0 and not hurts_more(last, accept(found, less)):
+            return True
+    return False
