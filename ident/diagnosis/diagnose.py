@@ -27,6 +27,7 @@ from .next_record.experiments import NextExperiment, next_experiments, rank_expe
 from .ranking.look import first_look
 from .search.discover import Keep, continue_from
 from .search.once_more import with_other_starts
+from .search.one_law import one_law
 from .search.steps import Discovery, Verdict, Walked
 from .search.ties import Unseen, unseen
 from .search.written import AS_WELL, beyond_library
@@ -135,6 +136,10 @@ def diagnose(
     if first and not held:
         nothing = Discovery("ambiguous", fitted, (), (), {}, (), regression)
         return Diagnosis(nothing, where, suspects=suspects)
+    unseen_here = partial(unseen, regression, library=library)
+    law = None if walked.steps else one_law(look, regression, effect_file, report)
+    if law is not None:
+        return Diagnosis(law.discovery, where, law.unknown, law.path, (), unseen_here(law.discovery.ranking), suspects)
     found = continue_from(walked, library, report, keep=keep, look=look)
     sharper = sharpened(found.final)
     if sharper is not None:
@@ -150,7 +155,7 @@ def diagnose(
         found = replace(found, verdict="ambiguous")
     if found.verdict == "not-in-library" and _starts_settle(found.final):
         found = replace(found, verdict="ambiguous", lacking=0.0)  # what is left may be no physics at all
-    answer = partial(Diagnosis, where=where, unseen=unseen(regression, found.ranking, library), suspects=suspects)
+    answer = partial(Diagnosis, where=where, unseen=unseen_here(found.ranking), suspects=suspects)
     if not fitted.campaign.fitted:
         return answer(found)  # what a curve lacks beyond the library, and the next record, only traces tell
     written = beyond_library(found, regression, effect_file, keeps_walk, report)

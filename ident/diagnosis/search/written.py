@@ -48,11 +48,11 @@ def beyond_library(
         unknown = lacked_by(start, report) if found.lacking else None
         if unknown is None or path is None or not (keeps_walk and _one_for_many(unknown, found)):
             return Written(found, unknown)
-        beyond, gain = _simulated(found.start, start, unknown, path, report)
+        beyond, gain = simulated(found.start, start, unknown, path, report)
         if not _says_more(found.final, beyond.fit):
             beyond.path.unlink()
             return Written(found, unknown)
-        step = _step(beyond._replace(fit=_ended(beyond.fit)), gain)
+        step = step_of(beyond._replace(fit=ended(beyond.fit)), gain)
         return Written(replace(found, steps=(step,), verdict="not-in-library"), beyond.unknown, beyond.path)
     if not found.steps and adequate(found.regression):
         return Written(found)  # the fitted records lack nothing: it is the held-out ones that contradict
@@ -67,7 +67,7 @@ def beyond_library(
     if beside and is_long(last.campaign):  # a refit of many terms to long records takes longer than the walk
         write_effect(unknown, path, free_name(last))
         return Written(found, unknown, path)
-    beyond, gain = _simulated(last, base, unknown, path, report)
+    beyond, gain = simulated(last, base, unknown, path, report)
     if gain < BROKEN * beyond.unknown.share and not found.steps and not _helped(found, start):
         beyond.path.unlink()  # neither an effect of the library nor this one is there, once it is simulated
         return Written(replace(found, verdict="ambiguous", lacking=0.0), followed_noise(beyond.unknown, gain))
@@ -75,7 +75,7 @@ def beyond_library(
         beside or not found.steps or (beyond.unknown.told and _says_more(found.final, beyond.fit))
     )
     if better and not hurts(last, beyond.fit):  # what bends to the fitted records alone is written, but not kept
-        step = _step(beyond._replace(fit=_ended(beyond.fit)), gain)
+        step = step_of(beyond._replace(fit=ended(beyond.fit)), gain)
         found = replace(found, steps=(*found.steps, step) if beside else (step,))
         if beside and (by_itself := _by_itself(found, start, report)) is not None:
             found = replace(found, steps=(step._replace(fit=by_itself),))
@@ -116,18 +116,18 @@ def _one_for_many(unknown: Unknown, found: Discovery) -> bool:
     return says_it and len(found.steps) > 1 and not is_long(found.start.campaign)
 
 
-def _simulated(last: Fit, base: Regression, unknown: Unknown, path: Path, report: Report) -> tuple[Beyond, float]:
+def simulated(last: Fit, base: Regression, unknown: Unknown, path: Path, report: Report) -> tuple[Beyond, float]:
     """The fit with what was written, and the share of the excess over noise that it removes."""
     beyond = go_beyond(last, base, unknown, path, report)
     before, after = (one.fitted.error_over_noise for one in (last, beyond.fit))
     return beyond, 1 - (after**2 - 1) / max(before**2 - 1, 1e-9)
 
 
-def _ended(found: Fit) -> Fit:
+def ended(found: Fit) -> Fit:
     return found if found.converged else to_its_end(found)
 
 
-def _step(beyond: Beyond, gain: float) -> Step:
+def step_of(beyond: Beyond, gain: float) -> Step:
     name = beyond.fit.model.names[-1]
     return Step(name, beyond.unknown.share, gain, (name,), "effect", beyond.fit)
 

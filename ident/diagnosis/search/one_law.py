@@ -1,0 +1,79 @@
+"""A law of a single coordinate that says everything, kept before a walk whose names could only mimic it.
+
+Where no effect reaches the noise, nor two promise to, but one function of a single coordinate does, the library may
+still have that function in pieces: a cubic and a quintic spring are one function of z. If all its effects of that
+coordinate together do not say it, no names will, however many a walk puts side by side.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from ...effects.dependence import depends_on
+from ...pulse import Report
+from ..evidence.enough import adequate
+from ..evidence.held_out import contradicted
+from ..linearised.basis import orthonormal
+from ..linearised.regression import Regression, prepare
+from ..linearised.shorten import is_long
+from ..linearised.trajectory import Diverged
+from ..ranking.look import Look
+from ..ranking.pairs import best_pair
+from ..unknown.find import Unknown
+from .steps import Discovery
+from .written import AS_WELL, Written, ended, lacked_by, simulated, step_of
+
+
+def one_law(look: Look, start: Regression, path: Path | None, report: Report) -> Written | None:
+    """The answer with the law written, if there is one and its simulation reaches the noise; `start`: of the fit with
+    which a walk would begin.
+
+    **Raises:** UserError if the file exists.
+    """
+    regression = look.regression
+    fitted = start.fit
+    asked = path is not None and fitted.campaign.fitted and not fitted.campaign.fitted_sweeps
+    if not asked or is_long(fitted.campaign) or not look.worth_it or _names_reach_it(look):
+        return None
+    unknown = lacked_by(start, report)
+    formula = unknown.formula
+    if formula is None or not formula.complete or unknown.dimension > 1 or not formula.chi2_per_sample < AS_WELL:
+        return None
+    if _said_in_pieces(look, unknown):
+        return None
+    try:
+        beyond, gain = simulated(fitted, start, unknown, path, report)
+        left = prepare(beyond.fit)
+    except Diverged:  # with it the motion has no bound
+        path.unlink(missing_ok=True)
+        return None
+    if not adequate(left) or contradicted(beyond.fit):
+        beyond.path.unlink()
+        return None
+    step = step_of(beyond._replace(fit=ended(beyond.fit)), gain)
+    gains = {one.candidate.name: one.gain for one in look.tried}
+    found = Discovery("not-in-library", fitted, (step,), tuple(look.candidates), gains, (), regression)
+    return Written(found, beyond.unknown, beyond.path)
+
+
+def _names_reach_it(look: Look) -> bool:
+    n, pair = look.regression.n, best_pair(look.regression, look.candidates)
+    promised = np.inf if pair is None else float(pair.left @ pair.left)
+    return min([promised, *(one.chi2 for one in look.tried if one.possible)]) < AS_WELL * n
+
+
+def _said_in_pieces(look: Look, unknown: Unknown) -> bool:
+    """Whether the effects that depend on nothing else than a law, and act where it does, explain as much together."""
+    regression, own = look.regression, set(unknown.coordinates)
+    rows = []
+    for candidate in look.candidates:
+        law = depends_on(look.library[candidate.name]())
+        if law is not None and law[0] == unknown.side and set(law[1]) <= own:
+            rows += [candidate.signature, *candidate.near_signatures]
+    if not rows:
+        return False
+    basis = orthonormal(np.concatenate(rows))
+    left = regression.residual - basis @ (basis.T @ regression.residual)
+    return float(left @ left) < AS_WELL * regression.n
