@@ -51,6 +51,7 @@ _PREFIXED: dict[str, tuple[float, Dimension, str]] = {
     "C": (1.0, _dimension(s=1, ampere=1), "coulomb"),
     "rad": (1.0, NUMBER, "radian"),
 }
+_ANGLE = re.compile(r"°|deg(ree)?|[a-z]{0,5}rad(ian)?s?")
 _PLAIN: dict[str, tuple[float, Dimension]] = {
     "1": (1.0, NUMBER),
     "%": (1e-2, NUMBER),
@@ -183,6 +184,15 @@ def _kind(dimension: Dimension) -> str:
     words = {LENGTH: "a length", MASS: "a mass", TIME: "a time", FREQUENCY: "a frequency", VOLTAGE: "a voltage"}
     words |= {PRESSURE: "a stress or modulus", NUMBER: "a number without unit"}
     return words.get(dimension, "in " + base_unit(dimension))
+
+
+def kept_unit(name: str) -> str | None:
+    """The unit in which numbers are kept whose unit is called `name`, None if there is none: "m" of "um", "rad" of
+    "deg", though an angle is a number."""
+    found = find_unit(name)
+    if found is None:
+        return None
+    return "rad" if _ANGLE.fullmatch(_normal(name)) else base_unit(found.dimension)
 
 
 def base_unit(dimension: Dimension) -> str:

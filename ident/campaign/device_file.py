@@ -8,7 +8,18 @@ from pathlib import Path
 from typing import Any
 
 from ident.errors import UserError
-from ident.units import FREQUENCY, LENGTH, MASS, NUMBER, PRESSURE, VOLTAGE, base_unit, find_unit, parse_quantity
+from ident.units import (
+    FREQUENCY,
+    LENGTH,
+    MASS,
+    NUMBER,
+    PRESSURE,
+    VOLTAGE,
+    base_unit,
+    find_unit,
+    kept_unit,
+    parse_quantity,
+)
 
 from .device import Device, Oscillator, Platform
 from .document import Section, read_document, shown
@@ -150,9 +161,9 @@ def of_displacement(device: Device) -> tuple[Device, Measures, list[str]]:
 
 def own_base_unit(section: Section, key: str, name: str) -> str:
     """The unit in which an oscillator's numbers are kept: "mV" becomes "V"; a word that is no unit stays ("counts")."""
-    found = find_unit(name)
-    if found is not None:
-        return base_unit(found.dimension)
+    kept = kept_unit(name)
+    if kept is not None:
+        return kept
     if not name.strip() or len(name) > 20 or any(mark in name for mark in '"[](){}=,\n\0') or name[:1].isdigit():
         raise UserError(f'{key}: "{name}" is not a unit', where=section.where(key), do='write for example output = "V"')
     return name.strip()

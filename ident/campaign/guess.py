@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ident.errors import UserError
-from ident.units import CURRENT, LENGTH, NUMBER, VOLTAGE, Dimension, base_unit, factor_of, find_unit
+from ident.units import CURRENT, LENGTH, NUMBER, VOLTAGE, Dimension, base_unit, factor_of, find_unit, kept_unit
 
 from .device import Device, Oscillator, Platform
 from .drive import drive_rate
@@ -102,6 +102,14 @@ def _measured(column: Column) -> Dimension | None:
     return None if found is None else found.dimension
 
 
+def _kept(column: Column) -> str:
+    """The unit in which the numbers of a column are kept; "" if it states none."""
+    dimension, meant = _measured(column), _meaning(column)
+    if dimension is None:
+        return ""
+    return (kept_unit(column.unit) if meant is None and column.unit else None) or base_unit(dimension)
+
+
 def _travel(column: Column, role: str) -> float:
     """How far a column of displacements, or of their amplitudes, goes, m; 0 if its header states no length (a ratio is
     none), or it is empty."""
@@ -154,8 +162,7 @@ def in_units_of(device: Oscillator, tables: Iterable[Table]) -> tuple[Oscillator
     for table in tables:
         found = _signals(table)[1]
         for key in (key for key, unit in told.items() if not unit):
-            dimension = next((_measured(found[name]) for name in names[key] if name in found), None)
-            told[key] = "" if dimension is None else base_unit(dimension)
+            told[key] = next((_kept(found[name]) for name in names[key] if name in found), "")
         if all(told.values()):
             break  # decays have no drive, and may come first
     told = {key: unit or "V" for key, unit in told.items()}

@@ -34,8 +34,8 @@ def one_law(look: Look, start: Regression, path: Path | None, report: Report) ->
     """
     regression = look.regression
     fitted = start.fit
-    asked = path is not None and fitted.campaign.fitted and not fitted.campaign.fitted_sweeps
-    if not asked or is_long(fitted.campaign) or not look.worth_it or _names_reach_it(look):
+    asked = fitted.campaign.fitted and not fitted.campaign.fitted_sweeps
+    if path is None or not asked or is_long(fitted.campaign) or not look.worth_it or _names_reach_it(look):
         return None
     unknown = lacked_by(start, report)
     formula = unknown.formula

@@ -12,11 +12,11 @@ from typing import NamedTuple
 
 from ...campaign.device import Device, Oscillator
 from ...campaign.record import Record, common_order
-from ...units import base_unit, exponents, find_unit
+from ...units import exponents, kept_unit
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "µ", -9: "n", -12: "p"}
-_PREFIXED = ("m", "s", "V", "N", "Pa", "Hz", "A", "J", "W")
+_PREFIXED = ("m", "s", "V", "N", "Pa", "Hz", "A", "J", "W", "rad")
 # Powers of ten between which a unit is written without change, whatever the size.
 _KEPT = {"Hz": (-2, 5), "1": (-3, 5)}
 
@@ -65,8 +65,7 @@ def reading_unit(records: Iterable[Record]) -> str:
 
 def _base(unit: str) -> str:
     """The unit that numbers inside have when a column is in `unit`: V for mV, and an unknown unit itself."""
-    known = find_unit(unit)
-    return unit if known is None else base_unit(known.dimension)
+    return kept_unit(unit) or unit
 
 
 def _powers(unit: str) -> dict[str, int]:
