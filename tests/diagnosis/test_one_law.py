@@ -1,0 +1,51 @@
+"""A law of one coordinate that the library lacks, beside one that it has in pieces."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from ident.campaign import Channel, NoiseFloor, Trace
+from ident.campaign.campaign import Campaign
+from ident.campaign.device import Oscillator
+from ident.diagnosis.diagnose import discover
+
+OMEGA, Q, LIMIT = 2 * np.pi * 40.0, 3.0, 2.5
+VOLT, METRE = Channel("V", 1.0), Channel("m", 1.0)
+
+
+def record(seed: int, size: float, amplifier, spring) -> Trace:
+    """From rest, driven by a sum of sines between 4 and 80 Hz through an amplifier."""
+    t, rng = np.arange(2500) / 1500.0, np.random.default_rng(seed)
+    tones = np.linspace(4.0, 80.0, 30)
+    phases = rng.uniform(0, 2 * np.pi, len(tones))
+    drive = lambda at: size * np.sin(2 * np.pi * np.multiply.outer(at, tones) + phases).sum(axis=-1) / np.sqrt(15)
+    rates = lambda at, y: (y[1], 1e3 * amplifier(float(drive(at))) - OMEGA / Q * y[1] - OMEGA**2 * spring(y[0]))
+    z = solve_ivp(rates, (0, t[-1]), (0.0, 0.0), "DOP853", t, rtol=1e-9, atol=1e-12).y[0]
+    noise = 0.003 * float(np.std(z))
+    z = z + noise * rng.normal(size=len(t))
+    return Trace(f"{seed}.csv", t, drive(t), z, VOLT, METRE, NoiseFloor(noise), start="rest")
+
+
+def campaign(amplifier, spring) -> Campaign:
+    records = [record(seed, size, amplifier, spring) for seed, size in enumerate((1.0, 2.0, 4.0))]
+    return Campaign("bench", tuple(records), Oscillator("m", "V"))
+
+
+def test_an_amplifier_that_saturates_is_told_without_a_walk(tmp_path: Path):
+    said: list[str] = []
+    bench = campaign(lambda u: LIMIT * np.tanh(u / LIMIT), lambda z: z)
+    found = discover(bench, report=said.append, effect_file=tmp_path / "law.py")
+    assert found.verdict == "not-in-library" and found.final.fitted.error_over_noise < 1.05
+    assert found.unknown is not None and (found.unknown.side, found.unknown.coordinates) == ("drive", ("V",))
+    assert found.effect_file == tmp_path / "law.py" and found.effect_file.is_file()
+    assert not [words for words in said if words.startswith("added")]
+
+
+def test_a_law_that_the_library_has_in_pieces_is_named_by_them(tmp_path: Path):
+    bench = campaign(lambda u: u, lambda z: z + 60.0 * z * z + 9e3 * z**3)
+    found = discover(bench, effect_file=tmp_path / "law.py")
+    assert {step.added for step in found.discovery.steps} == {"quadratic-stiffness", "cubic-stiffness"}
+    assert not (tmp_path / "law.py").exists()
