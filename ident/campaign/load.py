@@ -167,13 +167,8 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         notes.append(f"{spec.file}: {what}; filtered against aliases, and every {every}th of them kept.")
     start = spec.start or "unknown"
     check_drive(spec.file, drive, response, start, notes, undriven)
-    known = response if masked is None else across_gaps(response, masked)
-    if np.ptp(drive) == 0 and (level := rest_level(known)) is not None:
-        shown = f"{level / response_channel.factor:.6g} {response_channel.unit}"
-        notes.append(
-            f"{spec.file}: displacements are counted from {shown}, the level on which the decay comes to rest."
-        )
-        response = response - level
+    level = rest_level(response if masked is None else across_gaps(response, masked)) if np.ptp(drive) == 0 else None
+    level = level or 0.0
     period = find_period(drive)
     check_sampling(spec.file, time, drive, period, notes)
     skip = _skip_samples(spec, time, every)
@@ -181,10 +176,10 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         noise = NoiseFloor(plausible_noise(spec, float(np.std(response))), method="given in the campaign")
         if every > 1:  # filtering takes away the part of the noise that is faster
             before = noise_floor(*whole[:3], find_period(whole[1]), whole[3]).sigma
-            ratio = noise_floor(time, drive, response, period, masked).sigma / before
+            ratio = noise_floor(time, drive, response - level, period, masked).sigma / before
             noise = replace(noise, sigma=noise.sigma * ratio, method=f"{noise.method}, less what the filter takes away")
     else:
-        noise = noise_floor(time, drive, response, period, masked, lost=stuck == 0)
+        noise = noise_floor(time, drive, response - level, period, masked, lost=stuck == 0)
     if not spec.start:
         notes.append(f"{spec.file}: start is not given; the initial state is fitted.")
     trace = Trace(

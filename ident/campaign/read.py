@@ -26,6 +26,7 @@ from .guess import guess_device, in_units_of, renamed
 from .in_memory import document_of, is_path
 from .load import load_record, read_table
 from .noise.pool import pooled
+from .quality.rest_level import counted_from_rest
 from .record import Record, Trace
 from .spec import RecordSpec, parse_record
 from .sweeps.together import seen_together
@@ -136,7 +137,7 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
         for record, found in pool.map(loaded, specs):
             records.append(record)
             notes += found
-    records = seen_together(records, notes)
+    records = counted_from_rest(seen_together(records, notes), notes)
     files = [one for one in (path, device_path, *effect_files) if one is not None]
     files += [spec.path for spec in specs if spec.table is None]
     files += [spec.drive_file for spec in specs if spec.drive_file is not None]

@@ -136,11 +136,14 @@ def diagnose(
     if first and not held:
         nothing = Discovery("ambiguous", fitted, (), (), {}, (), regression)
         return Diagnosis(nothing, where, suspects=suspects)
-    unseen_here = partial(unseen, regression, library=library)
     law = None if walked.steps else one_law(look, regression, effect_file, report)
     if law is not None:
-        return Diagnosis(law.discovery, where, law.unknown, law.path, (), unseen_here(law.discovery.ranking), suspects)
+        hidden = unseen(regression, law.discovery.ranking, library)
+        return Diagnosis(law.discovery, where, law.unknown, law.path, unseen=hidden, suspects=suspects)
     found = continue_from(walked, library, report, keep=keep, look=look)
+    if found.start is not fitted:  # the walk has begun again, from a better first model
+        regression = prepare(working(found.start))
+        where = locate(regression)
     sharper = sharpened(found.final)
     if sharper is not None:
         report("what the last model leaves tells the noise floors better: once more, with these")
@@ -155,7 +158,7 @@ def diagnose(
         found = replace(found, verdict="ambiguous")
     if found.verdict == "not-in-library" and _starts_settle(found.final):
         found = replace(found, verdict="ambiguous", lacking=0.0)  # what is left may be no physics at all
-    answer = partial(Diagnosis, where=where, unseen=unseen_here(found.ranking), suspects=suspects)
+    answer = partial(Diagnosis, where=where, unseen=unseen(regression, found.ranking, library), suspects=suspects)
     if not fitted.campaign.fitted:
         return answer(found)  # what a curve lacks beyond the library, and the next record, only traces tell
     written = beyond_library(found, regression, effect_file, keeps_walk, report)

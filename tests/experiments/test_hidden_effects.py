@@ -12,6 +12,7 @@ from experiments.hidden_effects import generator, laws
 from experiments.simulator.signals import sine
 
 LIBRARY = {
+    "bilinear-stiffness",
     "residual-stress",
     "arch-force",
     "cubic-stiffness",

@@ -124,10 +124,12 @@ def simulated(last: Fit, base: Regression, unknown: Unknown, path: Path, report:
 
 
 def ended(found: Fit) -> Fit:
+    """A fit that was only compared so far, taken to its end if it is to be kept."""
     return found if found.converged else to_its_end(found)
 
 
 def step_of(beyond: Beyond, gain: float) -> Step:
+    """What was written, as the step of a walk that removes a share `gain` of the excess over noise."""
     name = beyond.fit.model.names[-1]
     return Step(name, beyond.unknown.share, gain, (name,), "effect", beyond.fit)
 
