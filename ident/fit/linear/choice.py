@@ -18,6 +18,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
+import numpy as np
+
 from ...campaign.campaign import MOST_MODES
 from ...campaign.held_drive import jumps
 from ...campaign.record import Trace
@@ -40,6 +42,7 @@ LEVELS = {"no-spring": "static-force", **dict.fromkeys(("oscillator", "overdampe
 """The effect that a constant is beside each form: without a spring it is a force, for a level is where it starts."""
 _FEWEST = 20.0  # independent samples in what is left: a single line has four, which buy nothing
 _GREATER_PART = math.sqrt(2.0)  # half of the power
+_SURE = 5.0  # standard deviations: one of two million samples of noise lies that far off
 
 
 @dataclass(frozen=True)
@@ -61,9 +64,9 @@ def choose_linear(
 ) -> LinearChoice:
     """The linear model with which to start on these records.
 
-    Where a record starts from rest the first sample says where the zero is: a constant is then looked for only if gain
-    and offset, or an offset alone, leave less than every form without one. Decays need none: their displacements are
-    counted from where they come to rest.
+    Where a record starts from rest the first sample says where the zero is. If that is zero a constant is looked for
+    only if gain and offset, or an offset alone, leave less than every form without one: what moves the mean is then a
+    force. Decays need none: their displacements are counted from where they come to rest.
 
     **Arguments:** `told`: "auto", or the form that the campaign asks for; `modes`: how many an oscillator has, None if
     the records decide; `base`: whether it may stand on what the drive moves.
@@ -71,7 +74,7 @@ def choose_linear(
     free = [record.between == "auto" and record.driven for record in records]
     stretches = with_edge([stretch_of(record) for record in records], free, None)
     driven = any(stretch.driven for stretch in stretches)
-    level = driven and all(record.start != "rest" for record in records)
+    level = driven and (all(record.start != "rest" for record in records) or _begin_off_zero(records))
     guess = guess_linear(records) if told not in ("no-spring", "quasi-static") else None
     names = [
         name
@@ -116,6 +119,16 @@ def choose_linear(
         raise UserError(what, do="remove it, and let the records choose")
     chosen, more = _chosen(records, stretches, allowed, modes, n)
     return LinearChoice(tuple(sorted([*found, *more], key=lambda c: c.criterion)), chosen, told)
+
+
+def _begin_off_zero(records: Sequence[Trace]) -> bool:
+    """Whether the records that start from rest all begin on one level that is not zero: that is the sensor's."""
+    rest = [r for r in records if r.start == "rest" and r.driven and (r.masked is None or not r.masked[0])]
+    if not rest:
+        return False
+    first, sigma = (np.array(x) for x in zip(*((r.response[0], r.noise.sigma) for r in rest), strict=True))
+    level = np.average(first, weights=sigma**-2)
+    return bool(np.all(np.abs(first - level) < _SURE * sigma) and abs(level) > _SURE / np.sqrt(np.sum(sigma**-2)))
 
 
 def _chosen(
