@@ -160,7 +160,7 @@ def in_units_of(device: Oscillator, tables: Iterable[Table]) -> tuple[Oscillator
     names = {"output": _RESPONSES, "input": _DRIVES}
     told = {key: "" for key in names if not getattr(device, key)}
     for table in tables:
-        found = _signals(table)[1]
+        found = _signals(table, device)[1]
         for key in (key for key, unit in told.items() if not unit):
             told[key] = next((_kept(found[name]) for name in names[key] if name in found), "")
         if all(told.values()):
@@ -174,15 +174,26 @@ def in_units_of(device: Oscillator, tables: Iterable[Table]) -> tuple[Oscillator
 _RESPONSES, _DRIVES = ("response", "amplitude"), ("drive", "level")
 
 
-def _signals(table: Table) -> tuple[str, dict[str, Column], bool]:
-    """The kind of a table, its columns by their roles whatever their units are, and whether it has no drive."""
+def _signals(table: Table, device: Oscillator | None = None) -> tuple[str, dict[str, Column], bool]:
+    """The kind of a table, its columns by their roles whatever their units are, where a device does not tell them, and
+    whether it has no drive."""
     kind = guess_kind(table)
     table = curve_form(table) if kind == "sweep" else table
     roles = (sweep_roles if kind == "sweep" else trace_roles)(VOLTAGE, LENGTH)
     undriven = kind == "trace" and len(table.columns) < len(roles)
     if undriven:
         roles = tuple(role for role in roles if role.name != "drive")
-    return kind, match_any(table, tuple(replace(role, dimension=None, needed=False) for role in roles)), undriven
+    told = (
+        dict[str, str]()
+        if device is None
+        else (dict.fromkeys(_RESPONSES, device.output) | dict.fromkeys(_DRIVES, device.input))
+    )
+
+    def known(role: Role) -> Dimension | None:
+        unit = find_unit(told.get(role.name, ""))
+        return None if unit is None else unit.dimension
+
+    return kind, match_any(table, tuple(replace(role, dimension=known(role), needed=False) for role in roles)), undriven
 
 
 def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:

@@ -72,11 +72,12 @@ _DRIVE_WEAK = _words(
     "v, voltage, volt, volts, u, spannung, in, source, force, kraft, torque, drehmoment, hammer, shaker, current, strom"
 )
 _RESPONSE = _words(
-    "y, z, displacement, disp, deflection, output, response, position, y out, vout, v out, z stage, "
+    "y, z, displacement, disp, deflection, output, response, position, pos, y out, vout, v out, z stage, "
     "stage displacement, weg, auslenkung, out of plane displacement"
 )
 _RESPONSE_STRONG = _words(
-    "displacement, disp, deflection, output, response, position, vibrometer, ldv, motion, travel, vout, weg, auslenkung"
+    "displacement, disp, deflection, output, response, position, pos, vibrometer, ldv, motion, travel, vout, weg, "
+    "auslenkung"
 )
 _RESPONSE_WEAK = _words(
     "y, z, x, q, sensor, measured, measurement, laser, out, reading, signal, angle, theta, phi, rotation, tilt, "

@@ -122,13 +122,16 @@ def choose_linear(
 
 
 def _begin_off_zero(records: Sequence[Trace]) -> bool:
-    """Whether the records that start from rest all begin on one level that is not zero: that is the sensor's."""
+    """Whether most records that start from rest begin on one level that is not zero: that is the sensor's, though one of
+    them may be read with another gain."""
     rest = [r for r in records if r.start == "rest" and r.driven and (r.masked is None or not r.masked[0])]
     if not rest:
         return False
     first, sigma = (np.array(x) for x in zip(*((r.response[0], r.noise.sigma) for r in rest), strict=True))
-    level = np.average(first, weights=sigma**-2)
-    return bool(np.all(np.abs(first - level) < _SURE * sigma) and abs(level) > _SURE / np.sqrt(np.sum(sigma**-2)))
+    level = np.median(first)
+    alike = np.abs(first - level) < _SURE * sigma
+    error = 1 / np.sqrt(np.sum(sigma[alike] ** -2.0))
+    return bool(2 * np.count_nonzero(alike) > len(rest) and abs(level) > _SURE * error)
 
 
 def _chosen(
