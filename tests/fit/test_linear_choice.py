@@ -50,9 +50,10 @@ def test_the_form_is_found_with_its_numbers(form):
         np.testing.assert_allclose([choice.chosen.first, choice.chosen.second], [1.5, wanted], rtol=0.02)
 
 
-@pytest.mark.parametrize(("level", "wanted"), [(0.0, False), (0.01, False), (5.0, True)])
-def test_at_rest_a_constant_is_added_where_without_it_gain_and_offset_would_win(level, wanted):
-    """A sensor's zero far off: no oscillator came near, and an axis without inertia was taken for the start."""
+@pytest.mark.parametrize(("level", "wanted"), [(0.0, False), (0.002, False), (0.01, True), (5.0, True)])
+def test_at_rest_a_constant_is_added_where_the_first_sample_shows_one(level, wanted):
+    """A sensor's zero far off: no oscillator came near, and an axis without inertia was taken for the start. Or nearer:
+    an offset of ten noise floors hid that all responses came late."""
     choice = choose_linear([record(SYSTEMS["oscillator"], level, start="rest")])
     assert (choice.chosen.form, choice.chosen.level) == ("oscillator", wanted)
     assert choice.chosen.first == pytest.approx(1.5, rel=0.05)
@@ -69,6 +70,15 @@ def test_a_constant_is_added_only_where_the_records_need_it(level, wanted):
 def test_a_start_from_rest_says_where_the_zero_is():
     choice = choose_linear([record(SYSTEMS["oscillator"], start="rest")])
     assert not any(c.level for c in choice.candidates if c.form == "oscillator")
+
+
+def test_one_record_of_another_gain_does_not_hide_the_zero_of_the_others():
+    records = [record(SYSTEMS["oscillator"], 0.5, seed=seed, start="rest") for seed in range(3)]
+    records[1] = replace(records[1], response=1.25 * records[1].response)
+    assert choose_linear(records).chosen.level
+    assert not choose_linear(
+        [replace(r, response=r.response - 0.5 * (i != 1)) for i, r in enumerate(records)]
+    ).chosen.level
 
 
 def test_what_a_campaign_asks_for_is_done():

@@ -122,8 +122,8 @@ def choose_linear(
 
 
 def _begin_off_zero(records: Sequence[Trace]) -> bool:
-    """Whether most records that start from rest begin on one level that is not zero: that is the sensor's, though one of
-    them may be read with another gain."""
+    """Whether most records that start from rest begin on one level that is not zero: that is the sensor's, though one
+    of them may be read with another gain."""
     rest = [r for r in records if r.start == "rest" and r.driven and (r.masked is None or not r.masked[0])]
     if not rest:
         return False
