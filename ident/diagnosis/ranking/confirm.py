@@ -82,6 +82,7 @@ def _refitted(
     before = regression.fit
     model = without_unseen(with_effect(before, effect), candidate)
     scored = [candidate, *(candidate._replace(values=values) for values in candidate.near)]
+    parent = base is None
     base = base_of(regression) if base is None else base
     starts = [np.concatenate([base, start_of(model, one, before.scales)]) for one in scored]
     if candidate.beside is not None:
@@ -92,22 +93,31 @@ def _refitted(
         own = minimise(model, before.campaign, initial=starts, most=_RACE, compared=True).values
         starts = [own, *(with_one(own, i, value) for i, value in freed)]
     found = weigh(regression, model, candidate, starts, most)
-    if np.max(np.abs(found.left), initial=0.0) < WORST:
-        allowed = [start for start in starts if _begins_as_it_may(model, start)]
-        if not found.possible and 0 < len(allowed) < len(starts):
-            found = weigh(regression, model, candidate, allowed, most)
-        if takes_over(model) and found.chi2 > _LEAVES * regression.n:
-            taken = split_starts(regression, model, base)
-            starts = [found.values, *taken] if found.possible else taken  # else it could win, and be refused
-            other = weigh(regression, model, candidate, starts, most) if taken else found
-            return min(found, other, key=lambda one: (not one.possible, one.chi2))
-        return found
     # Damping of the wrong sign, as scores may predict it where little is known, has no motion to start from, nor has a
     # sensor that saturates below what it read.
+    faint = start_of(model, _faint(candidate, model), before.scales)
+    if not np.max(np.abs(found.left), initial=0.0) < WORST:
+        return weigh(regression, model, candidate, [np.concatenate([base, faint])], most)
+    if parent and not found.chi2 < regression.best_chi2:  # the search left where the fit without the effect stands
+        own = (regression.instead_of or regression).fit.values
+        there = [np.concatenate([own, one]) for one in (start_of(model, candidate, before.scales), faint)]
+        found = min(found, weigh(regression, model, candidate, there, most), key=lambda one: one.chi2)
+    allowed = [start for start in starts if _begins_as_it_may(model, start)]
+    if not found.possible and 0 < len(allowed) < len(starts):
+        found = weigh(regression, model, candidate, allowed, most)
+    if takes_over(model) and found.chi2 > _LEAVES * regression.n:
+        taken = split_starts(regression, model, base)
+        starts = [found.values, *taken] if found.possible else taken  # else it could win, and be refused
+        other = weigh(regression, model, candidate, starts, most) if taken else found
+        return min(found, other, key=lambda one: (not one.possible, one.chi2))
+    return found
+
+
+def _faint(candidate: Candidate, model: Model) -> Candidate:
+    """A candidate that is nearly absent."""
     amplitudes = {p.name for p in model.effects[-1].declared() if p.kind == "amplitude"}
     faint = {name: _FAINT * value for name, value in candidate.values.items() if name in amplitudes}
-    start = start_of(model, candidate._replace(values={**candidate.values, **faint}), before.scales)
-    return weigh(regression, model, candidate, [np.concatenate([base, start])], most)
+    return candidate._replace(values={**candidate.values, **faint})
 
 
 def _begins_as_it_may(model: Model, start: np.ndarray) -> bool:
