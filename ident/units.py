@@ -51,7 +51,7 @@ _PREFIXED: dict[str, tuple[float, Dimension, str]] = {
     "C": (1.0, _dimension(s=1, ampere=1), "coulomb"),
     "rad": (1.0, NUMBER, "radian"),
 }
-_ANGLE = re.compile(r"°|deg(ree)?|[a-z]{0,5}rad(ian)?s?")
+_ANGLE = re.compile(r"°|deg(ree)?s?|arc(sec|min)\w*|[a-z]{0,5}rad(ian)?s?")
 _PLAIN: dict[str, tuple[float, Dimension]] = {
     "1": (1.0, NUMBER),
     "%": (1e-2, NUMBER),
@@ -192,7 +192,8 @@ def kept_unit(name: str) -> str | None:
     found = find_unit(name)
     if found is None:
         return None
-    return "rad" if _ANGLE.fullmatch(_normal(name)) else base_unit(found.dimension)
+    angle = found.dimension == NUMBER and _ANGLE.fullmatch(_normal(name))
+    return "rad" if angle else base_unit(found.dimension)
 
 
 def base_unit(dimension: Dimension) -> str:

@@ -43,10 +43,10 @@ if TYPE_CHECKING:
 class Diagnosis:
     """Answers about a fit.
 
-    **Arguments:** `where`: where the fit fails; `unknown`: what the library lacks, if it lacks something, and
-    `effect_file`, where that was written; `next_experiments`: records that would separate what ties; `unseen`: effects
-    of which these records cannot say anything; `suspects`: records that something is wrong with. If a faulty record
-    explains more than any effect does, the walk has no steps.
+    **Arguments:** `where`: where the first fit of the walk fails; `unknown`: what the library lacks, if it lacks
+    something, and `effect_file`, where that was written; `next_experiments`: records that would separate what ties;
+    `unseen`: effects of which these records cannot say anything; `suspects`: records that something is wrong with. If a
+    faulty record explains more than any effect does, the walk has no steps.
     """
 
     discovery: Discovery
@@ -59,7 +59,7 @@ class Diagnosis:
 
     @property
     def summary(self) -> str:
-        """Where the fit that was diagnosed fails, in one paragraph."""
+        """Where the first fit of the walk fails, in one paragraph."""
         return summary(self.where)
 
     @property
@@ -136,9 +136,10 @@ def diagnose(
     if first and not held:
         nothing = Discovery("ambiguous", fitted, (), (), {}, (), regression)
         return Diagnosis(nothing, where, suspects=suspects)
-    law = None if walked.steps else one_law(look, regression, effect_file, report)
+    law = None if walked.steps or first else one_law(look, regression, effect_file, report)
     if law is not None:
         hidden = unseen(regression, law.discovery.ranking, library)
+        suspects = judged_again(suspects, law.discovery.final, report)
         return Diagnosis(law.discovery, where, law.unknown, law.path, unseen=hidden, suspects=suspects)
     found = continue_from(walked, library, report, keep=keep, look=look)
     if found.start is not fitted:  # the walk has begun again, from a better first model

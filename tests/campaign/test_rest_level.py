@@ -12,14 +12,14 @@ from ident.campaign.read import read_campaign
 OFFSET = 0.6e-6
 
 
-def campaign(folder: Path, driven_offset: float | None) -> Path:
+def campaign(folder: Path, driven_offset: float | None, bias: float = 0.0) -> Path:
     """A decay whose sensor has an offset, and a driven record about a level of its own, if there is one."""
     t, rng = np.arange(3000) / 2000.0, np.random.default_rng(1)
     decay = 3e-6 * np.exp(-6 * t) * np.cos(2 * np.pi * 85 * t) + OFFSET + 1e-8 * rng.normal(size=len(t))
     np.savetxt(folder / "free.csv", np.c_[t, 1e6 * decay], delimiter=",", header="t_s,y_um", comments="")
     files = ["free.csv"]
     if driven_offset is not None:
-        u = np.sin(2 * np.pi * 60 * t)
+        u = bias + np.sin(2 * np.pi * 60 * t)
         y = 1e-6 * np.sin(2 * np.pi * 60 * t - 0.3) + driven_offset + 1e-8 * rng.normal(size=len(t))
         np.savetxt(folder / "sine.csv", np.c_[t, u, 1e6 * y], delimiter=",", header="t_s,u_V,y_um", comments="")
         files.append("sine.csv")
@@ -36,3 +36,9 @@ def test_decays_are_counted_from_rest_unless_driven_records_have_the_same_level(
     decay = next(trace for trace in told.traces if trace.name == "free.csv")
     assert np.mean(decay.response[-500:]) == pytest.approx(rest, abs=2e-9)
     assert any("counted from" in note for note in told.notes) == (rest == 0.0)
+
+
+def test_a_level_that_a_biased_drive_makes_is_no_offset(tmp_path):
+    told = read_campaign(campaign(tmp_path, OFFSET, bias=1.0))
+    decay = next(trace for trace in told.traces if trace.name == "free.csv")
+    assert np.mean(decay.response[-500:]) == pytest.approx(0.0, abs=2e-9)

@@ -6,7 +6,18 @@ import pint
 import pytest
 
 from ident.errors import UserError
-from ident.units import LENGTH, MASS, TIME, VOLTAGE, base_unit, find_unit, format_quantity, parse_quantity, to_si
+from ident.units import (
+    LENGTH,
+    MASS,
+    TIME,
+    VOLTAGE,
+    base_unit,
+    find_unit,
+    format_quantity,
+    kept_unit,
+    parse_quantity,
+    to_si,
+)
 
 _pint = pint.UnitRegistry()
 
@@ -93,3 +104,15 @@ def test_base_units():
 )
 def test_values_for_people(value, unit, text):
     assert format_quantity(value, unit) == text
+
+
+@pytest.mark.parametrize(
+    ("name", "kept"),
+    [("deg", "rad"), ("degrees", "rad"), ("°", "rad"), ("mrad", "rad"), ("um", "m"), ("%", "1"), ("rad/s", "Hz")],
+)
+def test_the_unit_in_which_numbers_are_kept(name: str, kept: str) -> None:
+    assert kept_unit(name) == kept
+
+
+def test_a_word_that_is_no_unit_is_kept_in_none_and_a_farad_is_no_angle() -> None:
+    assert kept_unit("counts") is None and kept_unit("farad") != "rad"

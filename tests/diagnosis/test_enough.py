@@ -40,7 +40,7 @@ def test_what_differs_between_two_passes_of_a_curve_is_smooth_noise_that_an_effe
     """A beam between magnets: at 1.07 of a floor that its way back had told, a stop took most of the rest, and the
     jumps of three other levels were predicted wrong."""
     curve = regression(1.08)
-    curve.fit.campaign.fitted_sweeps = curve.fit.campaign.fitted
+    curve.fit.campaign.fitted_sweeps, curve.fit.campaign.fitted = curve.fit.campaign.fitted, ()
     assert adequate(curve, explained=0.8)
 
 

@@ -41,7 +41,8 @@ def test_an_amplifier_that_saturates_is_told_without_a_walk(tmp_path: Path):
     assert found.verdict == "not-in-library" and found.final.fitted.error_over_noise < 1.05
     assert found.unknown is not None and (found.unknown.side, found.unknown.coordinates) == ("drive", ("V",))
     assert found.effect_file == tmp_path / "law.py" and found.effect_file.is_file()
-    assert not [words for words in said if words.startswith("added")]
+    assert [step.added for step in found.discovery.steps] == ["unknown-effect"]
+    assert not [words for words in said if "added" in words]
 
 
 def test_a_law_that_the_library_has_in_pieces_is_named_by_them(tmp_path: Path):

@@ -81,6 +81,11 @@ def test_one_record_of_another_gain_does_not_hide_the_zero_of_the_others():
     ).chosen.level
 
 
+def test_two_records_that_begin_apart_tell_no_zero():
+    records = [record(SYSTEMS["oscillator"], level, seed=i, start="rest") for i, level in enumerate((0.0, 0.05))]
+    assert not any(c.level for c in choose_linear(records).candidates if c.form == "oscillator")
+
+
 def test_what_a_campaign_asks_for_is_done():
     choice = choose_linear([record(SYSTEMS["oscillator"])], "no-spring")
     assert choice.chosen.form == "no-spring"

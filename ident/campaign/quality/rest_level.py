@@ -10,6 +10,7 @@ import numpy as np
 
 from ..record import Record, Trace
 
+_LITTLE = 0.1  # of what a drive varies by: as a mean it moves a device that far off its zero
 _CYCLES = 8  # in the record, of its strongest line: fewer do not average out under the window
 
 
@@ -30,13 +31,24 @@ def rest_level(response: np.ndarray) -> float | None:
     return float(np.sum(window * late) / np.sum(window))
 
 
+def zero_of(record: Trace) -> float | None:
+    """Where a driven record shows the zero of its sensor: where it starts, from rest, or about what it moves, if its
+    drive has no mean that would move it there; None if nothing tells."""
+    if record.start == "rest" and record.order < 2:  # an acceleration follows the drive at once
+        return None if record.masked is not None and record.masked[0] else float(record.response[0])
+    if abs(np.mean(record.drive)) > _LITTLE * np.std(record.drive):
+        return None
+    return float(np.mean(record.across(record.response)))
+
+
 def counted_from_rest(records: Sequence[Record], notes: list[str]) -> list[Record]:
     """The records with the displacements of free decays counted from where they come to rest, which `notes` then say.
 
-    Driven records beside them know the zero of their common sensor too: where they move about a level that is nearer
-    to the decay's than zero is, it is one offset of all, which a model finds.
+    Driven records beside them know the zero of their common sensor too: where theirs is nearer to the decay's level
+    than zero is, it is one offset of all, which a model finds.
     """
-    common = [float(np.mean(r.across(r.response))) for r in records if isinstance(r, Trace) and r.driven]
+    zeros = (zero_of(record) for record in records if isinstance(record, Trace) and record.driven)
+    common = [zero for zero in zeros if zero is not None]
     found: list[Record] = []
     for record in records:
         level = rest_level(record.across(record.response)) if isinstance(record, Trace) and not record.driven else None

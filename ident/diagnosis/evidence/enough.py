@@ -28,7 +28,7 @@ def adequate(regression: Regression, explained: float = 0.0) -> bool:
 
     What counts is the whitened error without mains hum and initial states, and without noise of the force: they are no
     shortcoming of a model. `explained`: share of what is left that one effect explains; a wrong floor, or noise, would
-    leave what none does. Not so on curves: there a way back that differs counts as noise, and is as smooth as they are.
+    leave what none does. Not so on curves alone: there a way back that differs is noise, and as smooth as they are.
     """
     at_floor = _at_floor(regression.chi2, regression, explained)
     return at_floor or (explained < MOST_OF_IT and noise_of_force(regression) is not None)
@@ -42,7 +42,7 @@ def noise_of_force(regression: Regression) -> Pushed | None:
 
 def _at_floor(chi2: float, regression: Regression, explained: float = 0.0) -> bool:
     campaign = regression.fit.campaign
-    doubted = explained < MOST_OF_IT or campaign.fitted_sweeps
+    doubted = explained < MOST_OF_IT or not campaign.fitted
     floor = floor_of([*campaign.fitted, *campaign.fitted_sweeps]) if doubted else _AT_FLOOR
     return float(np.sqrt(chi2 / regression.n)) < floor
 

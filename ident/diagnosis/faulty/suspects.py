@@ -102,7 +102,7 @@ def _disagree(fitted: Fit) -> bool:
 def judged_again(suspects: tuple[Suspect, ...], final: Fit, report: Report) -> tuple[Suspect, ...]:
     """The suspects beside the model that a walk has ended with: what looked so may have been the shape of what had
     been missing, and what that hid may show now. What the data of a record alone tell stays, but for a drift that the
-    model follows to the noise: without a spring a device wanders by itself."""
+    model follows to the noise: that is the device's own, as one without a spring wanders, or has a name."""
     followed = {one.name for one in final.trace_scores if one.error_over_noise <= _FLOOR}
     stays = lambda one: not (one.kind == "drift" and one.file in followed)
     alone = tuple(one for one in suspects if one.kind not in BY_OTHERS and stays(one))

@@ -117,9 +117,9 @@ def continue_from(
         keep(Walked(start, tuple(steps), gains))
     if revised and steps and (lower := lower_start(start, current, report)) is not None:
         return once_more(lower)
-    asked = steps or look.worth_it
+    asked = steps or not adequate(look.regression)
     if asked and (fewer := without_a_mode(start, current, library, first, report)) is not None:
-        return once_more(fewer)
+        return continue_from(Walked(fewer), library, report, most, keep, revised=revised)
     return _concluded(Walked(start, tuple(steps), gains), look, at_best, ranking)
 
 

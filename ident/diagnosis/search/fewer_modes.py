@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from ...effects.registry import Registry
 from ...fit import Fit
-from ...fit.linear.start_model import FURTHER
+from ...fit.linear.start_model import FURTHER, linear_choice
 from ...pulse import Report
 from ..evidence.criterion import behind
 from ..evidence.enough import superfluous
 from ..evidence.held_out import hurts, hurts_more
 from ..linearised.regression import Regression, prepare
-from ..linearised.shorten import working
+from ..linearised.shorten import is_long
 from ..linearised.trajectory import Diverged
 from ..ranking.confirm import accept, confirm
 from .change import ENOUGH, values_without, without
@@ -27,13 +27,14 @@ def without_a_mode(start: Fit, last: Fit, library: Registry, first: Regression, 
     """The first model of a walk without that further mode which its `last` model needs least, if that does as well
     without, or with an effect in its place: the walk then begins again from there."""
     campaign = start.campaign
-    chosen = [one for one in start.model.names if one in FURTHER and one not in campaign.effects]
-    if not chosen or campaign.modes is not None:
+    choice = linear_choice(campaign)
+    further = FURTHER[: len(choice.chosen.further)] if choice is not None and campaign.modes is None else ()
+    chosen = [one for one in start.model.names if one in further and one not in campaign.effects]
+    if not chosen or is_long(campaign):  # excerpts hold nothing out
         return None
-    report("does another effect stand for a mode?")
-    shown = working(last)
-    found = without_one(shown, chosen, start)
-    if found is None or not _does_as_well(shown, *found, library, first):
+    report(f"does the model still need {' and '.join(chosen)}?")
+    found = without_one(last, chosen, start)
+    if found is None or not _does_as_well(last, *found, library, first):
         return None
     try:
         fewer = without(start, [found[2]])

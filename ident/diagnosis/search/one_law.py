@@ -14,7 +14,7 @@ import numpy as np
 from ...effects.dependence import depends_on
 from ...pulse import Report
 from ..evidence.enough import adequate
-from ..evidence.held_out import contradicted
+from ..evidence.held_out import contradicted, hurts
 from ..linearised.basis import orthonormal
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long
@@ -22,26 +22,31 @@ from ..linearised.trajectory import Diverged
 from ..ranking.look import Look
 from ..ranking.pairs import best_pair
 from ..unknown.find import Unknown
+from .drive import other_drive
 from .steps import Discovery
 from .written import AS_WELL, Written, ended, lacked_by, simulated, step_of
 
 
 def one_law(look: Look, start: Regression, path: Path | None, report: Report) -> Written | None:
     """The answer with the law written, if there is one and its simulation reaches the noise; `start`: of the fit with
-    which a walk would begin.
-
-    **Raises:** UserError if the file exists.
-    """
+    which a walk would begin."""
     regression = look.regression
     fitted = start.fit
     asked = fitted.campaign.fitted and not fitted.campaign.fitted_sweeps
-    if path is None or not asked or is_long(fitted.campaign) or not look.worth_it or _names_reach_it(look):
+    if (
+        path is None
+        or path.exists()
+        or not asked
+        or is_long(fitted.campaign)
+        or not look.worth_it
+        or _names_reach_it(look)
+    ):
         return None
     unknown = lacked_by(start, report)
     formula = unknown.formula
     if formula is None or not formula.complete or unknown.dimension > 1 or not formula.chi2_per_sample < AS_WELL:
         return None
-    if _said_in_pieces(look, unknown):
+    if _said_in_pieces(look, unknown) or other_drive(fitted, regression, report, look.promise) is not None:
         return None
     try:
         beyond, gain = simulated(fitted, start, unknown, path, report)
@@ -49,7 +54,7 @@ def one_law(look: Look, start: Regression, path: Path | None, report: Report) ->
     except Diverged:  # with it the motion has no bound
         path.unlink(missing_ok=True)
         return None
-    if not adequate(left) or contradicted(beyond.fit):
+    if not adequate(left) or contradicted(beyond.fit) or hurts(fitted, beyond.fit):
         beyond.path.unlink()
         return None
     step = step_of(beyond._replace(fit=ended(beyond.fit)), gain)

@@ -48,7 +48,8 @@ def rivals(name: str, regression: Regression, library: Registry) -> list[Candida
     enough = _PROMISING * next((c.drop for c in scored if c.name == name), 0.0)
     candidates = [c for c in scored if c.drop > enough]
     better = [c for c in candidates[:1] if c.name != name]
-    alike = [c for c in candidates if c.name in library[name].mistaken_for and c.name not in {b.name for b in better}]
+    mistaken = library[name].mistaken_for if name in library else ()
+    alike = [c for c in candidates if c.name in mistaken and c.name not in {b.name for b in better}]
     return [*better, *alike[:1]]
 
 

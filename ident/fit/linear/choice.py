@@ -22,6 +22,7 @@ import numpy as np
 
 from ...campaign.campaign import MOST_MODES
 from ...campaign.held_drive import jumps
+from ...campaign.quality.rest_level import zero_of
 from ...campaign.record import Trace
 from ...errors import UserError
 from ...model import ABOVE_THE_DRIVE
@@ -66,7 +67,7 @@ def choose_linear(
 
     Where a record starts from rest the first sample says where the zero is. If that is zero a constant is looked for
     only if gain and offset, or an offset alone, leave less than every form without one: what moves the mean is then a
-    force. Decays need none: their displacements are counted from where they come to rest.
+    force. Decays alone need none: their displacements are counted from where they come to rest.
 
     **Arguments:** `told`: "auto", or the form that the campaign asks for; `modes`: how many an oscillator has, None if
     the records decide; `base`: whether it may stand on what the drive moves.
@@ -74,7 +75,8 @@ def choose_linear(
     free = [record.between == "auto" and record.driven for record in records]
     stretches = with_edge([stretch_of(record) for record in records], free, None)
     driven = any(stretch.driven for stretch in stretches)
-    level = driven and (all(record.start != "rest" for record in records) or _begin_off_zero(records))
+    level = driven and all(record.start != "rest" for record in records)
+    off = driven and not level and _begin_off_zero(records)
     guess = guess_linear(records) if told not in ("no-spring", "quasi-static") else None
     names = [
         name
@@ -93,7 +95,9 @@ def choose_linear(
         found = [fitted(stretches, Kind("constant", True))]
         found += [_static(records, stretches)] if driven else []
         found += [*every(False), *(every(True) if level else [])]
-        if driven and not level and min(found, key=lambda c: c.left).level:
+        if off:  # where a mass without a spring is says nothing of what pushes it
+            found += [c for c in every(True) if LEVELS[c.form] == "sensor-offset"]
+        if driven and not (level or off) and min(found, key=lambda c: c.left).level:
             found += every(True)
         return _weighed(stretches, found)
 
@@ -124,11 +128,12 @@ def choose_linear(
 def _begin_off_zero(records: Sequence[Trace]) -> bool:
     """Whether most records that start from rest begin on one level that is not zero: that is the sensor's, though one
     of them may be read with another gain."""
-    rest = [r for r in records if r.start == "rest" and r.driven and (r.masked is None or not r.masked[0])]
+    rest = [(zero, r.noise.sigma) for r in records if r.start == "rest" and r.driven
+            and (zero := zero_of(r)) is not None]  # fmt: skip
     if not rest:
         return False
-    first, sigma = (np.array(x) for x in zip(*((r.response[0], r.noise.sigma) for r in rest), strict=True))
-    level = np.median(first)
+    first, sigma = (np.array(x) for x in zip(*rest, strict=True))
+    level = np.sort(first)[len(first) // 2]
     alike = np.abs(first - level) < _SURE * sigma
     error = 1 / np.sqrt(np.sum(sigma[alike] ** -2.0))
     return bool(2 * np.count_nonzero(alike) > len(rest) and abs(level) > _SURE * error)
