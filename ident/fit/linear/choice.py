@@ -135,8 +135,8 @@ def _begin_off_zero(records: Sequence[Trace]) -> bool:
     first, sigma = (np.array(x) for x in zip(*rest, strict=True))
     level = np.sort(first)[len(first) // 2]
     alike = np.abs(first - level) < _SURE * sigma
-    error = 1 / np.sqrt(np.sum(sigma[alike] ** -2.0))
-    return bool(2 * np.count_nonzero(alike) > len(rest) and abs(level) > _SURE * error)
+    most = 2 * np.count_nonzero(alike) > len(rest)
+    return bool(most and abs(level) > _SURE / np.sqrt(np.sum(sigma[alike] ** -2.0)))
 
 
 def _chosen(
