@@ -41,7 +41,7 @@ def test_where_a_driving_film_fits_best_the_starts_that_brake_run_again(monkeypa
     monkeypatch.setattr(confirming, "with_effect", lambda *_: model)
     monkeypatch.setattr(confirming, "base_of", lambda *_: np.array(BESIDE))
     monkeypatch.setattr(confirming, "shapes_of", lambda *_: [])
-    regression: Any = SimpleNamespace(fit=SimpleNamespace(scales=ONE), plane=None, passes=None, n=1)
+    regression: Any = SimpleNamespace(fit=SimpleNamespace(scales=ONE), plane=None, passes=None, n=1, best_chi2=9.0)
     found = confirming._refitted(regression, SqueezeFilmDamping, candidate, 60, None)
     assert races == [[(0.0, -3.0), (2e-3, 3.0), (0.0, -8.0)], [(2e-3, 3.0)]]
     assert found.possible and found.values[-1] > 0
