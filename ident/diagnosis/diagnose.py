@@ -25,7 +25,7 @@ from .linearised.regression import Regression, prepare
 from .linearised.shorten import working
 from .next_record.experiments import NextExperiment, next_experiments, rank_experiments
 from .ranking.look import first_look
-from .search.discover import Keep, continue_from
+from .search.discover import Keep, concluded, walk_on
 from .search.once_more import with_other_starts
 from .search.one_law import one_law
 from .search.steps import Discovery, Verdict, Walked
@@ -115,7 +115,7 @@ def diagnose(
     **Arguments:** `fitted`: or a walk that was stopped, which goes on; `library`: the effects to choose from, if not
     all that the campaign knows; `effect_file`: where to write what the library lacks; the model with it then ends the
     walk. `keeps_walk`: whether the caller goes on with the last model of the walk; what it lacks is then written, if
-    named effects nearly explain the records, and else what the fit lacks. `keep`: as of `continue_from`.
+    named effects nearly explain the records, and else what the fit lacks. `keep`: as of `walk_on`.
     """
     walked = fitted if isinstance(fitted, Walked) else Walked(fitted)
     fitted = walked.start
@@ -141,15 +141,16 @@ def diagnose(
         hidden = unseen(regression, law.discovery.ranking, library)
         suspects = judged_again(suspects, law.discovery.final, report)
         return Diagnosis(law.discovery, where, law.unknown, law.path, unseen=hidden, suspects=suspects)
-    found = continue_from(walked, library, report, keep=keep, look=look)
-    if found.start is not fitted:  # the walk has begun again, from a better first model
-        regression = prepare(working(found.start))
-        where = locate(regression)
-    sharper = sharpened(found.final)
+    ended = walk_on(walked, library, report, keep=keep, look=look)
+    sharper = sharpened(ended.walked.final)
     if sharper is not None:
         report("what the last model leaves tells the noise floors better: once more, with these")
         again = Walked(fit(fitted.model, sharper, initial=fitted.values))
         return diagnose(again, library, report, effect_file, keeps_walk, keep)
+    found = concluded(ended)
+    if found.start is not fitted:  # the walk has begun again, from a better first model
+        regression = prepare(working(found.start))
+        where = locate(regression)
     if found.verdict != "adequate" and not adequate(found.regression) and before is None:
         after = apart_after(look, found.final, report)
         if after is not None and (said := _read_apart(after, regression, library, report, keep)) is not None:
@@ -191,7 +192,7 @@ def _read_apart(
         law = find_unknown(regression)
         if law.formula is not None and law.dimension < 2 and law.chi2_after < AS_WELL:
             return None
-    walk = lambda one: continue_from(Walked(one.begun(start)), library, report)
+    walk = lambda one: concluded(walk_on(Walked(one.begun(start)), library, report))
     found = walk(one)
     again = differing(fit(found.final.model, start.campaign, initial=found.final.values), (one.kind,))
     if again is None:

@@ -66,10 +66,22 @@ def discover(
     """Walk from a model to one that the records do not contradict, as far as the library reaches."""
     report(f"fitting {', '.join(model.names) or 'the linear model'}")
     start = fit(model, campaign)
-    return continue_from(Walked(start), library, report, most)
+    return concluded(walk_on(Walked(start), library, report, most))
 
 
-def continue_from(
+class Ended(NamedTuple):
+    """A walk that adds nothing more, unquestioned.
+
+    **Arguments:** `look`: at its last fit; `at_best`: where it began, with the `ranking` there.
+    """
+
+    walked: Walked
+    look: Look
+    at_best: Regression
+    ranking: tuple[Candidate, ...]
+
+
+def walk_on(
     walked: Walked,
     library: Registry,
     report: Report = lambda _: None,
@@ -77,7 +89,7 @@ def continue_from(
     keep: Keep = lambda _: None,
     look: Look | None = None,
     revised: int = _DRIVES,
-) -> Discovery:
+) -> Ended:
     """The loop from a fit, or from where it was stopped; `look`: at the first fit, if somebody had one already;
     `revised`: how often it may still begin again with another drive between the samples."""
     start = walked.start
@@ -86,8 +98,8 @@ def continue_from(
     ranking = tuple(look.candidates) if look.worth_it else ()
     steps, look = _gone_before(walked, look)
 
-    def once_more(start: Fit) -> Discovery:
-        return continue_from(Walked(start), library, report, most, keep, revised=revised - 1)
+    def once_more(start: Fit) -> Ended:
+        return walk_on(Walked(start), library, report, most, keep, revised=revised - 1)
 
     asked = revised and not steps and look.worth_it and look.real
     if asked and (other := other_drive(start, look.regression, report, look.promise)) is not None:
@@ -119,16 +131,14 @@ def continue_from(
         return once_more(lower)
     asked = steps or not adequate(look.regression)
     if asked and (fewer := without_a_mode(start, current, library, first, report)) is not None:
-        return continue_from(Walked(fewer), library, report, most, keep, revised=revised)
-    return _concluded(Walked(start, tuple(steps), gains), look, at_best, ranking)
+        return walk_on(Walked(fewer), library, report, most, keep, revised=revised)
+    return Ended(Walked(start, tuple(steps), gains), look, at_best, ranking)
 
 
-def _concluded(walked: Walked, look: Look, at_best: Regression, ranking: tuple[Candidate, ...]) -> Discovery:
-    """What stays of a walk that adds nothing more: steps that held-out records refute or later ones make superfluous
-    are taken back, and each is asked anew what it could be mistaken for.
-
-    **Arguments:** `look`: at its last fit; `at_best`: where it began, with the `ranking` there.
-    """
+def concluded(ended: Ended) -> Discovery:
+    """What stays of a walk: steps that held-out records refute or later ones make superfluous are taken back, and each
+    is asked anew what it could be mistaken for."""
+    walked, look, at_best, ranking = ended
     start, first, library, report = walked.start, look.first, look.library, look.report
     regression, candidates = look.regression, look.candidates
     steps = _without_refuted(start, list(walked.steps), regression)
