@@ -25,7 +25,8 @@ from .linearised.regression import Regression, prepare
 from .linearised.shorten import working
 from .next_record.experiments import NextExperiment, next_experiments, rank_experiments
 from .ranking.look import first_look
-from .search.discover import Keep, concluded, walk_on
+from .search.conclude import concluded
+from .search.discover import Keep, walk_on
 from .search.once_more import with_other_starts
 from .search.one_law import one_law
 from .search.steps import Discovery, Verdict, Walked

@@ -10,7 +10,7 @@ import pytest
 
 from ident.campaign.record import NoiseFloor
 from ident.diagnosis.evidence import held_out
-from ident.diagnosis.search import discover
+from ident.diagnosis.search import conclude
 from ident.diagnosis.search.steps import Step
 
 
@@ -46,11 +46,11 @@ def predicted(missed: np.ndarray) -> Any:
 def test_a_name_counts_if_it_predicts_better_than_every_model_before(
     held_out_errors: tuple[float, ...], kept: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(discover, "adequate", lambda _: False)
-    monkeypatch.setattr(discover, "hurts", lambda *_: False)
+    monkeypatch.setattr(conclude, "adequate", lambda _: False)
+    monkeypatch.setattr(conclude, "hurts", lambda *_: False)
     steps = [step(f"law-{i}", error) for i, error in enumerate(held_out_errors)]
     regression: Any = None
-    found = discover._without_refuted(step("start", 6.2).fit, steps, regression)
+    found = conclude._without_refuted(step("start", 6.2).fit, steps, regression)
     assert [one.added for one in found] == [f"law-{i}" for i in range(kept)]
 
 
@@ -70,11 +70,11 @@ def test_a_prediction_is_better_by_more_than_chance(smooth: bool, share: float, 
 def test_a_floor_that_the_fitted_records_alone_have_reached_excuses_nothing(
     foretold: bool, kept: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(discover, "adequate", lambda _: True)
-    monkeypatch.setattr(discover, "foretold", lambda _: foretold)
-    monkeypatch.setattr(discover, "hurts", lambda *_: False)
+    monkeypatch.setattr(conclude, "adequate", lambda _: True)
+    monkeypatch.setattr(conclude, "foretold", lambda _: foretold)
+    monkeypatch.setattr(conclude, "hurts", lambda *_: False)
     regression: Any = None
-    found = discover._without_refuted(step("start", 7.1).fit, [step("a", 4.36), step("b", 4.55)], regression)
+    found = conclude._without_refuted(step("start", 7.1).fit, [step("a", 4.36), step("b", 4.55)], regression)
     assert len(found) == kept
 
 
@@ -86,13 +86,13 @@ def test_held_out_records_are_asked_again_where_the_last_search_had_not_ended(mo
         return SimpleNamespace(holdout=SimpleNamespace(error_over_noise=held_out), converged=converged, campaign=None,
                                values=None, model=ends_at)  # fmt: skip
 
-    monkeypatch.setattr(discover, "adequate", lambda _: False)
-    monkeypatch.setattr(discover, "hurts", lambda *_: False)
-    monkeypatch.setattr(discover, "is_long", lambda _: False)
-    monkeypatch.setattr(discover, "prepare", lambda _: None)
-    monkeypatch.setattr(discover, "working", lambda fit: fit)
-    monkeypatch.setattr(discover, "to_its_end", lambda last, _: model(last.model, True))
+    monkeypatch.setattr(conclude, "adequate", lambda _: False)
+    monkeypatch.setattr(conclude, "hurts", lambda *_: False)
+    monkeypatch.setattr(conclude, "is_long", lambda _: False)
+    monkeypatch.setattr(conclude, "prepare", lambda _: None)
+    monkeypatch.setattr(conclude, "working", lambda fit: fit)
+    monkeypatch.setattr(conclude, "to_its_end", lambda last, _: model(last.model, True))
     first, crawling = model(3.50, True), model(3.49, False, ends_at=3.65)
     steps: list[Any] = [Step(name, 1.0, 1.0, (name,), "effect", one) for name, one in (("a", first), ("b", crawling))]
-    found = discover._on_all_samples(model(6.9, True), steps, lambda _: None)
+    found = conclude._on_all_samples(model(6.9, True), steps, lambda _: None)
     assert [one.added for one in found] == ["a"] and found[0].fit is first

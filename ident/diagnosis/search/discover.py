@@ -2,9 +2,8 @@
 
 Greedy addition with swaps. A term is added only if chance would not produce its gain; held-out records judge it once
 the fitted ones have nothing more to say, because until then what is still missing spoils both. They also decide between
-laws that the fitted ones do not tell apart: the error held out is then the best of a few, not of one. The model is
-adequate when the error stands at the noise floor. Not the falling error but what is left decides whether a name is
-sure: with the true effect absent from the library an impostor still lowers the error.
+laws that the fitted ones do not tell apart: the error held out is then the best of a few, not of one. What stays of a
+walk, and how sure it is, says `conclude`.
 """
 
 from __future__ import annotations
@@ -23,32 +22,27 @@ from ...pulse import Report
 from ..evidence.coloured_noise import behind_in_colour
 from ..evidence.criterion import VERY_STRONG, behind, criteria
 from ..evidence.enough import (
-    ANOTHER_LAW,
     adequate,
     laws_differ_by,
     not_worth_adding,
-    worth_a_name,
 )
 from ..evidence.family import is_that_member
-from ..evidence.held_out import contradicted, foretold, hurts, predicts_better
+from ..evidence.held_out import hurts
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, working
 from ..linearised.trajectory import Diverged
-from ..ranking.confirm import Confirmed, accept, confirm
-from ..ranking.look import Look, best_drop, first_look, possible
-from ..ranking.score import Candidate, kept_more_than_chance, score, significant
+from ..ranking.confirm import Confirmed, accept
+from ..ranking.look import Look, best_drop, first_look
+from ..ranking.score import kept_more_than_chance
 from ..side_by_side import at_once
-from .change import to_its_end, try_without
+from .conclude import concluded
 from .constant import with_its_constant
 from .drive import other_drive
 from .fewer_modes import without_a_mode
 from .further_mode import with_its_mode
-from .lacking import lacking
 from .once_more import begun_with, drive_beside, lower_start, with_other_starts
-from .parts import Parts
-from .prune import Pruned, prune
-from .steps import Discovery, Step, Verdict, Walked
-from .ties import TieSet, tie_set
+from .steps import Discovery, Ended, Step, Walked, role_of
+from .ties import weighed_ties
 from .together import both, hidden_by_each_other
 
 Keep = Callable[[Walked], None]
@@ -57,7 +51,6 @@ Keep = Callable[[Walked], None]
 MOST_TERMS = 6  # that a walk adds
 _DRIVES = 3  # that a walk goes on to, one of them before any effect, after the one that the start model chose
 _SHORTLIST = 3  # refits to excerpts, of which those on all samples decide
-_REFITTED_TIES = 12  # of the names that tie by their scores; a record that says little leaves more than that
 
 
 def discover(
@@ -67,18 +60,6 @@ def discover(
     report(f"fitting {', '.join(model.names) or 'the linear model'}")
     start = fit(model, campaign)
     return concluded(walk_on(Walked(start), library, report, most))
-
-
-class Ended(NamedTuple):
-    """A walk that adds nothing more, unquestioned.
-
-    **Arguments:** `look`: at its last fit; `at_best`: where it began, with the `ranking` there.
-    """
-
-    walked: Walked
-    look: Look
-    at_best: Regression
-    ranking: tuple[Candidate, ...]
 
 
 def walk_on(
@@ -135,34 +116,6 @@ def walk_on(
     return Ended(Walked(start, tuple(steps), gains), look, at_best, ranking)
 
 
-def concluded(ended: Ended) -> Discovery:
-    """What stays of a walk: steps that held-out records refute or later ones make superfluous are taken back, and each
-    is asked anew what it could be mistaken for."""
-    walked, look, at_best, ranking = ended
-    start, first, library, report = walked.start, look.first, look.library, look.report
-    regression, candidates = look.regression, look.candidates
-    steps = _without_refuted(start, list(walked.steps), regression)
-    alike: tuple[Parts, ...] = ()
-    if steps:
-        needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report)
-        alike = needed.alike
-        if needed.names != tuple(s.added for s in steps):
-            steps = _replayed(start, needed, library, at_best)
-            steps = _without_refuted(start, steps, prepare(working(steps[-1].fit)))  # the laws before it have changed
-    steps = _on_all_samples(start, steps, report)
-    final = steps[-1].fit if steps else start
-    if final is not walked.final:
-        regression = prepare(working(final))
-        candidates = score(regression, library)
-    blurred = [step for step in steps if step is not steps[-1] or step.partner]
-    steps = [_tied_at_the_end(s, final, start, library, report) if s in blurred else s for s in steps]
-    steps = [_beside_parts(step, alike) for step in steps]
-    remaining = tuple(significant(candidates))
-    lacks = lacking(_after_effects(steps, regression), first, report) if steps else 0.0
-    verdict = _verdict(steps, regression, first, lacks, contradicted(final))
-    return Discovery(verdict, start, tuple(steps), ranking, walked.gains, remaining, regression, lacks)
-
-
 def _starts_say_more(before: Fit, after: Fit) -> bool:
     """Whether other starts than are claimed take more of what a model leaves than effects did: that is no physics.
     What is hinted at is tried, for a law that is missing moves the beginning of a record too."""
@@ -180,101 +133,6 @@ def _gone_before(walked: Walked, look: Look) -> tuple[list[Step], Look]:
         steps.append(step._replace(regression=look.regression, tied=tied))
         look = Look(prepare(working(step.fit)), look.first, look.library, look.report)
     return steps, look
-
-
-def _without_refuted(start: Fit, steps: list[Step], regression: Regression) -> list[Step]:
-    """The steps without those at the end that held-out records refute; `regression`: after the last.
-
-    Where the noise floor is not reached, or on the fitted records alone, the model still lacks something, and one more
-    law may bend to mimic a part of that: after the first, a name then counts if it predicts other records better than
-    every model before it, that without effects included.
-    """
-    kept, left = list(steps), regression
-    while kept:
-        before, after = kept[-2].fit if len(kept) > 1 else start, kept[-1].fit
-        unsure = not (adequate(left) and foretold(after))
-        earlier = [start, *(step.fit for step in kept[:-1])] if len(kept) > 1 else []
-        mimics = unsure and not all(predicts_better(fit, after) for fit in earlier)
-        if not (mimics or hurts(before, after)):
-            break
-        left = kept.pop().regression or left
-    return kept
-
-
-def _on_all_samples(start: Fit, steps: list[Step], report: Report) -> list[Step]:
-    """The steps with the last fit taken to its end on all samples, and without those that held-out records refute only
-    there: a search that crawls has not yet bent as far as its model can."""
-    kept = list(steps)
-    while kept and (is_long(start.campaign) or not kept[-1].fit.converged):
-        report("fitting all samples")
-        kept[-1] = kept[-1]._replace(fit=to_its_end(kept[-1].fit, report))
-        left = _without_refuted(start, kept, prepare(working(kept[-1].fit)))
-        if len(left) == len(kept):
-            break
-        kept = left
-    return kept
-
-
-def _after_effects(steps: list[Step], regression: Regression) -> Regression:
-    """The regression of the last effect, without the terms that only refine shapes: they would hide that a law
-    differs."""
-    last = max(i for i, step in enumerate(steps) if step.role == "effect")
-    return regression if last == len(steps) - 1 else prepare(working(steps[last].fit))
-
-
-def _replayed(start: Fit, needed: Pruned, library: Registry, at_best: Regression) -> list[Step]:
-    """The steps as they would have been without the terms that proved superfluous; `at_best`: where the walk began."""
-    steps: list[Step] = []
-    current = start
-    for name in needed.names:
-        regression = prepare(working(current)) if steps else at_best
-        candidates = score(regression, library)
-        chosen = next(c for c in candidates if c.name == name)
-        found = confirm(regression, library[name], chosen)
-        current = needed.fit if name == needed.names[-1] else accept(found, current)
-        ties, tied = _weighed_ties(regression, found, significant(candidates), library, [found])
-        role = _role(regression, found, at_best)
-        steps.append(
-            Step(name, chosen.predicted_gain, found.gain, ties.names, role, current, ties.reasons, tied, regression)
-        )
-    return steps
-
-
-def _tied_at_the_end(step: Step, last: Fit, start: Fit, library: Registry, report: Report) -> Step:
-    """A step with the ties that are left once the later terms are in: what they explain had blurred the comparison."""
-    if len(step.tie_set) < 2 or step.role != "effect" or last.model.carries(step.added):
-        return step
-    report(f"what {step.added} could be mistaken for")
-    try:
-        regression = prepare(try_without(working(last), step.added, start))
-    except Diverged:  # without it the motion has no bound
-        return step
-    candidates = significant(score(regression, library))
-    chosen = next((c for c in candidates if c.name == step.added), None)
-    if chosen is None:
-        return step
-    found = confirm(regression, library[step.added], chosen)
-    ties, tied = _weighed_ties(regression, found, candidates, library, [found])
-    return step._replace(tie_set=ties.names, reasons=ties.reasons, tied=tied, regression=regression)
-
-
-def _beside_parts(step: Step, alike: tuple[Parts, ...]) -> Step:
-    """A step with the other answer, where an effect and a few simpler ones together do as well."""
-    for parts in alike:
-        if step.added == (parts.names[0] if parts.better else parts.whole):
-            reason = f"{parts.words}: they explain the misfit as well"
-            names = tuple(dict.fromkeys([*step.tie_set, *((parts.whole,) if parts.better else parts.names)]))
-            return step._replace(tie_set=names, reasons=tuple(dict.fromkeys((*step.reasons, reason))), instead=parts)
-    return step
-
-
-def _role(regression: Regression, found: Confirmed, first: Regression) -> Literal["effect", "shape-refinement"]:
-    """An effect removes a share of the first excess that is worth a name; the first one always is."""
-    return (
-        "effect"
-        if regression is first or worth_a_name(regression.best_chi2 - found.chi2, first)
-        else "shape-refinement"
-    )
 
 
 def _best_step(current: Fit, look: Look, gains: dict[str, float]) -> tuple[list[Step], Regression] | None:
@@ -296,7 +154,7 @@ def _best_step(current: Fit, look: Look, gains: dict[str, float]) -> tuple[list[
         return None
     found = best.confirmed
     name, predicted = found.candidate.name, found.candidate.predicted_gain
-    ties, tied = _weighed_ties(regression, found, look.real, library, tried)
+    ties, tied = weighed_ties(regression, found, look.real, library, tried)
     return [
         Step(name, predicted, found.gain, ties.names, best.role, best.fit, ties.reasons, tied, regression)
     ], best.left
@@ -324,7 +182,7 @@ def _best(tried: list[Confirmed], regression: Regression, current: Fit, first: R
         if after.fitted.error_over_noise > current.fitted.error_over_noise:
             continue  # the excerpts do not speak for the records
         try:
-            role, left = _role(regression, found, first), prepare(shown)
+            role, left = role_of(regression, found, first), prepare(shown)
         except Diverged:
             continue
         if (role == "shape-refinement" or adequate(left)) and hurts(current, after):
@@ -357,22 +215,6 @@ def _accepted(tried: list[Confirmed], regression: Regression, current: Fit) -> I
         yield from sorted(zip(best, fits, strict=True), key=lambda pair: pair[1].fitted.error_over_noise)
 
 
-def _weighed_ties(
-    regression: Regression, found: Confirmed, real: list[Candidate], library: Registry, tried: list[Confirmed]
-) -> tuple[TieSet, tuple[Candidate, ...]]:
-    """What an effect ties with, the nearest of those that had only been scored refitted; and the candidates that do."""
-    rivals = possible(real, tried)
-    ties = tie_set(regression, found.candidate, rivals, library, tried)
-    known = {one.candidate.name for one in tried}
-    scored = [tie.name for tie in ties.ties if tie.name not in known][:_REFITTED_TIES]
-    if scored:
-        more = at_once(lambda c: confirm(regression, library[c.name], c), [c for c in rivals if c.name in scored])
-        tried = [*tried, *more]
-        rivals = possible(real, tried)
-        ties = tie_set(regression, found.candidate, rivals, library, tried)
-    return ties, tuple(c for c in real if c.name in ties.names)
-
-
 def _in_order(tried: list[Confirmed], regression: Regression) -> list[Confirmed]:
     """Those that can be, best first; of those that differ by no more than laws of one kind do the simplest first, and a
     member before its family."""
@@ -387,15 +229,3 @@ def _in_order(tried: list[Confirmed], regression: Regression) -> list[Confirmed]
     first = type(order[0].model.effects[-1])
     member = lambda found: is_that_member(first, found.model.effects[-1], order[0].chi2, found.chi2, regression.excess)
     return sorted(order, key=lambda found: not member(found))
-
-
-def _verdict(steps: list[Step], regression: Regression, first: Regression, lacks: float, contradicted: bool) -> Verdict:
-    """A name is given as sure only if what it leaves is noise, or as little as laws of one kind differ by, and nothing
-    is where held-out records say otherwise."""
-    fine = adequate(regression)
-    if not steps:
-        return "adequate" if fine and not contradicted else "not-in-library"
-    if not fine and max(lacks, (regression.chi2 - regression.n) / (first.chi2 - first.n)) > ANOTHER_LAW:
-        return "not-in-library"
-    tied = any(len(s.tie_set) > 1 for s in steps if s.role == "effect")
-    return "ambiguous" if lacks or tied or contradicted else "identified"

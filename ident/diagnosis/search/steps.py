@@ -8,7 +8,10 @@ from types import MappingProxyType
 from typing import Literal, NamedTuple
 
 from ...fit import Fit
+from ..evidence.enough import worth_a_name
 from ..linearised.regression import Regression
+from ..ranking.confirm import Confirmed
+from ..ranking.look import Look
 from ..ranking.score import Candidate
 from .parts import Parts
 
@@ -71,3 +74,24 @@ class Discovery:
     def final(self) -> Fit:
         """The fit with all that was found."""
         return self.steps[-1].fit if self.steps else self.start
+
+
+class Ended(NamedTuple):
+    """A walk that adds nothing more, unquestioned.
+
+    **Arguments:** `look`: at its last fit; `at_best`: where it began, with the `ranking` there.
+    """
+
+    walked: Walked
+    look: Look
+    at_best: Regression
+    ranking: tuple[Candidate, ...]
+
+
+def role_of(regression: Regression, found: Confirmed, first: Regression) -> Literal["effect", "shape-refinement"]:
+    """An effect removes a share of the first excess that is worth a name; the first one always is."""
+    return (
+        "effect"
+        if regression is first or worth_a_name(regression.best_chi2 - found.chi2, first)
+        else "shape-refinement"
+    )

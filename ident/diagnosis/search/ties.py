@@ -17,13 +17,16 @@ from ..evidence.enough import ANOTHER_LAW
 from ..evidence.equivalences import equivalence, exact_partners, what_separates
 from ..evidence.family import is_that_member
 from ..linearised.regression import Regression
-from ..ranking.confirm import Confirmed
+from ..ranking.confirm import Confirmed, confirm
+from ..ranking.look import possible
 from ..ranking.score import Candidate
+from ..side_by_side import at_once
 
 _TIED = 0.99  # share of a signature that another effect reproduces, above which a refit has to decide
 _KNOWN = 0.95  # the same for effects that are known to pass for one another
 _EXACT = 0.9  # the same for effects that no record of a linear device tells apart
 _AS_MUCH = 0.9  # of what the best one explains: an effect that explains less is no rival, however few samples there are
+_REFITTED = 12  # of the names that tie by their scores; a record that says little leaves more than that
 _CHANCE = 0.05  # probability, below which the further numbers of a law that contains another say something
 
 
@@ -189,3 +192,19 @@ def unseen(regression: Regression, candidates: Sequence[Candidate], library: Reg
             continue
         found.append(Unseen(effect.name, "the model's own parameters absorb all that it adds to these records"))
     return tuple(found)
+
+
+def weighed_ties(
+    regression: Regression, found: Confirmed, real: list[Candidate], library: Registry, tried: list[Confirmed]
+) -> tuple[TieSet, tuple[Candidate, ...]]:
+    """What an effect ties with, the nearest of those that had only been scored refitted; and the candidates that do."""
+    rivals = possible(real, tried)
+    ties = tie_set(regression, found.candidate, rivals, library, tried)
+    known = {one.candidate.name for one in tried}
+    scored = [tie.name for tie in ties.ties if tie.name not in known][:_REFITTED]
+    if scored:
+        more = at_once(lambda c: confirm(regression, library[c.name], c), [c for c in rivals if c.name in scored])
+        tried = [*tried, *more]
+        rivals = possible(real, tried)
+        ties = tie_set(regression, found.candidate, rivals, library, tried)
+    return ties, tuple(c for c in real if c.name in ties.names)

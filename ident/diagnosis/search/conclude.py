@@ -1,0 +1,151 @@
+"""What stays of a walk once its steps are questioned, and how sure the names are.
+
+Steps that held-out records refute, or later ones make superfluous, are taken back; each that stays is asked anew what
+it could be mistaken for. Not the falling error but what is left decides whether a name is sure: with the true effect
+absent from the library an impostor still lowers the error.
+"""
+
+from __future__ import annotations
+
+from ...effects.registry import Registry
+from ...fit import Fit
+from ...pulse import Report
+from ..evidence.enough import ANOTHER_LAW, adequate
+from ..evidence.held_out import contradicted, foretold, hurts, predicts_better
+from ..linearised.regression import Regression, prepare
+from ..linearised.shorten import is_long, working
+from ..linearised.trajectory import Diverged
+from ..ranking.confirm import accept, confirm
+from ..ranking.score import score, significant
+from .change import to_its_end, try_without
+from .lacking import lacking
+from .parts import Parts
+from .prune import Pruned, prune
+from .steps import Discovery, Ended, Step, Verdict, role_of
+from .ties import weighed_ties
+
+
+def concluded(ended: Ended) -> Discovery:
+    """What stays of a walk: steps that held-out records refute or later ones make superfluous are taken back, and each
+    is asked anew what it could be mistaken for."""
+    walked, look, at_best, ranking = ended
+    start, first, library, report = walked.start, look.first, look.library, look.report
+    regression, candidates = look.regression, look.candidates
+    steps = _without_refuted(start, list(walked.steps), regression)
+    alike: tuple[Parts, ...] = ()
+    if steps:
+        needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report)
+        alike = needed.alike
+        if needed.names != tuple(s.added for s in steps):
+            steps = _replayed(start, needed, library, at_best)
+            steps = _without_refuted(start, steps, prepare(working(steps[-1].fit)))  # the laws before it have changed
+    steps = _on_all_samples(start, steps, report)
+    final = steps[-1].fit if steps else start
+    if final is not walked.final:
+        regression = prepare(working(final))
+        candidates = score(regression, library)
+    blurred = [step for step in steps if step is not steps[-1] or step.partner]
+    steps = [_tied_at_the_end(s, final, start, library, report) if s in blurred else s for s in steps]
+    steps = [_beside_parts(step, alike) for step in steps]
+    remaining = tuple(significant(candidates))
+    lacks = lacking(_after_effects(steps, regression), first, report) if steps else 0.0
+    verdict = _verdict(steps, regression, first, lacks, contradicted(final))
+    return Discovery(verdict, start, tuple(steps), ranking, walked.gains, remaining, regression, lacks)
+
+
+def _without_refuted(start: Fit, steps: list[Step], regression: Regression) -> list[Step]:
+    """The steps without those at the end that held-out records refute; `regression`: after the last.
+
+    Where the noise floor is not reached, or on the fitted records alone, the model still lacks something, and one more
+    law may bend to mimic a part of that: after the first, a name then counts if it predicts other records better than
+    every model before it, that without effects included.
+    """
+    kept, left = list(steps), regression
+    while kept:
+        before, after = kept[-2].fit if len(kept) > 1 else start, kept[-1].fit
+        unsure = not (adequate(left) and foretold(after))
+        earlier = [start, *(step.fit for step in kept[:-1])] if len(kept) > 1 else []
+        mimics = unsure and not all(predicts_better(fit, after) for fit in earlier)
+        if not (mimics or hurts(before, after)):
+            break
+        left = kept.pop().regression or left
+    return kept
+
+
+def _on_all_samples(start: Fit, steps: list[Step], report: Report) -> list[Step]:
+    """The steps with the last fit taken to its end on all samples, and without those that held-out records refute only
+    there: a search that crawls has not yet bent as far as its model can."""
+    kept = list(steps)
+    while kept and (is_long(start.campaign) or not kept[-1].fit.converged):
+        report("fitting all samples")
+        kept[-1] = kept[-1]._replace(fit=to_its_end(kept[-1].fit, report))
+        left = _without_refuted(start, kept, prepare(working(kept[-1].fit)))
+        if len(left) == len(kept):
+            break
+        kept = left
+    return kept
+
+
+def _after_effects(steps: list[Step], regression: Regression) -> Regression:
+    """The regression of the last effect, without the terms that only refine shapes: they would hide that a law
+    differs."""
+    last = max(i for i, step in enumerate(steps) if step.role == "effect")
+    return regression if last == len(steps) - 1 else prepare(working(steps[last].fit))
+
+
+def _replayed(start: Fit, needed: Pruned, library: Registry, at_best: Regression) -> list[Step]:
+    """The steps as they would have been without the terms that proved superfluous; `at_best`: where the walk began."""
+    steps: list[Step] = []
+    current = start
+    for name in needed.names:
+        regression = prepare(working(current)) if steps else at_best
+        candidates = score(regression, library)
+        chosen = next(c for c in candidates if c.name == name)
+        found = confirm(regression, library[name], chosen)
+        current = needed.fit if name == needed.names[-1] else accept(found, current)
+        ties, tied = weighed_ties(regression, found, significant(candidates), library, [found])
+        role = role_of(regression, found, at_best)
+        steps.append(
+            Step(name, chosen.predicted_gain, found.gain, ties.names, role, current, ties.reasons, tied, regression)
+        )
+    return steps
+
+
+def _tied_at_the_end(step: Step, last: Fit, start: Fit, library: Registry, report: Report) -> Step:
+    """A step with the ties that are left once the later terms are in: what they explain had blurred the comparison."""
+    if len(step.tie_set) < 2 or step.role != "effect" or last.model.carries(step.added):
+        return step
+    report(f"what {step.added} could be mistaken for")
+    try:
+        regression = prepare(try_without(working(last), step.added, start))
+    except Diverged:  # without it the motion has no bound
+        return step
+    candidates = significant(score(regression, library))
+    chosen = next((c for c in candidates if c.name == step.added), None)
+    if chosen is None:
+        return step
+    found = confirm(regression, library[step.added], chosen)
+    ties, tied = weighed_ties(regression, found, candidates, library, [found])
+    return step._replace(tie_set=ties.names, reasons=ties.reasons, tied=tied, regression=regression)
+
+
+def _beside_parts(step: Step, alike: tuple[Parts, ...]) -> Step:
+    """A step with the other answer, where an effect and a few simpler ones together do as well."""
+    for parts in alike:
+        if step.added == (parts.names[0] if parts.better else parts.whole):
+            reason = f"{parts.words}: they explain the misfit as well"
+            names = tuple(dict.fromkeys([*step.tie_set, *((parts.whole,) if parts.better else parts.names)]))
+            return step._replace(tie_set=names, reasons=tuple(dict.fromkeys((*step.reasons, reason))), instead=parts)
+    return step
+
+
+def _verdict(steps: list[Step], regression: Regression, first: Regression, lacks: float, contradicted: bool) -> Verdict:
+    """A name is given as sure only if what it leaves is noise, or as little as laws of one kind differ by, and nothing
+    is where held-out records say otherwise."""
+    fine = adequate(regression)
+    if not steps:
+        return "adequate" if fine and not contradicted else "not-in-library"
+    if not fine and max(lacks, (regression.chi2 - regression.n) / (first.chi2 - first.n)) > ANOTHER_LAW:
+        return "not-in-library"
+    tied = any(len(s.tie_set) > 1 for s in steps if s.role == "effect")
+    return "ambiguous" if lacks or tied or contradicted else "identified"
