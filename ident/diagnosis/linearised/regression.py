@@ -186,7 +186,7 @@ class Regression:
         return stacked - (stacked @ self.absorbed) @ self.absorbed.T
 
 
-@lru_cache(maxsize=4)  # the walk comes back to a fit
+@lru_cache(maxsize=8)  # the walk comes back to a fit
 def prepare(fit: Fit, believed: bool = False) -> Regression:
     """Lay out a fit for regressions; `believed`, that its parameters are the device's own.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -42,6 +43,7 @@ def is_long(campaign: Campaign) -> bool:
     return sum(taken) > _MOST
 
 
+@lru_cache(maxsize=8)  # the walk comes back to a fit
 def working(fitted: Fit) -> Fit:
     """The model fitted to shortened records, from the fit's values, without the held-out ones; the fit itself if its
     records are short."""

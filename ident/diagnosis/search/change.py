@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -61,6 +62,7 @@ def without(parent: Fit, names: Sequence[str]) -> Fit:
     return fit(model, parent.campaign, initial=values_without(parent, *names), most=CRAWLS)
 
 
+@lru_cache(maxsize=8)  # asked whether a model needs an effect, what stands in its place, and what it is mistaken for
 def try_without(parent: Fit, name: str, start: Fit) -> Fit:
     """The same for a comparison only: a model that lacks what it needs would crawl for long, and no number of it is
     reported.

@@ -34,7 +34,8 @@ def concluded(ended: Ended) -> Discovery:
     steps = _without_refuted(start, list(walked.steps), regression)
     alike: tuple[Parts, ...] = ()
     if steps:
-        needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report)
+        weighed = steps[-1].partner is None
+        needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report, weighed)
         alike = needed.alike
         if needed.names != tuple(s.added for s in steps):
             steps = _replayed(start, needed, library, at_best)

@@ -87,14 +87,17 @@ def _replaced(
     return (best.candidate.name, after) if wins else None
 
 
-def prune(last: Fit, added: list[str], library: Registry, first: Regression, report: Report) -> Pruned:
+def prune(
+    last: Fit, added: list[str], library: Registry, first: Regression, report: Report, weighed: bool = False
+) -> Pruned:
     """What is left of the added effects once each has been questioned.
 
-    `first`: the regression before any was added.
+    `first`: the regression before any was added; `weighed`: whether the last effect has been, beside all the others,
+    when it was added.
     """
     names, given, last = list(added), last, working(last)
     as_given = Pruned(tuple(added), given, ())
-    names, last = _questioned(names, last, library, first, report)
+    names, last = _questioned(names, last, library, first, report, int(weighed))
     compared = take_apart(last, names, library, first.fit, report)
     alike = tuple(parts for parts in compared if parts.near)
     for parts in compared:
@@ -114,11 +117,11 @@ def prune(last: Fit, added: list[str], library: Registry, first: Regression, rep
 
 
 def _questioned(
-    names: list[str], last: Fit, library: Registry, first: Regression, report: Report
+    names: list[str], last: Fit, library: Registry, first: Regression, report: Report, asked: int = 0
 ) -> tuple[list[str], Fit]:
     """The effects and the fit after every change that is for the better: each effect is asked in turn, until all that
-    are left have been asked since the last change."""
-    at = asked = changes = 0
+    are left have been `asked` since the last change."""
+    at = changes = 0
     # The rivals of a single effect were weighed when it was added.
     while asked < len(names) > 1 and changes < _MOST_CHANGES:
         at %= len(names)
