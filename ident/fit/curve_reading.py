@@ -184,8 +184,9 @@ class CurveReading:
                         np.array([False]))  # fmt: skip
         here = at_amplitude(self.model, points)
         size = np.where(self.model.values == 0, 1.0, np.abs(self.model.values))
-        by_values = np.real(here.slopes(np.diag(size)) / here.needed)[:, 0] / size
-        return -by_values / np.real(here.by_frequency / here.needed)[0]
+        with np.errstate(divide="ignore", invalid="ignore"):  # on the way of a search: NaN, which no error bar shows
+            by_values = np.real(here.slopes(np.diag(size)) / here.needed)[:, 0] / size
+            return -by_values / np.real(here.by_frequency / here.needed)[0]
 
 
 def _scale(branch: Branch) -> np.ndarray:
