@@ -22,6 +22,7 @@ from ..linearised.trajectory import Diverged
 from ..ranking.look import Look
 from ..ranking.pairs import best_pair
 from ..unknown.find import Unknown
+from ..unknown.subsets import says_it_alone
 from .drive import other_drive
 from .steps import Discovery
 from .written import AS_WELL, Written, ended, lacked_by, simulated, step_of
@@ -40,6 +41,7 @@ def one_law(look: Look, start: Regression, path: Path | None, report: Report) ->
         or is_long(fitted.campaign)
         or not look.worth_it
         or _names_reach_it(look)
+        or not says_it_alone(start)
     ):
         return None
     unknown = lacked_by(start, report)

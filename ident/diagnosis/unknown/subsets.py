@@ -18,7 +18,7 @@ import numpy as np
 
 from ...effects.dependence import Side
 from ..linearised.regression import Regression
-from .coordinates import Stage, rows_of
+from .coordinates import Stage, rows_of, set_stage
 from .splines import Places, one, pair
 
 SINGLES = (("z",), ("v",), ("V",), ("dV",), ("t",))
@@ -94,6 +94,14 @@ def regress(rows: np.ndarray, target: np.ndarray) -> Solution:
     along = directions.T @ ((rows @ target) / scale)
     spread = directions / scale[:, None]
     return Solution(float(along @ along), int(kept.sum()), spread @ along, spread)
+
+
+def says_it_alone(regression: Regression) -> bool:
+    """Whether some single coordinate may be all that is needed: no set of more says so much more that it would not be
+    the smallest sufficient one."""
+    regression = regression.of_traces()
+    stage = set_stage(regression)
+    return any(_judge(regression, stage, *tried, {}).share > 1.0 - _NEAR for tried in _candidates(SINGLES))
 
 
 def rank(regression: Regression, stage: Stage) -> list[Ranked]:
