@@ -166,7 +166,7 @@ def _searched(
         with np.errstate(all="ignore"):
             there = np.where(above, x * np.exp(np.where(above, move, 0.0)), x + move)
             tried = at(there)
-        new = float(tried[0] @ tried[0])
+            new = float(tried[0] @ tried[0])
         if not new < cost:
             damping *= 8
             if damping > 1e8:
