@@ -5,6 +5,7 @@ The search for faulty records and the walk ask the same of the first fit; it is 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -71,16 +72,40 @@ class Look:
     def tried(self) -> list[Confirmed]:
         """Refits of the candidates that may be the best, by their scores; by short refits where the scores broke their
         word."""
-        regression, library, tried = self.regression, self.library, list[Confirmed]()
-        rest, believed = list(self.real), regression.credible
+        tried = self._at_their_word
+        if not self.broken:
+            return tried
+        known = {found.candidate.name for found in tried}
+        rest = [candidate for candidate in self.real if candidate.name not in known]
+        return self._confirmed(tried, by_refits(self.regression, rest, self.library, self.report), lambda _: False)
+
+    @property
+    def broken(self) -> bool:
+        """Whether the refits of what scores had promised most kept much less."""
+        return self._breaks(self._at_their_word)
+
+    @cached_property
+    def _at_their_word(self) -> list[Confirmed]:
+        """Refits of the candidates that may be the best by their scores, until these break their word."""
+        return self._confirmed([], self.real, self._breaks)
+
+    def _breaks(self, tried: list[Confirmed]) -> bool:
+        if not (self.regression.credible and 0 < len(tried) <= _SHORTLIST):
+            return False
+        least = BROKEN if len(tried) == _SHORTLIST else _BETRAYED
+        return best_drop(tried, self.regression) < least * promised(self.real[0], self.regression)
+
+    def _confirmed(
+        self, tried: list[Confirmed], rest: list[Candidate], enough: Callable[[list[Confirmed]], bool]
+    ) -> list[Confirmed]:
+        """What was tried, and refits of the rest as long as they may be the best."""
+        tried, rest = list(tried), list(rest)
         while rest and len(tried) < _SHORTLIST * 2 and self._may_be_best(rest[0], possible(self.real, tried), tried):
+            if enough(tried):
+                break
             candidate = rest.pop(0)
             self.report(f"confirming {candidate.name}")
-            tried.append(confirm(regression, library[candidate.name], candidate))
-            least = BROKEN if len(tried) == _SHORTLIST else _BETRAYED
-            broken = best_drop(tried, regression) < least * promised(self.real[0], regression)
-            if believed and len(tried) <= _SHORTLIST and broken:
-                believed, rest = False, by_refits(regression, rest, library, self.report)
+            tried.append(confirm(self.regression, self.library[candidate.name], candidate))
         return tried
 
     def _may_be_best(self, candidate: Candidate, real: list[Candidate], tried: list[Confirmed]) -> bool:
@@ -95,9 +120,16 @@ class Look:
 
 
 def first_look(start: Fit, library: Registry, report: Report) -> Look:
-    """The look at the fit with which a walk begins."""
+    """The look at the fit with which a walk begins; from its own values where scores keep their word there, and not
+    where the misfit had seemed to be seen better."""
     regression = prepare_at_best(start)
-    return Look(regression, regression.instead_of or regression, library, report)
+    own = regression.instead_of
+    look = Look(regression, own or regression, library, report)
+    if own is None or not look.worth_it or not look.broken:
+        return look
+    report("nothing keeps what it promised there: once more from the values of the fit")
+    at_own = Look(own, own, library, report)
+    return look if at_own.broken or not own.credible else at_own
 
 
 def possible(candidates: list[Candidate], tried: list[Confirmed]) -> list[Candidate]:
