@@ -106,11 +106,14 @@ def walk_on(
         steps[-1] = steps[-1]._replace(fit=current)
         if revised and (other := drive_beside(more, current, regression, report)) is not None:
             return once_more(begun_with(start, other))
+        # What the first effect shows of the modes is asked before others are sought beside one that only mimics.
+        if len(steps) == len(more) and (fewer := without_a_mode(start, current, library, first, report)) is not None:
+            return walk_on(Walked(fewer), library, report, most, keep, revised=revised)
         look = Look(regression, first, library, report)
         keep(Walked(start, tuple(steps), gains))
     if revised and steps and (lower := lower_start(start, current, report)) is not None:
         return once_more(lower)
-    asked = steps or not adequate(look.regression)
+    asked = len(steps) > 1 or not (steps or adequate(look.regression))
     if asked and (fewer := without_a_mode(start, current, library, first, report)) is not None:
         return walk_on(Walked(fewer), library, report, most, keep, revised=revised)
     return Ended(Walked(start, tuple(steps), gains), look, at_best, ranking)
