@@ -73,6 +73,16 @@ def test_a_fault_is_named_with_its_size_and_no_physics_is(kind, clean):
     assert (told["file"], told["suspect"]) == (name, kind) and told["probability"] > 0.9
 
 
+def test_a_second_fault_is_told_beside_the_first(clean):
+    """Of five records one is inverted and one was read at another range: what one hides the others tell."""
+    campaign = replace(clean, records=tuple(replace(record, holdout=False) for record in clean.traces))
+    inverted, another_range = "sine_9V_505Hz.csv", "sine_3V_500Hz.csv"
+    campaign = spoiled(campaign, inverted, response=lambda r: -r.response)
+    campaign = spoiled(campaign, another_range, response=lambda r: 1.25 * r.response)
+    found = suspects_of(fit(build_model(campaign), campaign))
+    assert {(one.file, one.kind) for one in found} == {(inverted, "sign"), (another_range, "gain")}
+
+
 def test_the_response_of_a_held_out_record_from_another_is_named(clean):
     other = next(r for r in clean.traces if r.name == "sine_9V_505Hz.csv")
     noise = other.noise.sigma * np.random.default_rng(3).standard_normal(len(other.time))  # else it is a duplicate

@@ -9,6 +9,7 @@ of one record takes it away. Held-out records are judged by what the fitted ones
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -17,6 +18,7 @@ import numpy as np
 from ...campaign.quality.suspect import ALL, Suspect, suspects_by_data
 from ...campaign.record import Trace
 from ...fit import Fit, fit
+from ...fit.linear.start_model import start_model
 from ...fit.reading import read
 from ...model import QUALITY, Model
 from ...pulse import Report
@@ -129,21 +131,39 @@ class _Explained(NamedTuple):
 
 
 def _by_others(fitted: Fit, look: Look) -> list[Suspect]:
-    traces = fitted.campaign.traces
-    errors = [score.error_over_noise for score in fitted.trace_scores]
-    order = sorted(range(len(traces)), key=lambda i: -errors[i])
-    inside = [i for i in order if not traces[i].holdout and errors[i] > _FLOOR][:_MOST]
-    outside = [i for i in order if traces[i].holdout][:_MOST]
+    scores = sorted(fitted.trace_scores, key=lambda score: -score.error_over_noise)
+    outside = [score.name for score in scores if score.holdout][:_MOST]
+    worst = next(score.error_over_noise for score in scores if not score.holdout)
+    known = _Explained(fitted.model, fitted.values, _left(fitted), fitted.freedom, worst, fitted.campaign.traces)
     found: list[Suspect] = []
-    worst = max(errors[i] for i in order if not traces[i].holdout)
-    known = _Explained(fitted.model, fitted.values, _left(fitted), fitted.freedom, worst, traces)
-    if known.excess > _FLOOR**2 - 1:  # two records that contradict one another do not tell which of them is wrong
-        one = _most_likely(fitted, inside if len(fitted.campaign.fitted) > 2 else [], look)
-        if one is not None:
-            suspect, known = one
-            found = [suspect]
-            traces = known.traces
-    return found + [s for i in outside if (s := _held_out(traces, known, i)) is not None]
+    while known.excess > _FLOOR**2 - 1:
+        one = _most_likely(fitted, _worst_first(fitted), look)
+        if one is None:
+            break
+        suspect, known = one
+        found.append(suspect)
+        if suspect.settles or suspect.file == ALL or len(fitted.campaign.fitted) < 4:
+            break
+        # One fault may hide another: what do the others say of one another?
+        fitted = _of_the_others(fitted, suspect.file)
+        look = first_look(fitted, look.library, look.report)
+    at = {trace.name: i for i, trace in enumerate(known.traces)}
+    return found + [s for name in outside if (s := _held_out(known.traces, known, at[name])) is not None]
+
+
+def _of_the_others(fitted: Fit, name: str) -> Fit:
+    """The fit without a record; of the first model of a walk, that which the others choose."""
+    campaign = replace(fitted.campaign, records=tuple(r for r in fitted.campaign.records if r.name != name))
+    first = fitted.model.names == start_model(fitted.campaign).names
+    return fit(start_model(campaign) if first else fitted.model, campaign)
+
+
+def _worst_first(fitted: Fit) -> list[int]:
+    """The fitted records that may be faulty; none of two, for if these contradict one another they do not tell which of
+    them is wrong."""
+    asked = {i: score.error_over_noise for i, score in enumerate(fitted.trace_scores) if not score.holdout}
+    off = sorted((i for i, error in asked.items() if error > _FLOOR), key=lambda i: -asked[i])
+    return off[:_MOST] if len(asked) > 2 else []
 
 
 def _left(fitted: Fit) -> np.ndarray:
@@ -240,7 +260,7 @@ def _explained(
 def _suspect(fitted: Fit, best: Fault, sound: _Explained, faulty: _Explained) -> Suspect:
     told, traces = best.told, fitted.campaign.traces
     name = ALL if best.record is None else traces[best.record].name
-    words = f"{_words(told, traces)}; so read, the error over noise of all records falls from "
+    words = f"{_words(told, traces)}; so read, error over noise falls from "
     words += f"{rms(_left(fitted), 1.0):.3g} to {rms(faulty.left, 1.0):.3g}"
     if sound.model.names != fitted.model.names:
         words += f", with {sound.model.names[-1]} instead to {rms(sound.left, 1.0):.3g}"
