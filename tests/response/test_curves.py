@@ -296,3 +296,20 @@ def test_a_response_that_leaves_the_band_upwards_is_also_followed_from_above() -
     assert down.fold is not None and down.reading[0] < 0.05 < down.reading[down.after]
     squared = (2 * np.pi * FREQUENCY) ** 2 + 3 * (0.75 * CUBIC) ** (1 / 3) * (GAIN * 3 / 2) ** (2 / 3)
     assert down.fold.frequency == pytest.approx(np.sqrt(squared) / (2 * np.pi), rel=0.01)
+
+
+def test_a_motion_too_far_from_its_neighbour_is_reached_by_points_between() -> None:
+    """Beside a second well the mean of a motion moves far with its amplitude: from 164 to 160 Hz one search is lost."""
+    device, squared = Oscillator(), (2 * np.pi * 211.0) ** 2
+    model = Model(device) + built_in()["quadratic-stiffness"](device) + built_in()["cubic-stiffness"](device)
+    values = np.array([211.0, 36.0, 0.028e-6 * squared, -0.116883e6 * squared, 0.003247e12 * squared])
+    frequency = np.array(
+        [206.0, 204, 202, 200, 198, 196, 194, 192, 190, 188, 186, 184, 181, 178, 175, 172, 168, 164, 160]
+    )
+    um = [3.169, 3.4065, 3.6778, 3.8592, 4.0536, 4.2904, 4.4408, 4.6519, 4.8038, 4.9851, 5.0688, 5.2689, 5.4745, 5.6851,
+          5.8681, 6.0858, 6.3007, 6.5222, 6.6801]  # fmt: skip
+    n = len(frequency)
+    at = Points(frequency, np.full(n, 6.0), 1e-6 * np.array(um), np.zeros(n), np.zeros(n, bool))
+    found = at_amplitude(Periodic(Equation(model), values, STEPS), at)
+    assert found.converged.all()
+    np.testing.assert_allclose(found.share, 1.0, atol=0.15)  # of the level that was set
