@@ -60,7 +60,8 @@ def apart_before(look: Look, report: Report) -> Apart | None:
         return None
     plain = _of_one_mode(look)
     promise = _best(plain, report)
-    if worth_a_name(float(promise.left @ promise.left) - regression.n, regression):
+    left = float(promise.left @ promise.left)
+    if left > AS_WELL * regression.n and worth_a_name(left - regression.n, look.first):
         return None  # it would leave more than a finer shape
     pair = best_pair(regression, look.candidates)
     says_all = pair is not None and float(pair.left @ pair.left) < AS_WELL * regression.n

@@ -143,12 +143,15 @@ def diagnose(
         suspects = judged_again(suspects, law.discovery.final, report)
         return Diagnosis(law.discovery, where, law.unknown, law.path, unseen=hidden, suspects=suspects)
     ended = walk_on(walked, library, report, keep=keep, look=look)
-    sharper = sharpened(ended.walked.final)
+    sharper, found = sharpened(ended.walked.final), None
+    if sharper is None:
+        found = concluded(ended)
+        sharper = None if found.final is ended.walked.final else sharpened(found.final)
     if sharper is not None:
         report("what the last model leaves tells the noise floors better: once more, with these")
         again = Walked(fit(fitted.model, sharper, initial=fitted.values))
         return diagnose(again, library, report, effect_file, keeps_walk, keep)
-    found = concluded(ended)
+    assert found is not None
     if found.start is not fitted:  # the walk has begun again, from a better first model
         regression = prepare(working(found.start))
         where = locate(regression)

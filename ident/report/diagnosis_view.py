@@ -51,7 +51,8 @@ def _verdict_words(found: Diagnosis) -> str:
         return "No physics is named: that all responses come late explains more of the misfit than any effect does."
     if first:
         what = "that explains more of the misfit than any effect does"
-        return f"No physics is named before {listed(first)} is corrected or left out: {what}."
+        be = "is" if len(first) == 1 else "are"
+        return f"No physics is named before {listed(first)} {be} corrected or left out: {what}."
     error = f"error over noise {ratio_text(final.fitted.error_over_noise)}{_pushed(loop)}"
     if loop.verdict == "adequate":
         return f"The model is adequate: {error}, and no effect of the library would lower it beyond chance."

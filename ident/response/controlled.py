@@ -33,7 +33,7 @@ from .steady_memory import STUCK
 _CLOSE = 1e-4  # of the scale of an unknown: the last step of Newton's method, which leaves its square
 _MOST, _PATIENCE = 40, 10  # steps of Newton's method in all, and without coming half as near again
 _LEAST = 1 / 16  # of a step
-_DETOURS = 8  # searches for points on the way to one that is not found from its neighbour
+_DETOURS = 8  # searches for points on the way to one that is not found from its neighbour: a sixteenth of it is four
 _FARTHEST = 0.5  # of the scale of an unknown, in one step
 
 
@@ -53,9 +53,9 @@ class Points(NamedTuple):
         return Points(*(part[rows] if part.ndim else part for part in self))
 
     def between(self, others: Points, share: np.ndarray) -> Points:
-        """Points on the straight way from the others to these, (points,) a share of it."""
+        """Points on the way from the others of the same sweep to these, (points,) a share of it."""
         part = lambda name: getattr(others, name) + share * (getattr(self, name) - getattr(others, name))
-        return self._replace(**{name: part(name) for name in ("frequency", "level", "amplitude", "load")})
+        return self._replace(frequency=part("frequency"), amplitude=part("amplitude"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -262,31 +262,34 @@ def _lead_on(model: Periodic, points: Points, seat: Seat, search: _Search) -> No
     """Search what was not found from the points beside it that were, as long as that finds more: where forces move the
     mean of a motion far, the balance of its fundamental is no place to begin. Where the next point is too far for one
     search, it is reached by points between."""
+    asked = np.zeros((2, len(search.found)), bool)  # from the point before and from that after: once each
     while True:
         known = np.concatenate([[False], search.found, [False]])
-        edge = np.flatnonzero(~search.found & (known[:-2] | known[2:]))
+        before = ~search.found & known[:-2] & ~asked[0]
+        after = ~search.found & known[2:] & ~asked[1] & ~before
+        edge = np.flatnonzero(before | after)
         if not len(edge):
             return
-        near = np.where(known[edge], edge - 1, edge + 1)
-        there = _along(model, points.some(near), points.some(edge), search.unknowns[near], seat.some(edge))
-        search.put(edge, there)
-        if not np.any(there.found):
-            return
+        asked |= [before, after]
+        near = np.where(before[edge], edge - 1, edge + 1)
+        search.put(edge, _along(model, points.some(near), points.some(edge), search.unknowns[near], seat.some(edge)))
 
 
 def _along(model: Periodic, known: Points, wanted: Points, first: np.ndarray, seat: Seat) -> _Search:
-    """Search wanted points from known ones beside them, `first`: at once, or else from points on the way."""
+    """Search wanted points from known ones beside them, `first`: at once, or else, on one sweep, from points on the
+    way."""
     start, way, step = first.copy(), np.zeros(len(first)), np.full(len(first), 0.5)
     start[:, FREQUENCY] = wanted.frequency
     search = _newton(model, wanted, start, seat)
+    alike = (known.level == wanted.level) & (known.load == wanted.load) & (known.swing == wanted.swing)
     for _ in range(_DETOURS):
-        lost = np.flatnonzero(~search.found)
+        lost = np.flatnonzero(~search.found & alike)
         if not len(lost):
             break
         to = way[lost] + step[lost] * (1.0 - way[lost])
-        own, there = wanted.some(lost).between(known.some(lost), to), seat.some(lost)
+        own = wanted.some(lost).between(known.some(lost), to)
         start[lost, FREQUENCY] = own.frequency
-        nearer = _newton(model, own, start[lost], there._replace(level=own.level, load=own.load))
+        nearer = _newton(model, own, start[lost], seat.some(lost))
         reached = lost[nearer.found]
         start[reached] = nearer.unknowns[nearer.found]
         way[reached] = to[nearer.found]

@@ -80,7 +80,11 @@ def test_a_second_fault_is_told_beside_the_first(clean):
     campaign = spoiled(campaign, inverted, response=lambda r: -r.response)
     campaign = spoiled(campaign, another_range, response=lambda r: 1.25 * r.response)
     found = suspects_of(fit(build_model(campaign), campaign))
-    assert {(one.file, one.kind) for one in found} == {(inverted, "sign"), (another_range, "gain")}
+    first, second = found
+    assert (first.file, first.kind) == (inverted, "sign") and not first.settles
+    assert (second.file, second.kind) == (another_range, "gain") and second.settles
+    assert second.size == pytest.approx(1.25, rel=0.01)
+    assert f"{inverted} left out" in second.says
 
 
 def test_the_response_of_a_held_out_record_from_another_is_named(clean):

@@ -18,7 +18,7 @@ import numpy as np
 from ...campaign.quality.suspect import ALL, Suspect, suspects_by_data
 from ...campaign.record import Trace
 from ...fit import Fit, fit
-from ...fit.linear.start_model import start_model
+from ...fit.linear.start_model import start_model, with_drives
 from ...fit.reading import read
 from ...model import QUALITY, Model
 from ...pulse import Report
@@ -134,28 +134,37 @@ def _by_others(fitted: Fit, look: Look) -> list[Suspect]:
     scores = sorted(fitted.trace_scores, key=lambda score: -score.error_over_noise)
     outside = [score.name for score in scores if score.holdout][:_MOST]
     worst = next(score.error_over_noise for score in scores if not score.holdout)
-    known = _Explained(fitted.model, fitted.values, _left(fitted), fitted.freedom, worst, fitted.campaign.traces)
+    traces, most = fitted.campaign.traces, (len(fitted.campaign.fitted) - 1) // 2  # those that are off are the fewer
+    known = _Explained(fitted.model, fitted.values, _left(fitted), fitted.freedom, worst, traces)
     found: list[Suspect] = []
     while known.excess > _FLOOR**2 - 1:
         one = _most_likely(fitted, _worst_first(fitted), look)
-        if one is None:
+        if one is None or (found and one[0].file == ALL):
             break
         suspect, known = one
+        if found:
+            without = " and ".join(other.file for other in found)
+            suspect = replace(suspect, says=f"{suspect.says}, {without} left out")
         found.append(suspect)
-        if suspect.settles or suspect.file == ALL or len(fitted.campaign.fitted) < 4:
+        traces = known.traces if suspect.file == ALL else traces
+        if suspect.settles or suspect.file == ALL or len(found) >= most:
             break
-        # One fault may hide another: what do the others say of one another?
-        fitted = _of_the_others(fitted, suspect.file)
-        look = first_look(fitted, look.library, look.report)
-    at = {trace.name: i for i, trace in enumerate(known.traces)}
-    return found + [s for name in outside if (s := _held_out(known.traces, known, at[name])) is not None]
+        try:  # one fault may hide another: what do the others say of one another?
+            fitted = _of_the_others(fitted, suspect.file)
+            look = first_look(fitted, look.library, look.report)
+        except Diverged:  # without it their motion has no bound
+            break
+    at = {trace.name: i for i, trace in enumerate(traces)}
+    return found + [s for name in outside if (s := _held_out(traces, known, at[name])) is not None]
 
 
 def _of_the_others(fitted: Fit, name: str) -> Fit:
-    """The fit without a record; of the first model of a walk, that which the others choose."""
+    """The fit without a record; of the first model of a walk, that which the others choose, with their drives."""
     campaign = replace(fitted.campaign, records=tuple(r for r in fitted.campaign.records if r.name != name))
-    first = fitted.model.names == start_model(fitted.campaign).names
-    return fit(start_model(campaign) if first else fitted.model, campaign)
+    if fitted.model.names != start_model(fitted.campaign).names:
+        return fit(fitted.model, campaign, initial=fitted.values)
+    campaign = with_drives(campaign)
+    return fit(start_model(campaign), campaign)
 
 
 def _worst_first(fitted: Fit) -> list[int]:

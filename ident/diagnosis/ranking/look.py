@@ -15,7 +15,7 @@ from ...effects.registry import Registry
 from ...fit import Fit
 from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG
-from ..evidence.enough import another_law
+from ..evidence.enough import another_law, worth_a_name
 from ..linearised.anchor import prepare_at_best
 from ..linearised.regression import Regression
 from .confirm import Confirmed, confirm
@@ -120,16 +120,20 @@ class Look:
 
 
 def first_look(start: Fit, library: Registry, report: Report) -> Look:
-    """The look at the fit with which a walk begins; from its own values where scores keep their word there, and not
-    where the misfit had seemed to be seen better."""
+    """The look at the fit with which a walk begins; from its own values where an effect explains all but a finer shape
+    there, and scores do not keep their word where the misfit had seemed to be seen better."""
     regression = prepare_at_best(start)
     own = regression.instead_of
     look = Look(regression, own or regression, library, report)
-    if own is None or not look.worth_it or not look.broken:
+    believed = own is not None and own.credible and regression.credible
+    if own is None or not (believed and look.worth_it and look.broken):
         return look
     report("nothing keeps what it promised there: once more from the values of the fit")
     at_own = Look(own, own, library, report)
-    return look if at_own.broken or not own.credible else at_own
+    if at_own.broken:
+        return look
+    left = min((found.chi2 for found in at_own.tried if found.possible), default=np.inf)
+    return look if worth_a_name(left - own.n, own) else at_own
 
 
 def possible(candidates: list[Candidate], tried: list[Confirmed]) -> list[Candidate]:

@@ -85,7 +85,7 @@ def walk_on(
     asked = revised and not steps and look.worth_it and look.real
     if asked and (other := other_drive(start, look.regression, report, look.promise)) is not None:
         return once_more(begun_with(start, other))
-    current = walked.final
+    current, questioned = walked.final, None
     while look.worth_it and look.real and len(steps) < most:
         alone = not_worth_adding(look.regression, look.promise, first)
         if alone and not hidden_by_each_other(look.regression, look.candidates, None, first, library):
@@ -107,14 +107,20 @@ def walk_on(
         if revised and (other := drive_beside(more, current, regression, report)) is not None:
             return once_more(begun_with(start, other))
         # What the first effect shows of the modes is asked before others are sought beside one that only mimics.
-        if len(steps) == len(more) and (fewer := without_a_mode(start, current, library, first, report)) is not None:
-            return walk_on(Walked(fewer), library, report, most, keep, revised=revised)
+        if len(steps) == len(more):
+            questioned, fewer = current, without_a_mode(start, current, library, first, report)
+            if fewer is not None:
+                return walk_on(Walked(fewer), library, report, most, keep, revised=revised)
         look = Look(regression, first, library, report)
         keep(Walked(start, tuple(steps), gains))
     if revised and steps and (lower := lower_start(start, current, report)) is not None:
         return once_more(lower)
-    asked = len(steps) > 1 or not (steps or adequate(look.regression))
-    if asked and (fewer := without_a_mode(start, current, library, first, report)) is not None:
+    asked = steps or not adequate(look.regression)
+    if (
+        asked
+        and current is not questioned
+        and (fewer := without_a_mode(start, current, library, first, report)) is not None
+    ):
         return walk_on(Walked(fewer), library, report, most, keep, revised=revised)
     return Ended(Walked(start, tuple(steps), gains), look, at_best, ranking)
 

@@ -22,7 +22,7 @@ from ..linearised.trajectory import Diverged
 from ..ranking.look import Look
 from ..ranking.pairs import best_pair
 from ..unknown.find import Unknown
-from ..unknown.subsets import says_it_alone
+from ..unknown.subsets import NEAR, of_one
 from .drive import other_drive
 from .steps import Discovery
 from .written import AS_WELL, Written, ended, lacked_by, simulated, step_of
@@ -41,7 +41,7 @@ def one_law(look: Look, start: Regression, path: Path | None, report: Report) ->
         or is_long(fitted.campaign)
         or not look.worth_it
         or _names_reach_it(look)
-        or not says_it_alone(start)
+        or not _may_be_one(start)
     ):
         return None
     unknown = lacked_by(start, report)
@@ -63,6 +63,11 @@ def one_law(look: Look, start: Regression, path: Path | None, report: Report) ->
     gains = {one.candidate.name: one.gain for one in look.tried}
     found = Discovery("not-in-library", fitted, (step,), tuple(look.candidates), gains, (), regression)
     return Written(found, beyond.unknown, beyond.path)
+
+
+def _may_be_one(start: Regression) -> bool:
+    """Whether splines of a single coordinate say nearly everything; a formula that has its kinks may say the rest."""
+    return any(one.share > 1.0 - NEAR or one.chi2_per_sample < AS_WELL for one in of_one(start))
 
 
 def _names_reach_it(look: Look) -> bool:

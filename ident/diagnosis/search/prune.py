@@ -120,7 +120,7 @@ def _questioned(
     names: list[str], last: Fit, library: Registry, first: Regression, report: Report, asked: int = 0
 ) -> tuple[list[str], Fit]:
     """The effects and the fit after every change that is for the better: each effect is asked in turn, until all that
-    are left have been `asked` since the last change."""
+    are left have been asked since the last change; `asked`: how many, the last ones, have been before any."""
     at = changes = 0
     # The rivals of a single effect were weighed when it was added.
     while asked < len(names) > 1 and changes < _MOST_CHANGES:

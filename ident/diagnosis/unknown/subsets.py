@@ -25,7 +25,7 @@ SINGLES = (("z",), ("v",), ("V",), ("dV",), ("t",))
 PAIRS = (("z", "v"), ("z", "V"), ("z", "dV"), ("v", "V"), ("v", "dV"), ("V", "dV"), ("z", "t"), ("v", "t"), ("V", "t"))
 HISTORIES = (("z", "history"), ("V", "history"))
 TRIED = 35  # sets of coordinates, at most: what a chance probability is multiplied by
-_NEAR = 0.01  # of the best set's gain: a smaller set that lacks no more explains "almost as much" …
+NEAR = 0.01  # of the best set's gain: a smaller set that lacks no more explains "almost as much" …
 _NEARLY_ALL, _NEAR_ALL = 0.995, 0.003  # … but less may be lacking where the best set explains everything
 _ALL = 0.999  # share from which nothing more is sought
 _NULL = 1e-7  # squared share of a combination of rows that must survive the projection
@@ -96,12 +96,11 @@ def regress(rows: np.ndarray, target: np.ndarray) -> Solution:
     return Solution(float(along @ along), int(kept.sum()), spread @ along, spread)
 
 
-def says_it_alone(regression: Regression) -> bool:
-    """Whether some single coordinate may be all that is needed: no set of more says so much more that it would not be
-    the smallest sufficient one."""
+def of_one(regression: Regression) -> list[Ranked]:
+    """Every single coordinate on every side, in no order."""
     regression = regression.of_traces()
     stage = set_stage(regression)
-    return any(_judge(regression, stage, *tried, {}).share > 1.0 - _NEAR for tried in _candidates(SINGLES))
+    return [_judge(regression, stage, *tried, {}) for tried in _candidates(SINGLES)]
 
 
 def rank(regression: Regression, stage: Stage) -> list[Ranked]:
@@ -174,7 +173,7 @@ def smallest_sufficient(ranked: Sequence[Ranked]) -> list[Ranked]:
     beyond = best.share > 1.0 + _NEAR_ALL
     most = (best.drop - best.dof) / (best.share if beyond else 1.0)
     gain = lambda r: min(r.drop - r.dof, most)
-    near = _NEAR if beyond or best.share < _NEARLY_ALL else _NEAR_ALL
+    near = NEAR if beyond or best.share < _NEARLY_ALL else _NEAR_ALL
     chance = 3.0 * np.sqrt(2.0 * best.dof) * max(1.0, best.chi2_per_sample)
     enough = [r for r in ranked if gain(r) > gain(best) - max(near * gain(best), chance)]
     return sorted(enough, key=lambda r: (dimension(r.coordinates), r.criterion))
