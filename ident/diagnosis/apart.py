@@ -17,7 +17,7 @@ from ..fit import Fit, fit
 from ..fit.linear.start_model import FURTHER
 from ..pulse import Report
 from .evidence.criterion import VERY_STRONG, Left, behind, criteria
-from .evidence.enough import MOST_OF_IT, adequate, worth_a_name
+from .evidence.enough import MOST_OF_IT, adequate
 from .faulty.between import comparable, differing, kinds_of, rows_of
 from .faulty.differing import Differing, numbers_of
 from .linearised.regression import prepare
@@ -60,9 +60,6 @@ def apart_before(look: Look, report: Report) -> Apart | None:
         return None
     plain = _of_one_mode(look)
     promise = _best(plain, report)
-    left = float(promise.left @ promise.left)
-    if left > AS_WELL * regression.n and worth_a_name(left - regression.n, look.first):
-        return None  # it would leave more than a finer shape
     pair = best_pair(regression, look.candidates)
     says_all = pair is not None and float(pair.left @ pair.left) < AS_WELL * regression.n
     if behind(promise, pair or regression) > (-VERY_STRONG if says_all or pair is None else VERY_STRONG):
