@@ -43,20 +43,39 @@ def unpack(vector: np.ndarray, like: Unknowns, data: Data) -> Unknowns:
     return Unknowns(vector[:p], starts)
 
 
+def pulls(residuals: np.ndarray, robust: bool) -> np.ndarray:
+    """How the cost ½χ² changes with each residual, (n,)."""
+    if not robust:
+        return residuals
+    soft, slope = _soften(residuals)
+    return soft * slope
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def slope_by(static: Static, data: Data, found: Evaluation, pull: np.ndarray) -> np.ndarray:
+    """Jᵀ pull, (u,): how the cost of the data changes with each unknown, with the Jacobian that was found."""
+    p, s, starts = len(static.free), data.start_scale.shape[1], moving(data)
+    slope = np.zeros(p + s * len(starts))
+    slope[:p] = found.by_x @ pull
+    for k, record in enumerate(starts):
+        part = data.tape.slices[record]
+        slope[p + s * k : p + s * (k + 1)] = found.by_start[:, part] @ pull[part]
+    return slope
+
+
 @np.errstate(over="ignore", invalid="ignore")  # a trial whose motion has no bound is refused for its cost
 def normal_equations(static: Static, data: Data, vector: np.ndarray, found: Evaluation, robust: bool) -> Normal:
     """Normal equations of data, priors and ridge at one point, the unknowns in one `vector`."""
     p, s = len(static.free), data.start_scale.shape[1]
-    gradient, matrix = np.zeros_like(vector), np.zeros((len(vector),) * 2)
+    matrix = np.zeros((len(vector),) * 2)
     r, jx, js = found.residuals, found.by_x, found.by_start
+    gradient = slope_by(static, data, found, pulls(r, robust))
     if robust:
         r, slope = _soften(r)
         jx, js = jx * slope, js * slope
-    gradient[:p] = jx @ r
     matrix[:p, :p] = jx @ jx.T
     for k, record in enumerate(moving(data)):
         own, part = slice(p + s * k, p + s * (k + 1)), data.tape.slices[record]
-        gradient[own] = js[:, part] @ r[part]
         matrix[own, own] = js[:, part] @ js[:, part].T
         matrix[:p, own] = jx[:, part] @ js[:, part].T
         matrix[own, :p] = matrix[:p, own].T

@@ -8,8 +8,9 @@ parameter changes by more than a factor √e in one step, or leaves its range, a
 leaves.
 
 A search ends by its Newton decrement, the fall of the cost that an undamped step promises within that rule. The size of
-a step says nothing: along a narrow valley every damped step is small. At a kink, where trials are refused however
-short, it ends when even all the steps that it has would not bring what is worth one.
+a step says nothing: along a narrow valley every damped step is small. Where valleys bend, the curvature
+that Gauss–Newton leaves out is learned on the way (`secant`). At a kink, where trials are refused however short, it
+ends when even all the steps that it has would not bring what is worth one, or when a dozen together have not.
 
 Sources: D. W. Marquardt, An algorithm for least-squares estimation of nonlinear parameters, J. SIAM 11 (1963) 431,
 §III; J. J. Moré, The Levenberg–Marquardt algorithm, Lecture Notes in Mathematics 630 (1978) 105, §4 (units);
@@ -30,17 +31,19 @@ from ..programs import program
 from .coordinates import slopes
 from .curves import Known
 from .linear.independent import independent_samples
-from .normal import Normal, moving, normal_equations, pack, unpack
+from .normal import Normal, moving, normal_equations, pack, pulls, slope_by, unpack
 from .problem import Data, Evaluation, Static, Unknowns, evaluate, in_ranges
+from .secant import Secant
 from .squares import squares_of
 
 MAX_STEPS = 400  # from one start
 _SMALL_GAIN = 1e-4
-"""Of the cost ½χ² per mean squared residual, if that is above one: no parameter is then further from its optimum than
-0.014 standard errors, with what is left taken for noise."""
+"""Of the cost ½χ² per mean squared independent residual, if that is above one: no parameter is then further from its
+optimum than 0.014 standard errors, with what is left taken for noise."""
 _COMPARED = 0.05  # the same, of models that are only compared: n ln χ² then falls by 0.1 at most
 _SMALL_SHARE = 1e-9  # of the cost: more than that of a misfit is not worth a step
 _LEAST_STEP = 1e-12  # where damping has grown that much, rounding decides
+_PATIENCE = 12  # steps that together bring less than is worth one: 400 would move no parameter by a tenth of its error
 
 _FIRST_STEP = 100.0  # the inverse of the first damping
 _FARTHEST = 0.5  # in ln p, for positive parameters in one step
@@ -70,11 +73,21 @@ class _Turn(NamedTuple):
 
 @program
 def _advance(
-    nothing: None, point: Normal, trial: Normal, moved: Any, units: Any, reach: Any, first: Any, refused: Any
+    nothing: None,
+    point: Normal,
+    trial: Normal,
+    again: Normal,
+    lengths: Any,
+    moved: Any,
+    units: Any,
+    reach: Any,
+    first: Any,
+    refused: Any,
 ) -> tuple:
     """Accept or reject a trial that lies `moved` away from the point, then propose the next move; as of `_Turn`.
 
-    After a trial that was `refused` the trust region does not grow at once: it would, along a valley, have every second
+    `again`: the point with what the trial has told of its curvature; `lengths` of the trial's Jacobian, (u,). After a
+    trial that was `refused` the trust region does not grow at once: it would, along a valley, have every second
     trial refused.
     """
     # Here, because whoever has the compiled program needs neither, and importing both takes a third of a second.
@@ -95,14 +108,16 @@ def _advance(
     step, accept, _, _ = search.step(first, still, moved * units, old, new, jax.tree.unflatten(tree, [reach]))
     accept = accept & jnp.isfinite(trial.cost)
     step = jnp.where(accept & refused, jnp.minimum(step, reach), step)
-    here = Normal(*(jnp.where(accept, b, a) for a, b in zip(point, trial, strict=True)))
-    units = jnp.maximum(units, jnp.sqrt(jnp.diagonal(here.matrix)))
+    here = Normal(*(jnp.where(accept, b, a) for a, b in zip(again, trial, strict=True)))
+    units = jnp.where(accept, jnp.maximum(units, lengths), units)
     info = info_of(here, units)
     move, _ = descent.step(step, descent.query(still, info, descent.init(still, info)))
     return accept, units, move / units, step
 
 
-def _turn(point: Normal, trial: Normal, moved: np.ndarray, last: _Turn, first: bool) -> _Turn:
+def _turn(
+    point: Normal, trial: Normal, again: Normal, lengths: np.ndarray, moved: np.ndarray, last: _Turn, first: bool
+) -> _Turn:
     """`_advance` with unknowns added that change nothing, up to a size for which there is a program."""
     size = len(moved)
     more = next((n for n in _SIZES if n >= size), -(-size // _SIZES[-1]) * _SIZES[-1]) - size
@@ -110,8 +125,8 @@ def _turn(point: Normal, trial: Normal, moved: np.ndarray, last: _Turn, first: b
     fill = lambda normal: Normal(normal.cost, np.pad(normal.gradient, (0, more)), matrix(normal))
     units = np.pad(last.units, (0, more), constant_values=1.0)
     accept, units, move, reach = _advance(
-        None, fill(point), fill(trial), np.pad(moved, (0, more)), units, last.reach, np.array(first),
-        np.array(not last.accepted),
+        None, fill(point), fill(trial), fill(again), np.pad(lengths, (0, more)), np.pad(moved, (0, more)), units,
+        last.reach, np.array(first), np.array(not last.accepted),
     )  # fmt: skip
     return _Turn(bool(accept), np.asarray(units)[:size], np.asarray(move)[:size], np.asarray(reach))
 
@@ -218,6 +233,8 @@ class Search:
         units = np.sqrt(np.diagonal(self._point.matrix))
         self._next = np.zeros_like(self._at)
         self._turn = _Turn(True, units, self._next, np.array(_FIRST_STEP))
+        self._secant = Secant(np.zeros_like(self._point.matrix))
+        self._costs: list[float] = []
         self.steps, self.converged, self.ended = 0, False, False
 
     @property
@@ -247,10 +264,9 @@ class Search:
 
     def _worth(self) -> float:
         """The fall of the cost ½χ² that is worth a step."""
-        if not self._compared:
-            return _SMALL_GAIN * max(self.cost / self._data.count, 1.0)
-        # What every model lacks is no noise: by its independent samples models are compared.
-        return _COMPARED * max(self.cost / independent_samples(self._best.residuals), 1.0)
+        # What a model lacks is no noise: a hundred of its samples may say one thing.
+        each = max(self.cost / independent_samples(self._best.residuals), 1.0)
+        return (_COMPARED if self._compared else _SMALL_GAIN) * each
 
     def _step(self) -> None:
         change, found, trial = self._next, self._best, self._point
@@ -258,7 +274,7 @@ class Search:
             found = evaluate(self.static, self._data, unpack(self._at + change, self._start, self._data))
             trial = normal_equations(self.static, self._data, self._at + change, found, self._robust)
         self.steps += 1
-        self._turn = _turn(self._point, trial, change, self._turn, self.steps == 1)
+        self._turn = self._taken(change, found, trial)
         if self._turn.accepted:
             self._at, self._point, self._best = self._at + change, trial, found
             self._known = self._responses()
@@ -266,12 +282,29 @@ class Search:
             # One reading may have several motions: those of a refused trial are not gone on from.
             self._data.curves.known[self.static.equation] = self._known
         low, high = self._limits.around(self._at)
-        self._next = _limited(self._point, self._turn, low, high)
-        promised = _decrement(self._point, self._turn.units, low, high)
+        here, units = self._secant.bend(self._point, self._turn.units), self._turn.units
+        self._next = _limited(here, self._turn, low, high)
+        promised = _decrement(self._point, units, low, high)
+        if self._secant.use and self._secant.proven:
+            promised = min(promised, _decrement(here, units, low, high))
         worth = self._worth()
+        self._costs = [*self._costs[-_PATIENCE:], float(self._point.cost)]
         self.converged = promised < worth + _SMALL_SHARE * float(self._point.cost)
-        hopeless = _fall(self._point, self._next) * MAX_STEPS < worth
-        self.ended = self.converged or hopeless or float(self._turn.reach) < _LEAST_STEP
+        hopeless = _fall(here, self._next) * MAX_STEPS < worth
+        stalled = len(self._costs) > _PATIENCE and self._costs[0] - self._costs[-1] < worth
+        self.ended = self.converged or hopeless or stalled or float(self._turn.reach) < _LEAST_STEP
+
+    def _taken(self, change: np.ndarray, found: Evaluation, trial: Normal) -> _Turn:
+        """A trial accepted or refused, by what was known of the curvature before; what it tells of that counts for the
+        next move."""
+        units, secant, point = self._turn.units, self._secant, self._point
+        if self.steps > 1:
+            pull = pulls(found.residuals, self._robust)
+            now, before = (slope_by(self.static, self._data, one, pull) for one in (found, self._best))
+            self._secant = secant.learn(change, point, trial, now - before)
+        bend = lambda normal: self._secant.bend(normal, units)
+        lengths = np.sqrt(np.diagonal(trial.matrix))
+        return _turn(secant.bend(point, units), bend(trial), bend(point), lengths, change, self._turn, self.steps == 1)
 
 
 def least_squares(

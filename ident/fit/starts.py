@@ -61,7 +61,8 @@ def starting_points(model: Model, base: np.ndarray, scales: DataScales, limit: i
     for combination in itertools.islice(itertools.product(*(g for _, g in grids)), limit if grids else 0):
         point = base.copy()
         point[[i for i, _ in grids]] = combination
-        points.append(point)
+        if not np.array_equal(point, base):
+            points.append(point)
     return points
 
 
