@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from ..campaign.campaign import Campaign
@@ -43,15 +44,31 @@ def build_model(campaign: Campaign, effects: Sequence[str] | None = None) -> Mod
     return model
 
 
-def make_effect(campaign: Campaign, name: str, known: Registry | None = None) -> AbstractEffect:
+def make_effect(
+    campaign: Campaign, name: str, known: Registry | None = None, words: Mapping[str, str] | None = None
+) -> AbstractEffect:
     """One effect as a campaign wants it: with the words of `[effect.NAME]`, ready for `model + effect`.
 
-    **Arguments:** `known`: the effects to choose from; if not given, the library and the campaign's own files.
+    **Arguments:** `known`: the effects to choose from; if not given, the library and the campaign's own files; `words`
+    of choices that the campaign leaves open (see `open_words`).
     """
     effect = find(name, registry(campaign.effect_files) if known is None else known)
-    words = {c.name for c in effect.choices}
-    settings = {**effect.told_by(campaign.fitted), **campaign.settings.get(name, {})}
-    return effect(campaign.device, {key: value for key, value in settings.items() if key in words})
+    return effect(campaign.device, {**(words or {}), **_told_words(campaign, effect)})
+
+
+def open_words(campaign: Campaign, effect: type[AbstractEffect]) -> list[dict[str, str]]:
+    """Every combination of words of those choices of an effect that neither the campaign nor its records decide; the
+    defaults first."""
+    told = _told_words(campaign, effect)
+    undecided = [choice for choice in effect.choices if choice.name not in told]
+    names = [choice.name for choice in undecided]
+    return [dict(zip(names, words, strict=True)) for words in itertools.product(*(c.words for c in undecided))]
+
+
+def _told_words(campaign: Campaign, effect: type[AbstractEffect]) -> dict[str, str]:
+    choices = {choice.name for choice in effect.choices}
+    told = {**effect.told_by(campaign.fitted), **campaign.settings.get(effect.name, {})}
+    return {key: value for key, value in told.items() if key in choices}
 
 
 def _needed_first(names: Iterable[str], known: Registry) -> list[str]:

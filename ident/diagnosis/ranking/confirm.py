@@ -3,7 +3,7 @@ predicts."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -69,7 +69,7 @@ def confirm(
     for it, the slope there may have the wrong one. Then those of effects accepted before race from theirs, as a new
     term may free them. `base`: values of the other parameters to start from, if not those of the regression's fit.
     """
-    asked = (effect, *candidate.values.items(), most, None if base is None else tuple(base))
+    asked = (effect, *candidate.words.items(), *candidate.values.items(), most, None if base is None else tuple(base))
     if asked not in regression.refitted:
         regression.refitted[asked] = _refitted(regression, effect, candidate, most, base)
     return regression.refitted[asked]
@@ -80,7 +80,7 @@ def _refitted(
 ) -> Confirmed:
     """`confirm`, for the first time."""
     before = regression.fit
-    model = without_unseen(with_effect(before, effect), candidate)
+    model = without_unseen(with_effect(before, effect, candidate.words), candidate)
     scored = [candidate, *(candidate._replace(values=values) for values in candidate.near)]
     parent = base is None
     base = base_of(regression) if base is None else base
@@ -139,14 +139,14 @@ def _mirrored(candidate: Candidate, model: Model) -> Candidate:
     )
 
 
-def with_effect(before: Fit, effect: type[AbstractEffect]) -> Model:
-    """The model of a fit with one effect more.
+def with_effect(before: Fit, effect: type[AbstractEffect], words: Mapping[str, str] | None = None) -> Model:
+    """The model of a fit with one effect more; `words` as of `make_effect`.
 
     A quality factor that had to be held, for a steady sine does not determine it, is free beside the effect, as it is
     in the scores: a wrong one would make another effect of it.
     """
     free = with_quality(before.model)
-    return free + make_effect(before.campaign, effect.name, {effect.name: effect})
+    return free + make_effect(before.campaign, effect.name, {effect.name: effect}, words)
 
 
 def without_unseen(model: Model, candidate: Candidate | None) -> Model:

@@ -55,7 +55,7 @@ def _bends(effect: type[AbstractEffect]) -> bool:
 def _bent(regression: Regression, candidate: Candidate, effect: type[AbstractEffect]) -> Candidate:
     """A candidate with the size and the fall of χ² that a short refit reaches, if it is more than was promised."""
     before = regression.fit
-    model = without_unseen(with_effect(before, effect), candidate)
+    model = without_unseen(with_effect(before, effect, candidate.words), candidate)
     own = {p.name: p for p in model.effects[-1].declared()}
     shapes = [p.grid for p in own.values() if p.kind == "shape" and p.fitted]
     starts = []
@@ -78,7 +78,7 @@ def _bent(regression: Regression, candidate: Candidate, effect: type[AbstractEff
 def _glimpsed(regression: Regression, candidate: Candidate, effect: type[AbstractEffect]) -> Candidate:
     """The candidate with the fall of χ² that a few steps of a fit reach."""
     before = regression.fit
-    model = with_effect(before, effect)
+    model = with_effect(before, effect, candidate.words)
     bases = [base_of(regression), *(() if candidate.beside is None else (candidate.beside,))]
     starts = [np.concatenate([base, start_of(model, candidate, before.scales)]) for base in bases]
     found = weigh(regression, model, candidate, starts, FEW)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +21,7 @@ from scipy.special import fdtrc
 from ...campaign.device import Platform
 from ...effects.effect import AbstractEffect
 from ...effects.registry import Registry
-from ...model import Model, make_effect
+from ...model import Model, make_effect, open_words
 from ...pulse import Report
 from ...response import Equation
 from ..evidence.coloured_noise import chance
@@ -46,6 +47,7 @@ class Candidate(NamedTuple):
     - `signature`: (dof, n) orthonormal projected columns, by which candidates are compared; `near`: `values` at the
       next best points of the grid, and `near_signatures` there; `beside`: the model's own parameters with the candidate
       at `values`; `unseen`: amplitudes that the records do not show at all, as curves do not show an even sensor.
+    - `words`: those of its choices that nobody decided, which explain most.
     """
 
     name: str
@@ -61,6 +63,7 @@ class Candidate(NamedTuple):
     near_signatures: tuple[np.ndarray, ...] = ()
     beside: np.ndarray | None = None
     unseen: frozenset[str] = frozenset()
+    words: Mapping[str, str] = MappingProxyType({})
 
 
 class _Point(NamedTuple):
@@ -104,7 +107,7 @@ def score_beside(regressions: Sequence[Regression], library: Registry) -> list[l
 
     def on_each(effect: type[AbstractEffect]) -> list[Candidate | None]:
         asked = _asked(regressions[0], effect)
-        return [asked and _weighed(one, asked) for one in regressions]
+        return [_best_weighed(one, asked) for one in regressions]
 
     by_effect = at_once(on_each, effects)
     found = [[c for c in of_one if c is not None] for of_one in zip(*by_effect, strict=True)]
@@ -116,13 +119,14 @@ def _in_order(found: Sequence[Candidate], n: int) -> list[Candidate]:
 
 
 class _Asked(NamedTuple):
-    """What an effect would add at the `points` of its grid, `sides` of which are that long.
+    """What an effect, with some `words`, would add at the `points` of its grid, `sides` of which are that long.
 
     `amplitudes`: their places; `raw` (points × amplitudes, n) columns; `changed` (h, …), the same with other histories,
     if the records do not begin with the drive; `moves` of the sweeps.
     """
 
     effect: AbstractEffect
+    words: Mapping[str, str]
     points: list[np.ndarray]
     sides: list[int]
     amplitudes: list[int]
@@ -132,18 +136,30 @@ class _Asked(NamedTuple):
 
 
 def _score_one(regression: Regression, effect: type[AbstractEffect]) -> Candidate | None:
-    asked = _asked(regression, effect)
-    return None if asked is None else _weighed(regression, asked)
+    return _best_weighed(regression, _asked(regression, effect))
 
 
-def _asked(regression: Regression, effect: type[AbstractEffect]) -> _Asked | None:
-    if effect.platform_only and not isinstance(regression.fit.model.device, Platform):
-        return None
+def _best_weighed(regression: Regression, asked: Sequence[_Asked]) -> Candidate | None:
+    """The candidate with those of its words that explain most."""
+    found = [candidate for one in asked if (candidate := _weighed(regression, one)) is not None]
+    return next(iter(_in_order(found, regression.n)), None)
+
+
+def _asked(regression: Regression, effect: type[AbstractEffect]) -> list[_Asked]:
+    """What an effect would add with each of the words that its choices may have; nothing if it cannot act here."""
     fitted = regression.fit
+    if effect.platform_only and not isinstance(fitted.model.device, Platform):
+        return []
     if effect.needs and effect.needs not in fitted.model.names:
-        return None
+        return []
+    return [_asked_with(regression, effect, words) for words in open_words(fitted.campaign, effect)]
+
+
+def _asked_with(regression: Regression, effect: type[AbstractEffect], words: Mapping[str, str]) -> _Asked:
+    fitted = regression.fit
     # The candidate alone (with the effect it builds on) pushes: the same program then serves every model and campaign.
-    own_effects = (*fitted.model.beneath(effect), make_effect(fitted.campaign, effect.name, {effect.name: effect}))
+    alone = make_effect(fitted.campaign, effect.name, {effect.name: effect}, words)
+    own_effects = (*fitted.model.beneath(effect), alone)
     model = Model(fitted.model.device, own_effects, form=fitted.model.form)
     instance = model.effects[-1]
     own = [p.name for p in model.parameters[: len(model.parameters) - len(instance.parameters)]]
@@ -170,11 +186,11 @@ def _asked(regression: Regression, effect: type[AbstractEffect]) -> _Asked | Non
         still = None if passed is None else np.tile(passed, (len(apart), 1))
         changed = stack(regression, model, again, directions, begun=begun, moves=held, passed=still)
         changed = changed.reshape(len(apart), *raw.shape)
-    return _Asked(instance, points, [len(axis) for axis in axes], amplitudes, raw, changed, moves)
+    return _Asked(instance, words, points, [len(axis) for axis in axes], amplitudes, raw, changed, moves)
 
 
 def _weighed(regression: Regression, asked: _Asked) -> Candidate | None:
-    instance, points, sides, amplitudes, raw, changed, moves = asked
+    instance, words, points, sides, amplitudes, raw, changed, moves = asked
     q, begun = len(amplitudes), None
     if changed is not None:
         raw = raw.copy()
@@ -233,6 +249,7 @@ def _weighed(regression: Regression, asked: _Asked) -> Candidate | None:
         near_signatures=tuple(other.basis.T for other in near),
         beside=beside,
         unseen=unseen,
+        words=words,
     )
 
 
