@@ -8,12 +8,12 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..campaign.campaign import Campaign
 from ..campaign.held_drive import jumps
 from ..campaign.quality.suspect import ALL, Suspect
 from ..effects.registry import Registry, registry
 from ..fit import Fit, fit, fit_data
 from ..fit.fit_data import Effects
-from ..fit.floors import sharpened
 from ..fit.start_score import mostly_starts
 from ..pulse import Report
 from ..threads import one_thread
@@ -25,7 +25,7 @@ from .linearised.regression import Regression, prepare
 from .linearised.shorten import working
 from .next_record.experiments import NextExperiment, next_experiments, rank_experiments
 from .ranking.look import first_look
-from .search.conclude import concluded
+from .search.conclude import concluded, concluded_or_sharper
 from .search.discover import Keep, walk_on
 from .search.once_more import with_other_starts
 from .search.one_law import one_law
@@ -142,16 +142,11 @@ def diagnose(
         hidden = unseen(regression, law.discovery.ranking, library)
         suspects = judged_again(suspects, law.discovery.final, report)
         return Diagnosis(law.discovery, where, law.unknown, law.path, unseen=hidden, suspects=suspects)
-    ended = walk_on(walked, library, report, keep=keep, look=look)
-    sharper, found = sharpened(ended.walked.final), None
-    if sharper is None:
-        found = concluded(ended)
-        sharper = None if found.final is ended.walked.final else sharpened(found.final)
-    if sharper is not None:
+    found = concluded_or_sharper(walk_on(walked, library, report, keep=keep, look=look))
+    if isinstance(found, Campaign):
         report("what the last model leaves tells the noise floors better: once more, with these")
-        again = Walked(fit(fitted.model, sharper, initial=fitted.values))
+        again = Walked(fit(fitted.model, found, initial=fitted.values))
         return diagnose(again, library, report, effect_file, keeps_walk, keep)
-    assert found is not None
     if found.start is not fitted:  # the walk has begun again, from a better first model
         regression = prepare(working(found.start))
         where = locate(regression)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal
 
 import numpy as np
 
@@ -10,6 +11,8 @@ from ...campaign.record import Sweep, Trace
 from ..linearised.regression import Regression
 from .criterion import Left, behind
 from .force_noise import Pushed, pushed_by_noise
+
+Role = Literal["effect", "shape-refinement"]
 
 ANOTHER_LAW = 0.001  # of the first excess: structured misfit beyond which a name is in doubt; see `lacking`
 _AT_FLOOR = 1.05  # error over noise, and twice the doubt of the floor more, up to a doubt of
@@ -61,6 +64,13 @@ def worth_a_name(drop: float, first: Regression) -> bool:
     is not there.
     """
     return drop > _SHAPE * (first.chi2 - first.n)
+
+
+def role_of(regression: Regression, left: float, first: Regression) -> Role:
+    """What a term is that lowers the χ² of a regression to what is `left`: an effect removes a share of the first
+    excess that is worth a name; the first one always is."""
+    named = regression is first or worth_a_name(regression.best_chi2 - left, first)
+    return "effect" if named else "shape-refinement"
 
 
 def another_law(excess: float, first: Regression) -> bool:

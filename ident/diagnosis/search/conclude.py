@@ -7,10 +7,12 @@ absent from the library an impostor still lowers the error.
 
 from __future__ import annotations
 
+from ...campaign.campaign import Campaign
 from ...effects.registry import Registry
 from ...fit import Fit
+from ...fit.floors import sharpened
 from ...pulse import Report
-from ..evidence.enough import ANOTHER_LAW, adequate
+from ..evidence.enough import ANOTHER_LAW, adequate, role_of
 from ..evidence.held_out import contradicted, foretold, hurts, predicts_better
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, working
@@ -21,8 +23,19 @@ from .change import to_its_end, try_without
 from .lacking import lacking
 from .parts import Parts
 from .prune import Pruned, prune
-from .steps import Discovery, Ended, Step, Verdict, role_of
+from .steps import Discovery, Ended, Step, Verdict
 from .ties import weighed_ties
+
+
+def concluded_or_sharper(ended: Ended) -> Discovery | Campaign:
+    """What stays of a walk; or the campaign with the noise floors that its last fit, or the one that stays, tells
+    better: a walk to be gone again need not be questioned first."""
+    sharper = sharpened(ended.walked.final)
+    if sharper is not None:
+        return sharper
+    found = concluded(ended)
+    sharper = None if found.final is ended.walked.final else sharpened(found.final)
+    return found if sharper is None else sharper
 
 
 def concluded(ended: Ended) -> Discovery:
@@ -46,7 +59,7 @@ def concluded(ended: Ended) -> Discovery:
         regression = prepare(working(final))
         candidates = score(regression, library)
     blurred = [step for step in steps if step is not steps[-1] or step.partner]
-    steps = [_tied_at_the_end(s, final, start, library, report) if s in blurred else s for s in steps]
+    steps = [_tied_at_the_end(s, final, first.fit, library, report) if s in blurred else s for s in steps]
     steps = [_beside_parts(step, alike) for step in steps]
     remaining = tuple(significant(candidates))
     lacks = lacking(_after_effects(steps, regression), first, report) if steps else 0.0
@@ -105,7 +118,7 @@ def _replayed(start: Fit, needed: Pruned, library: Registry, at_best: Regression
         found = confirm(regression, library[name], chosen)
         current = needed.fit if name == needed.names[-1] else accept(found, current)
         ties, tied = weighed_ties(regression, found, significant(candidates), library, [found])
-        role = role_of(regression, found, at_best)
+        role = role_of(regression, found.chi2, at_best)
         steps.append(
             Step(name, chosen.predicted_gain, found.gain, ties.names, role, current, ties.reasons, tied, regression)
         )

@@ -9,7 +9,7 @@ walk, and how sure it is, says `conclude`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,11 +21,7 @@ from ...model import Model
 from ...pulse import Report
 from ..evidence.coloured_noise import behind_in_colour
 from ..evidence.criterion import VERY_STRONG, behind, criteria
-from ..evidence.enough import (
-    adequate,
-    laws_differ_by,
-    not_worth_adding,
-)
+from ..evidence.enough import Role, adequate, laws_differ_by, not_worth_adding, role_of
 from ..evidence.family import is_that_member
 from ..evidence.held_out import hurts
 from ..linearised.regression import Regression, prepare
@@ -41,7 +37,7 @@ from .drive import other_drive
 from .fewer_modes import without_a_mode
 from .further_mode import with_its_mode
 from .once_more import begun_with, drive_beside, lower_start, with_other_starts
-from .steps import Discovery, Ended, Step, Walked, role_of
+from .steps import Discovery, Ended, Step, Walked
 from .ties import weighed_ties
 from .together import both, hidden_by_each_other
 
@@ -173,7 +169,7 @@ class _Best(NamedTuple):
     """The effect to add: its refit, what it is, the fit on all records, and the regression of that."""
 
     confirmed: Confirmed
-    role: Literal["effect", "shape-refinement"]
+    role: Role
     fit: Fit
     left: Regression
 
@@ -191,7 +187,7 @@ def _best(tried: list[Confirmed], regression: Regression, current: Fit, first: R
         if after.fitted.error_over_noise > current.fitted.error_over_noise:
             continue  # the excerpts do not speak for the records
         try:
-            role, left = role_of(regression, found, first), prepare(shown)
+            role, left = role_of(regression, found.chi2, first), prepare(shown)
         except Diverged:
             continue
         if (role == "shape-refinement" or adequate(left)) and hurts(current, after):

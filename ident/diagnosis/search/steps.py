@@ -8,9 +8,8 @@ from types import MappingProxyType
 from typing import Literal, NamedTuple
 
 from ...fit import Fit
-from ..evidence.enough import worth_a_name
+from ..evidence.enough import Role
 from ..linearised.regression import Regression
-from ..ranking.confirm import Confirmed
 from ..ranking.look import Look
 from ..ranking.score import Candidate
 from .parts import Parts
@@ -30,7 +29,7 @@ class Step(NamedTuple):
     predicted_gain: float
     confirmed_gain: float
     tie_set: tuple[str, ...]
-    role: Literal["effect", "shape-refinement"]
+    role: Role
     fit: Fit
     reasons: tuple[str, ...] = ()
     tied: tuple[Candidate, ...] = ()
@@ -86,12 +85,3 @@ class Ended(NamedTuple):
     look: Look
     at_best: Regression
     ranking: tuple[Candidate, ...]
-
-
-def role_of(regression: Regression, found: Confirmed, first: Regression) -> Literal["effect", "shape-refinement"]:
-    """An effect removes a share of the first excess that is worth a name; the first one always is."""
-    return (
-        "effect"
-        if regression is first or worth_a_name(regression.best_chi2 - found.chi2, first)
-        else "shape-refinement"
-    )
