@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 from .late import in_time
 from .record import Trace
 
-Kind = Literal["stiffness", "sensitivity", "delay", "clock", "baseline"]
+Kind = Literal["stiffness", "damping", "sensitivity", "delay", "clock", "baseline"]
 
 
 class Told(NamedTuple):
@@ -32,6 +32,7 @@ class Told(NamedTuple):
 TOLD: dict[Kind, Told] = {
     # A resonance moves by half of what its spring does.
     "stiffness": Told("resonance", 50.0, "%", "was the device warmer or otherwise loaded in some?", 0.5, shared=True),
+    "damping": Told("damping", 100.0, "%", "was the pressure another, or a clamp less tight?", 0.9, shared=True),
     "sensitivity": Told("sensitivity", 100.0, "%", "was the sensor moved?", 0.9, shared=True),
     "delay": Told("delay", 1.0, "samples", "did each have a trigger of its own?", 100.0),
     "clock": Told("clock", 1e6, "ppm", "do generator and recorder run by one clock?", 0.1),
@@ -50,12 +51,14 @@ def curves(trace: Trace) -> np.ndarray:
 def read_apart(trace: Trace, kind: Kind, sizes: Iterable[float]) -> Trace:
     """A trace that differs by numbers of its own, read as one of a device like the others, as far as it can be.
 
-    Of its own stiffness a simulation takes account; the response is taken back from its sensitivity, its delay in
-    samples or the curves of its baseline, time and drive from the share by which the recorder's clock is fast.
+    Of its own stiffness or damping a simulation takes account; the response is taken back from its sensitivity, its
+    delay in samples or the curves of its baseline, time and drive from the share by which the recorder's clock is fast.
     """
     told = (kind, tuple(float(size) for size in sizes))
     if kind == "stiffness":
         return replace(trace, own=told, stiffer=told[1][0])
+    if kind == "damping":
+        return replace(trace, own=told, damped=told[1][0])
     if kind == "delay":
         return replace(in_time(trace, told[1][0]), own=told)
     if kind == "clock":

@@ -69,8 +69,8 @@ class Trace:
     - `noise`: the noise floor; `period`: samples per period if the drive is periodic over the record, else None.
     - `outliers`: samples of the file that left the curve; in `response` the curve takes their place.
     - `masked`: (n,) whether a sample says nothing, as where the response sticks to the limit of a range; none if None.
-    - `own`: None, or the kind of numbers by which it differs from the others, and these (see `apart`); `stiffer`: the
-      share by which the device's own spring is so here, where that is the kind.
+    - `own`: None, or the kind of numbers by which it differs from the others, and these (see `apart`); `stiffer`,
+      `damped`: the share by which the device's own spring or damper is so here, where that is the kind.
     - `stuck`: share of the samples that stick to a limit; others that say nothing are missing.
     - `measures`: what the response is; m stands for m/s or m/s² where it is no displacement.
     - `between`: what the campaign says of the drive between its samples; `edge`: None if it is a smooth curve, else it
@@ -97,6 +97,7 @@ class Trace:
     stuck: float = 0.0
     own: tuple[Any, tuple[float, ...]] | None = None
     stiffer: float = 0.0
+    damped: float = 0.0
     between: Between = "auto"
     edge: float | None = None
 

@@ -37,6 +37,7 @@ class Secant(NamedTuple):
         curvature, directions = np.linalg.eigh((normal.matrix + self.matrix) / scale)
         return normal._replace(matrix=(directions * np.abs(curvature)) @ directions.T * scale)
 
+    @np.errstate(over="ignore", invalid="ignore")  # a trial whose motion has next to no bound tells nothing
     def learn(self, step: np.ndarray, point: Normal, trial: Normal, turned: np.ndarray) -> Secant:
         """What it is after a trial that lay a `step` (u,) from the point, both without the second term; `turned` (u,):
         by how much Jᵀr has changed for the residuals of the trial, (J_trial − J_point)ᵀ r_trial."""
@@ -55,7 +56,6 @@ class Secant(NamedTuple):
         # An old term is shrunk to the size that the new slope shows: as residuals fall it would be too large.
         old = float(step @ self.matrix @ step)
         matrix = min(1.0, abs(float(step @ turned)) / abs(old)) * self.matrix if old else self.matrix
-        left = turned - matrix @ step
-        matrix = matrix + (np.outer(left, along) + np.outer(along, left)) / curved
-        matrix = matrix - float(step @ left) * np.outer(along, along) / curved**2
-        return Secant(matrix, use, proven)
+        left, along = turned - matrix @ step, along / curved
+        matrix = matrix + np.outer(left, along) + np.outer(along, left) - float(step @ left) * np.outer(along, along)
+        return Secant(matrix if np.all(np.isfinite(matrix)) else self.matrix, use, proven)

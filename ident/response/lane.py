@@ -19,9 +19,10 @@ class Lane(NamedTuple):
 
     **Arguments:** `step`, s, of the Runge–Kutta method; `voltage` and `rate`, (2 n + 1,) V and V/s on the half-step
     grid; `omega`, rad/s, one or one of each block; `load`, kg; `moving`, 1 if the record begins in motion; `order` of
-    the derivative of the displacement that was measured; `stiffer`, the share by which the device's own spring is so in
-    this record; `sine`, 1 if the drive is one of about this frequency, so that the solver's error at it is taken off;
-    `allowed`, by how much a step may miss what is measured where it meets a kink, beyond which it is divided.
+    the derivative of the displacement that was measured; `stiffer` and `damped`, the share by which the device's own
+    spring and damper are so in this record; `sine`, 1 if the drive is one of about this frequency, so that the solver's
+    error at it is taken off; `allowed`, by how much a step may miss what is measured where it meets a kink, beyond
+    which it is divided.
     """
 
     step: float
@@ -32,6 +33,7 @@ class Lane(NamedTuple):
     moving: float = 0.0
     order: float = 0.0
     stiffer: float = 0.0
+    damped: float = 0.0
     sine: float = 0.0
     allowed: float = math.inf
 
@@ -46,6 +48,6 @@ def lane_of(record: Trace, substeps: int, allowed: float = ALLOWED) -> Lane:
     """The drive of a record with so many steps of the solver per sample; `allowed` of the noise, as above."""
     voltage, rate = half_step_drive(record, substeps)
     moving = float(record.begins_in_motion)
-    own = (record.load, moving, record.order, record.stiffer)
+    own = (record.load, moving, record.order, record.stiffer, record.damped)
     noise = max(record.noise.sigma, 1e-4 * float(np.std(record.response)))
     return Lane(record.step / substeps, voltage, rate, drive_frequency(record), *own, allowed=allowed * noise)

@@ -105,6 +105,7 @@ class Block(NamedTuple):
     moving: Any
     order: Any
     stiffer: Any
+    damped: Any
     sine: Any
     allowed: Any
 
@@ -169,8 +170,9 @@ class System(NamedTuple):
 
     def at(self, block: Block) -> System:
         """The same in a block of a record."""
-        mass, stiffness = self.mass + block.load, self.stiffness * (1 + block.stiffer)
-        there = self._replace(mass=mass, stiffness=stiffness, omega=block.omega, moving=block.moving, order=block.order)
+        spring, damper = self.stiffness * (1 + block.stiffer), self.damping * (1 + block.damped)
+        there = self._replace(mass=self.mass + block.load, damping=damper, stiffness=spring)
+        there = there._replace(omega=block.omega, moving=block.moving, order=block.order)
         return there.undispersed(block.sine * block.step)
 
     def undispersed(self, step: Any) -> System:

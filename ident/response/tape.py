@@ -25,8 +25,8 @@ class Chunk(NamedTuple):
     """The drive on a stretch of the tape, (BLOCKS, …).
 
     **Arguments:** `voltage` and `rate`, (…, 2 BLOCK + 1) on the half-step grid; per block the `step`, s; the `clock`, s
-    since the first sample of the record; `omega`, `load`, `moving`, `order`, `stiffer`, `sine` and `allowed` of it;
-    whether it is its `first`; `count` of the blocks that hold something.
+    since the first sample of the record; `omega`, `load`, `moving`, `order`, `stiffer`, `damped`, `sine` and `allowed`
+    of it; whether it is its `first`; `count` of the blocks that hold something.
     """
 
     voltage: Numbers
@@ -38,6 +38,7 @@ class Chunk(NamedTuple):
     moving: Numbers
     order: Numbers
     stiffer: Numbers
+    damped: Numbers
     sine: Numbers
     allowed: Numbers
     first: Numbers
@@ -83,7 +84,7 @@ class Tape:
         voltage = self.windows([lane.voltage for lane in self.lanes])
         rate = self.windows([lane.rate for lane in self.lanes])
         shape = (len(voltage) * BLOCKS,)
-        own = ("step", "omega", "load", "moving", "order", "stiffer", "sine", "allowed")
+        own = ("step", "omega", "load", "moving", "order", "stiffer", "damped", "sine", "allowed")
         told = {name: np.zeros(shape) for name in ("step", "clock", *own[1:], "first")}
         for lane, span in zip(self.lanes, self.spans, strict=True):
             there = slice(span.block, span.block + span.blocks)

@@ -24,6 +24,7 @@ TONES = ((90.0,), (143.0,), (147.5,), (61.0, 118.0, 131.0, 149.0, 171.0, 203.0),
 # Of each record; the last is held out.
 TRUTH = {
     "stiffness": np.array([0.003, 0.002, -0.006, 0.001, 0.004]),
+    "damping": np.array([0.05, 0.08, -0.12, -0.01, 0.06]),
     "sensitivity": np.array([0.00, 0.03, -0.02, 0.01, 0.02]),
     "delay": np.array([0.4, -0.7, 0.2, 1.6, -0.3]),  # samples
     "clock": np.array([2e-4, -3e-4, 0.0, 5e-4, 1e-4]),
@@ -42,7 +43,9 @@ def _records(kind: Kind | None, drag: float) -> Campaign:
         own = lambda name, k=k: TRUTH[name][k] if name == kind else 0.0
         law = lambda t, y, push=push, k=k, own=own: [
             y[1],
-            w * w * (0.1 * push(t) - (1 + own("stiffness")) * y[0]) - w / QUALITY * y[1] - drag * y[1] * abs(y[1]),
+            w * w * (0.1 * push(t) - (1 + own("stiffness")) * y[0])
+            - (1 + own("damping")) * w / QUALITY * y[1]
+            - drag * y[1] * abs(y[1]),
         ]
         # A recorder that is late or fast looks at another moment of the motion; before its first sample there was none.
         read_at = np.maximum(time * (1 - own("clock")) - own("delay") * STEP, 0.0)
@@ -62,7 +65,7 @@ def test_the_numbers_of_the_records_are_found_with_their_errors(kind: Kind):
     found = differing(fitted)
     assert found is not None and found.kind == kind
     truth = TRUTH[kind]
-    wanted = truth - np.mean(truth[:-1]) if kind in ("stiffness", "sensitivity") else truth
+    wanted = truth - np.mean(truth[:-1]) if kind in ("stiffness", "damping", "sensitivity") else truth
     column = 1 if kind == "baseline" else 0
     assert np.all(np.abs(found.sizes[:, column] - wanted) < 4 * found.errors[:, column] + 0.01 * np.ptp(truth))
     assert found.fit.fitted.error_over_noise == pytest.approx(1.0, abs=0.05)

@@ -1,9 +1,10 @@
-"""A device that differs from one record to the next: warmer or charged, read with another sensitivity, later, or by a
-sensor that drifts.
+"""A device that differs from one record to the next: warmer or charged, at another pressure, read with another
+sensitivity, later, or by a sensor that drifts.
 
 Each record then has numbers s of its own, found by Gauss-Newton steps beside everything that the model absorbs:
 
-    m z̈ + c ż + k (1 + s) z = F,   reading = (1 + s) z  or  z(t − s Δt)  or  z(t − s t)  or  z + s₀ + s₁ t + s₂ t².
+    m z̈ + c ż + k (1 + s) z = F  or  m z̈ + c (1 + s) ż + k z = F,
+    reading = (1 + s) z  or  z(t − s Δt)  or  z(t − s t)  or  z + s₀ + s₁ t + s₂ t².
 
 To a sine every nonlinear device is a linear one of another resonance at each level
 (N. Minorsky, Nonlinear Oscillations, 1962, ch. 14): that records differ is an answer only where no law explains them.
@@ -22,7 +23,7 @@ from ...campaign.campaign import Campaign
 from ...campaign.record import Trace
 from ...fit import Fit, fit
 from ...fit.reading import read
-from ...model import FREQUENCY
+from ...model import FREQUENCY, QUALITY
 from ..evidence.criterion import VERY_STRONG, Left, behind, criteria
 from ..linearised.regression import Regression, by_record, prepare, stack
 from ..linearised.trajectory import Diverged
@@ -33,11 +34,13 @@ from .differing import Differing, numbers_of
 _ROUNDS = 6  # of the records' numbers and the device's in turn
 _STEPS = 20  # of the device's fit in each round: the next one goes on from there
 _SETTLED = 0.3  # of its error bar: a step that moves no number further ends them
-_SMALL = 1e-4  # change of a stiffness by which its derivative is taken
+_SMALL = 1e-4  # change of a stiffness or a damping by which its derivative is taken
 _FEWEST = 3  # records: of two that disagree nobody knows which one is the device's
 
 KINDS = tuple(TOLD)
 _OF_TIME = ("delay", "clock")
+_OF_DEVICE = {"stiffness": (FREQUENCY, 1.0), "damping": (QUALITY, -1.0)}
+"""Which parameter of the linear part such a number moves along, and whether up or down."""
 
 
 def comparable(fitted: Fit) -> bool:
@@ -54,9 +57,10 @@ def kinds_of(campaign: Campaign) -> Sequence[Kind]:
 def rows_of(regression: Regression, kind: Kind) -> np.ndarray:
     """What the numbers of each record do to it, along the measured motion: whitened, (numbers, n)."""
     records, fit = regression.fit.campaign.fitted, regression.fit
-    if kind == "stiffness":
+    if kind in _OF_DEVICE:
+        at, sign = _OF_DEVICE[kind]
         direction = np.zeros((1, len(fit.values)))
-        direction[0, FREQUENCY] = fit.values[FREQUENCY]
+        direction[0, at] = sign * fit.values[at]
         whole = stack(regression, fit.model, fit.values[None], direction, True, regression.trajectories.histories[None])
         rows = np.zeros((len(records), len(whole[0])))
         for row, own in zip(rows, regression.places, strict=True):
@@ -139,8 +143,9 @@ def _slopes(now: Fit, as_read: Trace, trace: Trace, kind: Kind) -> np.ndarray:
         return here[None] / (1 + (trace.own[1][0] if trace.own else 0.0))
     if kind in _OF_TIME:
         return _later(trace, here, kind)
-    stiffer = replace(trace, stiffer=trace.stiffer + _SMALL)
-    return (read(now.model, now.values, [stiffer])[0] - here)[None] / _SMALL
+    name = "stiffer" if kind == "stiffness" else "damped"
+    more = replace(trace, **{name: getattr(trace, name) + _SMALL})
+    return (read(now.model, now.values, [more])[0] - here)[None] / _SMALL
 
 
 def _later(trace: Trace, reading: np.ndarray, kind: Kind) -> np.ndarray:

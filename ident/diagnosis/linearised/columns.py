@@ -282,8 +282,8 @@ def _linear(equation: Equation, values: np.ndarray, chunk: Chunk) -> tuple[np.nd
     whole = mass + np.asarray(chunk.load)
     share, nothing = np.ones((BLOCKS, 2 * BLOCK + 1)) / whole[:, None], np.zeros((BLOCKS, BLOCK))
     spring = stiffness * share * (1 + np.asarray(chunk.stiffer))[:, None]
-    return (whole, spring, damping * share,
-            *_of_motion(np.asarray(chunk.order), spring, damping * share, nothing, nothing))  # fmt: skip
+    damper = damping * share * (1 + np.asarray(chunk.damped))[:, None]
+    return whole, spring, damper, *_of_motion(np.asarray(chunk.order), spring, damper, nothing, nothing)
 
 
 def _of_motion(order: Numbers, stiffness: Any, damping: Any, by_read: Any, by_rate: Any) -> tuple[Any, Any, Any]:
