@@ -45,7 +45,10 @@ def page() -> str:
         for name, words in e["settings"].items()
     ]
     if settings:
-        defaults = "The first word is the default; `begins` is chosen by how the records begin."
+        defaults = (
+            "The first word is the default of `ident fit`; `diagnose`, `discover` and `add` take the one that explains "
+            "most, where the campaign\nsays none. `begins` is chosen by how the records begin."
+        )
         parts.append(f"## Settings\n\n{defaults}\n\n" + "\n".join(settings) + "\n")
     sources = [f"- `{e['name']}`: {e['source']}." for e in known if e["source"]]
     parts.append("## Sources\n\n" + "\n".join(sources) + "\n")

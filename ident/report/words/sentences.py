@@ -18,7 +18,7 @@ from ...fit.carry_over import expected_error
 from ...fit.judge import GOOD
 from ...fit.linear.one_tone import gain_of
 from ...fit.result import NEGLIGIBLE_STEP, Fit
-from ...model import QUALITY
+from ...model import QUALITY, open_words
 from ...units import format_quantity
 from .linear import worse_than_static
 from .own_numbers import own_number_words
@@ -288,7 +288,7 @@ def _curves(fit: Fit) -> list[Sentence]:
 
 
 def _physics(fit: Fit) -> list[Sentence]:
-    found, device = _unexpected(fit), fit.model.device
+    found, device = [*_words_found(fit), *_unexpected(fit)], fit.model.device
     if isinstance(device, Platform):
         gain = fit.value("platform.d31") * fit.model.linear.force_per_gain
         text = (
@@ -298,6 +298,17 @@ def _physics(fit: Fit) -> list[Sentence]:
         found.append(Sentence(text))
     cautions = [effect.caution(*_band(fit)) for effect in fit.model.effects]
     return found + [Sentence(text, warning) for text, warning in cautions if text]
+
+
+def _words_found(fit: Fit) -> list[Sentence]:
+    """Words of choices that the records have told, where they are not the usual ones: who fits again needs them."""
+    found = []
+    for effect in fit.model.effects:
+        for name, usual in open_words(fit.campaign, type(effect))[0].items():
+            if (word := getattr(effect, name)) != usual:
+                text = f'Of {effect.name} the records say {name} = "{word}": to fit it again, write that under '
+                found.append(Sentence(f"{text}[effect.{effect.name}] in the campaign."))
+    return found
 
 
 def _unexpected(fit: Fit) -> list[Sentence]:
