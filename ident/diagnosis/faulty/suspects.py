@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...campaign.drive_sine import drive_sine
 from ...campaign.quality.suspect import ALL, Suspect, suspects_by_data
 from ...campaign.record import Trace
 from ...fit import Fit, fit
@@ -85,7 +86,7 @@ def alone_off(fitted: Fit) -> tuple[Suspect, ...]:
         fault for i, rest in rests.items() if rest and rest.worst <= _FLOOR
         for fault in faults_of(fitted, i, rest, _FLOOR)
     ]  # fmt: skip
-    settled = [one for one in found if one.worst <= _FLOOR and _beyond_an_effect(one.told, fitted.values)]
+    settled = [one for one in found if one.worst <= _FLOOR and _beyond_an_effect(one, fitted)]
     if not settled:
         return ()
     best = min(settled, key=lambda one: rms(one.whole, 1.0))
@@ -187,7 +188,7 @@ def _most_likely(fitted: Fit, inside: Sequence[int], look: Look) -> tuple[Suspec
     left, sound = _left(fitted), _with_physics(fitted, look)
     if sound.worst <= _FLOOR:
         return None  # so told all records agree
-    faults = likeliest(fitted, inside, lambda fault: _beyond_an_effect(fault.told, fitted.values))
+    faults = likeliest(fitted, inside, lambda fault: _beyond_an_effect(fault, fitted))
     if all(fault.worst > _FLOOR for fault in faults):
         common = common_delay(fitted)
         faults += [] if common is None else [common]
@@ -280,13 +281,20 @@ def _suspect(fitted: Fit, best: Fault, sound: _Explained, faulty: _Explained) ->
     return Suspect(name, told.kind, told.size, told.unit, sure, words, first=True, settles=settles)
 
 
-def _beyond_an_effect(told: Nuisance, values: np.ndarray) -> bool:
+def _beyond_an_effect(fault: Fault, fitted: Fit) -> bool:
     """Whether a record differs by more than what a missing effect makes of it, the library's or not.
 
     To a sine every nonlinear device is a linear one, of another frequency and quality at each level (N. Minorsky,
     Nonlinear Oscillations, 1962, ch. 14): friction that shows in the weakest record alone makes another device of it.
-    A resonance that lies beside that of the others by more than half its width is beyond that.
+    A resonance that lies beside that of the others by more than half its width is beyond that, and so is one by which
+    a record under many frequencies, and all the others, stand at their noise.
     """
+    record = None if fault.record is None else fitted.campaign.traces[fault.record]
+    many = record is not None and record.driven and drive_sine(record) is None
+    return (many and fault.worst <= _FLOOR) or _beyond_its_width(fault.told, fitted.values)
+
+
+def _beyond_its_width(told: Nuisance, values: np.ndarray) -> bool:
     half_width = 0.5 / max(float(values[QUALITY]), 1.0)
     if told.kind == "time-scale":
         return abs(told.size - 1) > half_width
@@ -304,7 +312,7 @@ def _held_out(traces: Sequence[Trace], known: _Explained, i: int) -> Suspect | N
     if not before > _FAR * agree:
         return None
     told = next(iter(explanations(known.model, known.values, traces, i)), None)
-    if told is None or told.error > _BACK * agree or not _beyond_an_effect(told, known.values):
+    if told is None or told.error > _BACK * agree or not _beyond_its_width(told, known.values):
         return None
     words = f"{_words(told, traces)}; so read, it agrees with the others (error over noise {before:.3g} → "
     words += f"{told.error:.3g}, theirs {agree:.3g})"

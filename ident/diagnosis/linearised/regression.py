@@ -244,6 +244,8 @@ def prepare(fit: Fit, believed: bool = False) -> Regression:
     # Of its own parameters the model itself says what they do to sweeps, all harmonics together.
     own, past = None if regression.plane is None else regression.plane.own, trajectories.histories[None]
     along_measured = stack(regression, fit.model, fit.values[None], directions, True, past, own, passed)
+    if not np.all(np.isfinite(along_measured)):  # next to the measured motion its own runs away
+        raise Diverged((*fit.campaign.fitted, *fit.campaign.fitted_sweeps)[0].name)
     measured = _without(regression, along_measured, directions)
     if believed or measured.settled or measured.unexplained < _INERTIA:
         # What a candidate does to fast sweeps is known at the fit alone, and not along what was measured.
