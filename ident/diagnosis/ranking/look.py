@@ -65,8 +65,10 @@ class Look:
 
     @property
     def promise(self) -> float:
-        """The most that one of them promises."""
-        return max(promised(candidate, self.regression) for candidate in self.real)
+        """The most that one of them promises, nothing where none is worth a try."""
+        if not self.worth_it:
+            return 0.0
+        return max((promised(candidate, self.regression) for candidate in self.real), default=0.0)
 
     @cached_property
     def tried(self) -> list[Confirmed]:

@@ -79,7 +79,7 @@ def walk_on(
         return walk_on(Walked(start), library, report, most, keep, revised=revised - 1)
 
     asked = revised and not steps and look.worth_it and look.real
-    if asked and (other := other_drive(start, look.regression, report, look.promise)) is not None:
+    if asked and (other := other_drive(start, look.regression, report, lambda: look.promise)) is not None:
         return once_more(begun_with(start, other))
     current, questioned = walked.final, None
     while look.worth_it and look.real and len(steps) < most:
@@ -100,14 +100,14 @@ def walk_on(
         current, regression = with_its_constant(steps[-1].fit, regression, library, report)
         current, regression = with_its_mode(current, regression, report)
         steps[-1] = steps[-1]._replace(fit=current)
-        if revised and (other := drive_beside(more, current, regression, report)) is not None:
+        look = Look(regression, first, library, report)
+        if revised and (other := drive_beside(more, current, look)) is not None:
             return once_more(begun_with(start, other))
         # What the first effect shows of the modes is asked before others are sought beside one that only mimics.
         if len(steps) == len(more):
             questioned, fewer = current, without_a_mode(start, current, library, first, report)
             if fewer is not None:
                 return walk_on(Walked(fewer), library, report, most, keep, revised=revised)
-        look = Look(regression, first, library, report)
         keep(Walked(start, tuple(steps), gains))
     if revised and steps and (lower := lower_start(start, current, report)) is not None:
         return once_more(lower)

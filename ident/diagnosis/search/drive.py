@@ -8,7 +8,7 @@ word. Left out, it would be named a lag.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -31,11 +31,13 @@ _EDGES = np.arange(-1.0, 2.01, 0.25)  # of drives that jump, in sampling interva
 _CLOSER = (0.25, 0.1, 0.05)  # sampling intervals between the three through which it is drawn
 
 
-def other_drive(fitted: Fit, regression: Regression, report: Report, rival: float = 0.0) -> Campaign | None:
+def other_drive(
+    fitted: Fit, regression: Regression, report: Report, rival: Callable[[], float] = lambda: 0.0
+) -> Campaign | None:
     """The campaign of a fit with another drive between the samples, if the records clearly ask for it by now; what it
     says itself stays.
 
-    **Arguments:** `regression`: of the fit; `rival`: the fall of χ² that the best effect promises, if one is to be
+    **Arguments:** `regression`: of the fit; `rival`: tells the fall of χ² that the best effect promises, if one may be
     added: the drive must explain as much.
     """
     records = [r for r in fitted.campaign.fitted if _may_be_otherwise(r)]
@@ -56,7 +58,7 @@ def other_drive(fitted: Fit, regression: Regression, report: Report, rival: floa
     *others, _ = criteria([*weighed, here])
     best = int(np.argmin(others))
     edge, drop = edges[best], regression.chi2 - float(left[best] @ left[best])
-    if drop < rival - VERY_STRONG or not clearly_better(weighed[best], here):
+    if not clearly_better(weighed[best], here) or drop < rival() - VERY_STRONG:
         return None
     changed = with_edges(fitted.campaign, edge)
     try:

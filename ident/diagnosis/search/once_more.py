@@ -12,9 +12,10 @@ from ...fit import Fit, fit
 from ...model import QUALITY
 from ...pulse import Report
 from ..evidence.criterion import clearly_better
-from ..linearised.regression import Regression, prepare
+from ..linearised.regression import prepare
 from ..linearised.shorten import CRAWLS, is_long, working
 from ..linearised.trajectory import Diverged
+from ..ranking.look import Look
 from .drive import other_drive
 from .steps import Step
 
@@ -58,9 +59,10 @@ def with_other_starts(one: Fit) -> Fit | None:
         return None
 
 
-def drive_beside(more: list[Step], current: Fit, regression: Regression, report: Report) -> Campaign | None:
-    """The campaign with another drive between the samples, if the records ask for it beside what was added; beside the
-    first of two, too, for the second may be its lag."""
+def drive_beside(more: list[Step], current: Fit, look: Look) -> Campaign | None:
+    """The campaign with another drive between the samples, if the records ask for it beside what was added, and no
+    effect promises more; beside the first of two, too, for the second may be its lag. `look`: at the fit with them."""
+    report = look.report
     if len(more) > 1:
         try:
             first = more[0].fit
@@ -69,4 +71,4 @@ def drive_beside(more: list[Step], current: Fit, regression: Regression, report:
             other = None
         if other is not None:
             return other
-    return other_drive(current, regression, report)
+    return other_drive(current, look.regression, report, lambda: look.promise)
