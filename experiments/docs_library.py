@@ -46,8 +46,8 @@ def page() -> str:
     ]
     if settings:
         defaults = (
-            "The first word is the default of `ident fit`; `diagnose`, `discover` and `add` take the one that explains "
-            "most, where the campaign\nsays none. `begins` is chosen by how the records begin."
+            "The first word is the default of `ident fit`; `diagnose`, `discover` and `add` take one that explains far "
+            "more, where the\ncampaign says none. `begins` is chosen by how the records begin."
         )
         parts.append(f"## Settings\n\n{defaults}\n\n" + "\n".join(settings) + "\n")
     sources = [f"- `{e['name']}`: {e['source']}." for e in known if e["source"]]

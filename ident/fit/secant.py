@@ -3,7 +3,8 @@
 The Hessian of ½ Σ r² is JᵀJ + Σ r ∇²r. Where a model reaches the noise the second term is small. A model that lacks
 something, or has kinks, has a valley that bends, along which JᵀJ alone promises what no step keeps: a search then
 crawls for hundreds of steps. Every trial tells how the slope of the residuals that it found has changed, and with that
-the second term along the step; it is used as long as it foretells the falls better than JᵀJ does.
+the second term along the step. It is used where JᵀJ crawls, as long as it foretells the falls better: far from a
+minimum it speaks of residuals that the next steps take away, and a model that is right is found sooner without.
 
 Source: J. E. Dennis, D. M. Gay, R. E. Welsch, An adaptive nonlinear least-squares algorithm, ACM Transactions on
 Mathematical Software 7 (1981) 348, §§2-3.
@@ -38,9 +39,10 @@ class Secant(NamedTuple):
         return normal._replace(matrix=(directions * np.abs(curvature)) @ directions.T * scale)
 
     @np.errstate(over="ignore", invalid="ignore")  # a trial whose motion has next to no bound tells nothing
-    def learn(self, step: np.ndarray, point: Normal, trial: Normal, turned: np.ndarray) -> Secant:
+    def learn(self, step: np.ndarray, point: Normal, trial: Normal, turned: np.ndarray, crawls: bool) -> Secant:
         """What it is after a trial that lay a `step` (u,) from the point, both without the second term; `turned` (u,):
-        by how much Jᵀr has changed for the residuals of the trial, (J_trial − J_point)ᵀ r_trial."""
+        by how much Jᵀr has changed for the residuals of the trial, (J_trial − J_point)ᵀ r_trial; `crawls`: whether the
+        search does, so that it may be used."""
         if not (np.isfinite(trial.cost) and np.all(np.isfinite(trial.gradient)) and np.all(np.isfinite(turned))):
             return self._replace(proven=False)
         fell = float(point.cost - trial.cost)
@@ -48,8 +50,7 @@ class Secant(NamedTuple):
         whole = plain - 0.5 * float(step @ self.matrix @ step)
         told = whole if self.use else plain
         proven = told > 0 and 1 / _KEPT < fell / told < _KEPT
-        known = bool(np.any(self.matrix))
-        use = abs(fell - whole) < abs(fell - plain) if known else self.use
+        use = crawls and abs(fell - whole) < abs(fell - plain)
         along = trial.gradient - point.gradient
         if not (curved := float(step @ along)) > 0:
             return Secant(self.matrix, use, proven)

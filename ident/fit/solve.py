@@ -44,6 +44,7 @@ _COMPARED = 0.05  # the same, of models that are only compared: n ln χ² then f
 _SMALL_SHARE = 1e-9  # of the cost: more than that of a misfit is not worth a step
 _LEAST_STEP = 1e-12  # where damping has grown that much, rounding decides
 _PATIENCE = 12  # steps that together bring less than is worth one: 400 would move no parameter by a tenth of its error
+_CRAWL = 0.1  # of the cost: a search that gains less in a dozen steps does not see where its valley goes
 
 _FIRST_STEP = 100.0  # the inverse of the first damping
 _FARTHEST = 0.5  # in ln p, for positive parameters in one step
@@ -291,8 +292,12 @@ class Search:
         self._costs = [*self._costs[-_PATIENCE:], float(self._point.cost)]
         self.converged = promised < worth + _SMALL_SHARE * float(self._point.cost)
         hopeless = _fall(here, self._next) * MAX_STEPS < worth
-        stalled = len(self._costs) > _PATIENCE and self._costs[0] - self._costs[-1] < worth
-        self.ended = self.converged or hopeless or stalled or float(self._turn.reach) < _LEAST_STEP
+        self.ended = self.converged or hopeless or self._gained < worth or float(self._turn.reach) < _LEAST_STEP
+
+    @property
+    def _gained(self) -> float:
+        """By how much the cost has fallen in the last dozen steps; more than can be told before there were as many."""
+        return self._costs[0] - self._costs[-1] if len(self._costs) > _PATIENCE else np.inf
 
     def _taken(self, change: np.ndarray, found: Evaluation, trial: Normal) -> _Turn:
         """A trial accepted or refused, by what was known of the curvature before; what it tells of that counts for the
@@ -301,7 +306,7 @@ class Search:
         if self.steps > 1:
             pull = pulls(found.residuals, self._robust)
             now, before = (slope_by(self.static, self._data, one, pull) for one in (found, self._best))
-            self._secant = secant.learn(change, point, trial, now - before)
+            self._secant = secant.learn(change, point, trial, now - before, self._gained < _CRAWL * self._costs[-1])
         bend = lambda normal: self._secant.bend(normal, units)
         lengths = np.sqrt(np.diagonal(trial.matrix))
         return _turn(secant.bend(point, units), bend(trial), bend(point), lengths, change, self._turn, self.steps == 1)

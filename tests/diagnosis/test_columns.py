@@ -10,8 +10,10 @@ from experiments.hidden_effects.generator import draw
 from ident.campaign.device import Platform
 from ident.diagnosis.linearised import columns
 from ident.diagnosis.linearised.regression import Regression, prepare, stack
+from ident.diagnosis.linearised.trajectory import Diverged
 from ident.effects.registry import built_in
 from ident.fit import fit
+from ident.fit.rebuild import fit_at
 from ident.model import Model
 from ident.response import Equation
 
@@ -54,3 +56,12 @@ def test_a_memory_bends_with_what_it_depends_on_alone() -> None:
     assert columns._bend(plays, frozenset({plays.model.parameters[2].name}))  # the gain, which a memory may see
     spring = Equation(Model(Platform(), (library["cubic-stiffness"](),)))
     assert not columns._bend(spring, frozenset(p.name for p in spring.model.parameters))
+
+
+def test_a_model_that_runs_away_beside_the_measured_motion_is_no_model(regression: Regression) -> None:
+    """Friction that drives, as a refit without another effect may end with: LAPACK was given what is no number."""
+    fitted = regression.fit
+    driven = fitted.model + built_in()["coulomb-friction"]()
+    values = np.append(fitted.values, [-0.1, 1e-3])
+    with np.errstate(all="ignore"), pytest.raises(Diverged):
+        prepare(fit_at(driven, fitted.campaign, values))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -44,6 +45,16 @@ def test_the_edges_are_found_beside_a_fit(edge):
     assert other is not None and other.traces[0].edge == pytest.approx(edge, abs=0.1)
     other = asked(other) or other
     assert other.traces[0].edge == pytest.approx(edge, abs=0.02)
+
+
+def test_an_effect_that_promises_more_goes_first():
+    """The loss of a rubber mount hid in a drive that was said to be held, and names were sought beside that."""
+    found = fit(start_model(campaign_of(1.0)), campaign_of(1.0))
+    regression = prepare(found)
+    for promise, asked_for in ((0.5 * regression.chi2, True), (2.0 * regression.chi2, False)):
+        look = SimpleNamespace(promise=promise)
+        other = other_drive(found, regression, lambda _: None, look)  # type: ignore[arg-type]
+        assert (other is not None) is asked_for
 
 
 def test_a_smooth_drive_and_one_that_is_told_stay_as_they_are():

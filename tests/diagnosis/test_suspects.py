@@ -21,6 +21,7 @@ from ident.diagnosis.ranking.look import first_look
 from ident.diagnosis.where.locate import locate
 from ident.effects.registry import registry
 from ident.fit import Fit, fit
+from ident.fit.linear.start_model import start_model
 from ident.model import build_model
 from ident.report.diagnosis_view import advice, verdict_words
 from tests.end_to_end.user import DATA
@@ -55,6 +56,33 @@ CASES = {
     "sign": ("sine_9V_505Hz.csv", {"response": lambda r: -r.response}, -1.0),
     "delay": ("sine_8V_317Hz.csv", {"response": late}, 3.0),
 }
+
+
+def _panel(spoil: float) -> Campaign:
+    """A linear device of quality 12 under multisines, one record of which has another time base."""
+    rng, time, records, w = np.random.default_rng(3), np.arange(1600) / 16e3, [], 2 * np.pi * 640.0
+    poles = w * (-0.5 / 12 + np.array([1j, -1j]) * np.sqrt(1 - 0.25 / 144))
+    for k in range(4):
+        tones = 2 * np.pi * np.arange(100.0, 1300.0, 75.0 + 9 * k)
+        turning = np.exp(1j * (np.outer(time, tones) + rng.uniform(0, 2 * np.pi, len(tones))))
+        response = np.real(turning @ (w**2 / ((1j * tones - poles[0]) * (1j * tones - poles[1]))))
+        response = response + 0.01 * np.std(response) * rng.normal(size=len(time))
+        table = {
+            "time": time * (spoil if k == 2 else 1.0),
+            "drive": turning.real.sum(1),
+            "response": response,
+        }
+        records.append({"data": table, "start": "unknown"})
+    return read_campaign({"device": {"kind": "oscillator"}, "record": records})
+
+
+def test_a_time_base_that_is_wrong_by_less_than_the_width_of_the_resonance():
+    """To a sine a nonlinear device may seem to have another frequency by so much; not to a multisine, to the noise."""
+    fitted = fit(start_model(campaign := _panel(1.024)), campaign)
+    (suspect,) = suspects_of(fitted)
+    assert suspect.file == campaign.traces[2].name and suspect.kind == "time-scale" and suspect.settles
+    assert suspect.size == pytest.approx(1 / 1.024, abs=1e-3)
+    assert suspects_of(fit(start_model(sound := _panel(1.0)), sound)) == ()
 
 
 @pytest.mark.parametrize("kind", ["gain", *(pytest.param(k, marks=pytest.mark.slow) for k in CASES if k != "gain")])

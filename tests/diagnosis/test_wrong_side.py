@@ -26,7 +26,7 @@ def test_where_a_driving_film_fits_best_the_starts_that_brake_run_again(monkeypa
     values = lambda damping, gap: np.array([*BESIDE, damping, gap])
     scored = [{"damping": -3e-3, "gap": -3.0}, {"damping": 2e-3, "gap": 3.0}, {"damping": -1e-3, "gap": -8.0}]
     candidate: Any = SimpleNamespace(
-        values=scored[0], near=tuple(scored[1:]), beside=None, errors={}, unseen=frozenset()
+        values=scored[0], near=tuple(scored[1:]), beside=None, errors={}, unseen=frozenset(), words={}
     )
     candidate._replace = lambda values: SimpleNamespace(values=values, errors={})
     races = []

@@ -25,7 +25,7 @@ def _normal(x: np.ndarray) -> Normal:
 
 def _learned(secant: Secant, before: np.ndarray, after: np.ndarray) -> Secant:
     r, now = _residuals(after)
-    return secant.learn(after - before, _normal(before), _normal(after), now.T @ r - _residuals(before)[1].T @ r)
+    return secant.learn(after - before, _normal(before), _normal(after), now.T @ r - _residuals(before)[1].T @ r, True)
 
 
 @given(st.lists(st.integers(-40, 40), min_size=6, max_size=6))
@@ -61,8 +61,8 @@ def test_a_bent_valley_is_left_in_fewer_steps() -> None:
 def test_a_trial_without_bound_tells_nothing() -> None:
     here, secant = _normal(np.ones(2)), Secant(np.eye(2), use=True, proven=True)
     lost = Normal(np.array(np.inf), np.full(2, np.nan), np.full((2, 2), np.nan))
-    after = secant.learn(np.ones(2), here, lost, np.full(2, np.nan))
+    after = secant.learn(np.ones(2), here, lost, np.full(2, np.nan), True)
     assert after.matrix is secant.matrix and after.use and not after.proven
     assert secant.bend(lost, np.ones(2)) is lost
     far = Normal(np.array(1e300), np.full(2, 1e200), np.eye(2))
-    assert np.all(np.isfinite(secant.learn(np.full(2, 1e-200), here, far, np.full(2, 1e200)).matrix))
+    assert np.all(np.isfinite(secant.learn(np.full(2, 1e-200), here, far, np.full(2, 1e200), True).matrix))

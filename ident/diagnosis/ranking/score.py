@@ -47,7 +47,7 @@ class Candidate(NamedTuple):
     - `signature`: (dof, n) orthonormal projected columns, by which candidates are compared; `near`: `values` at the
       next best points of the grid, and `near_signatures` there; `beside`: the model's own parameters with the candidate
       at `values`; `unseen`: amplitudes that the records do not show at all, as curves do not show an even sensor.
-    - `words`: those of its choices that nobody decided, which explain most.
+    - `words`: those of its choices that nobody decided, the usual ones if they explain about as much as any.
     """
 
     name: str
@@ -80,6 +80,7 @@ class _Point(NamedTuple):
 
 
 NAMED_BY_CHANCE = 0.002  # probability with which noise alone would name an effect, all candidates together
+_USUAL = 0.5  # of what other words promise: refits keep as little of a promise, or twice as much
 _NEAR_POINTS = 5  # of a grid, kept as starts: the best of them may lead into a local minimum
 
 
@@ -140,9 +141,10 @@ def _score_one(regression: Regression, effect: type[AbstractEffect]) -> Candidat
 
 
 def _best_weighed(regression: Regression, asked: Sequence[_Asked]) -> Candidate | None:
-    """The candidate with those of its words that explain most."""
+    """The candidate with its usual words, unless others promise what a refit with these can hardly keep."""
     found = [candidate for one in asked if (candidate := _weighed(regression, one)) is not None]
-    return next(iter(_in_order(found, regression.n)), None)
+    most = max((candidate.drop for candidate in found), default=0.0)
+    return next((candidate for candidate in found if candidate.drop >= _USUAL * most), None)
 
 
 def _asked(regression: Regression, effect: type[AbstractEffect]) -> list[_Asked]:

@@ -79,7 +79,7 @@ def walk_on(
         return walk_on(Walked(start), library, report, most, keep, revised=revised - 1)
 
     asked = revised and not steps and look.worth_it and look.real
-    if asked and (other := other_drive(start, look.regression, report, lambda: look.promise)) is not None:
+    if asked and (other := other_drive(start, look.regression, report, look)) is not None:
         return once_more(begun_with(start, other))
     current, questioned = walked.final, None
     while look.worth_it and look.real and len(steps) < most:

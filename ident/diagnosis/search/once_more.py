@@ -71,4 +71,4 @@ def drive_beside(more: list[Step], current: Fit, look: Look) -> Campaign | None:
             other = None
         if other is not None:
             return other
-    return other_drive(current, look.regression, report, lambda: look.promise)
+    return other_drive(current, look.regression, report, look)

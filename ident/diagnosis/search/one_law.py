@@ -48,7 +48,7 @@ def one_law(look: Look, start: Regression, path: Path | None, report: Report) ->
     formula = unknown.formula
     if formula is None or not formula.complete or unknown.dimension > 1 or not formula.chi2_per_sample < AS_WELL:
         return None
-    if _said_in_pieces(look, unknown) or other_drive(fitted, regression, report, lambda: look.promise) is not None:
+    if _said_in_pieces(look, unknown) or other_drive(fitted, regression, report, look) is not None:
         return None
     try:
         beyond, gain = simulated(fitted, start, unknown, path, report)
