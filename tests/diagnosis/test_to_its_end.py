@@ -52,3 +52,16 @@ def test_smooth_laws_and_ends_that_were_reached_are_left_alone(monkeypatch: pyte
         monkeypatch.setattr(change, "fit", lambda *_, last=last, **__: last)
         monkeypatch.setattr(change, "minimise", None)
         assert change.to_its_end(last) is last
+
+
+def test_without_an_effect_the_others_stay_what_they_can_be(monkeypatch: pytest.MonkeyPatch) -> None:
+    """For want of a drag, friction was refitted to one that drives, and nothing could be asked beside that: a damper of
+    square law kept the name of the family."""
+    model = Model(Oscillator(), (CubicStiffness(), CoulombFriction()))
+    parent = ended(model, [1.0, 10.0, 1.0, 5.0, 0.2, 1e-4], 100.0, True)
+    for friction, kept in ((-0.2, 0.2), (0.3, 0.3)):
+        found = SimpleNamespace(values=np.array([1.0, 10.0, 1.0, friction, 1e-4]))
+        monkeypatch.setattr(change, "minimise", lambda *_, found=found, **__: found)
+        monkeypatch.setattr(change, "fit_at", lambda model, _, values, **__: ended(model, list(values), 200.0, False))
+        without = change.try_without.__wrapped__(parent, "cubic-stiffness", parent)
+        assert without.model.names == ("coulomb-friction",) and without.values[3] == kept

@@ -18,7 +18,7 @@ from ...pulse import Report
 from ...threads import one_thread
 from ..linearised.regression import prepare
 from ..linearised.shorten import CRAWLS
-from ..ranking.confirm import shapes_of, start_of, with_effect, with_one, without_unseen
+from ..ranking.confirm import is_possible, shapes_of, start_of, with_effect, with_one, without_unseen
 from ..ranking.score import score
 
 _RACE = 12  # steps, after which the best of several shapes is known
@@ -69,14 +69,23 @@ def try_without(parent: Fit, name: str, start: Fit) -> Fit:
     reported.
 
     `start`: the fit before any effect was added. An effect may have taken over the stiffness or the damping; from its
-    linear parameters the model finds back.
+    linear parameters the model finds back. Where another effect would have to be what it cannot be (friction that
+    drives, for want of a drag), the others stay as they were.
     """
     model, rest = parent.model - name, values_without(parent, name)
     linear = sum(p.kind == "linear" for p in model.parameters)
     starts = [rest, np.concatenate([start.values[:linear], rest[linear:]])]
     race = minimise(model, parent.campaign, initial=starts, most=_FEW, compared=True)
     found = minimise(model, parent.campaign, initial=race.values, most=ENOUGH, compared=True)
-    return fit_at(model, parent.campaign, found.values, converged=False)  # what is kept of it is fitted to its end
+    without = fit_at(model, parent.campaign, found.values, converged=False)  # what is kept of it is fitted to its end
+    return without if still_possible(without, parent) else fit_at(model, parent.campaign, rest, converged=False)
+
+
+def still_possible(after: Fit, before: Fit) -> bool:
+    """Whether the effects that were possible before a change are so after it: a stop may have bent what is gone."""
+    possible = lambda fit, effect: is_possible(fit.model, fit.values, effect, fit.scales)
+    able = {e.name for e in before.model.effects if possible(before, e)}
+    return all(possible(after, e) for e in after.model.effects if e.name in able)
 
 
 def to_its_end(found: Fit, report: Report = lambda _: None) -> Fit:

@@ -108,15 +108,22 @@ def _after_effects(steps: list[Step], regression: Regression) -> Regression:
 
 
 def _replayed(start: Fit, needed: Pruned, library: Registry, at_best: Regression) -> list[Step]:
-    """The steps as they would have been without the terms that proved superfluous; `at_best`: where the walk began."""
+    """The steps as they would have been without the terms that proved superfluous; `at_best`: where the walk began.
+
+    Of two laws that do the same to these records the second shows only beside a third, and comes after that.
+    """
     steps: list[Step] = []
-    current = start
-    for name in needed.names:
+    current, names = start, list(needed.names)
+    while names:
         regression = prepare(working(current)) if steps else at_best
         candidates = score(regression, library)
-        chosen = next(c for c in candidates if c.name == name)
+        chosen = min((c for c in candidates if c.name in names), key=lambda c: names.index(c.name), default=None)
+        if chosen is None:  # beside the others it does nothing that they do not
+            return [*steps[:-1], steps[-1]._replace(fit=needed.fit)] if steps else []
+        name = chosen.name
+        names.remove(name)
         found = confirm(regression, library[name], chosen)
-        current = needed.fit if name == needed.names[-1] else accept(found, current)
+        current = accept(found, current) if names else needed.fit
         ties, tied = weighed_ties(regression, found, significant(candidates), library, [found])
         role = role_of(regression, found.chi2, at_best)
         steps.append(

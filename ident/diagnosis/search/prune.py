@@ -17,9 +17,9 @@ from ..evidence.held_out import hurts, hurts_more
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
-from ..ranking.confirm import accept, confirm, is_possible
+from ..ranking.confirm import accept, confirm
 from ..ranking.score import Candidate, score, significant
-from .change import ENOUGH, try_without, values_without
+from .change import ENOUGH, still_possible, try_without, values_without
 from .parts import Parts, take_apart
 
 _MOST_CHANGES = 10  # each has to be for the better, but by two measures: criterion and held-out error
@@ -33,13 +33,6 @@ class Pruned(NamedTuple):
     names: tuple[str, ...]
     fit: Fit
     alike: tuple[Parts, ...]
-
-
-def _still_possible(after: Fit, before: Fit) -> bool:
-    """Whether the effects that were possible before a change are so after it: a stop may have bent what is gone."""
-    possible = lambda fit, effect: is_possible(fit.model, fit.values, effect, fit.scales)
-    able = {e.name for e in before.model.effects if possible(before, e)}
-    return all(possible(after, e) for e in after.model.effects if e.name in able)
 
 
 def rivals(name: str, regression: Regression, library: Registry) -> list[Candidate]:
@@ -83,7 +76,7 @@ def _replaced(
     there = prepare(after)
     lead = full.fit_chi2 - there.fit_chi2
     clearly = perhaps and behind(full, there) > margin and not (wider and lead < laws_differ_by(regression, best.chi2))
-    wins = (not hurts_more(last, after) if clearly else alike and hurts(after, last)) and _still_possible(after, last)
+    wins = (not hurts_more(last, after) if clearly else alike and hurts(after, last)) and still_possible(after, last)
     return (best.candidate.name, after) if wins else None
 
 
@@ -150,7 +143,7 @@ def _changed(
     without = try_without(last, name, first.fit)
     try:
         regression = prepare(without)
-        if superfluous(regression, full, first) and _still_possible(without, last) and not hurts(last, without):
+        if superfluous(regression, full, first) and still_possible(without, last) and not hurts(last, without):
             return [*names[:i], *names[i + 1 :]], without
         # Where scores cannot be believed, every effect has been refitted already.
         found = _replaced(name, last, full, regression, library) if full.credible else None
