@@ -54,7 +54,8 @@ def _flag(low: float, high: float) -> Shape:
 LAWS: tuple[Law, ...] = (
     # Width of the sign change (0: axial-force closure), stress, direct axial force at the largest drive (N/restraint).
     Law("residual-stress", "force", ("z", "e"), lambda rng, own: (
-        0.0, rng.choice([-1, 1]) * rng.uniform(40e6, 110e6), rng.uniform(-0.02, 0.02) if own else 0.0)),
+        rng.uniform(0.02, 0.15) * rng.integers(2) if own else 0.0,
+        rng.choice([-1, 1]) * rng.uniform(40e6, 110e6), rng.uniform(-0.02, 0.02) if own else 0.0)),
     Law("arch-force", "force", ("z",), lambda rng, own: (0.0, rng.uniform(40e6, 110e6), 0.0),
         alike=("quadratic-stiffness",)),
     Law("cubic-stiffness", "force", ("z",), _one(0.05, 0.15, 0.0)),

@@ -14,11 +14,11 @@ class Drifting(AbstractEffect):
     """Base of the drifts: t counts from the first sample of a record that begins at rest.
 
     Where some records begin so and others in motion, t counts from a time `age` before the first sample of the latter,
-    the same for all of them.
+    the same for all of them: just switched on, or as long ago as a record lasts, to begin with.
     """
 
     age = shape(
-        "s", "time since switching-on where a record begins in motion, a", grid=(1.0,), scale="duration",
+        "s", "time since switching-on where a record begins in motion, a", grid=(1e-3, 1.0), scale="duration",
         limits=(1e-4, 100.0),  # down to less than a sample: one that is said to be in motion may have begun at rest
     )  # fmt: skip
     begins = choice("at-rest", _IN_MOTION)
