@@ -28,6 +28,7 @@ from .load import load_record, read_table
 from .noise.pool import pooled
 from .quality.rest_level import counted_from_rest
 from .record import Record, Trace
+from .scale import quantity_of
 from .spec import RecordSpec, parse_record
 from .sweeps.together import seen_together
 from .tables.binary import READERS
@@ -159,15 +160,15 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
 
 
 def _tables(document: Section, folder: Path) -> Iterator[Table]:
-    """The tables of the records, their columns called by their roles, up to one that cannot be read, which is said
-    where all records are, or of which the campaign says what its numbers mean."""
+    """The tables of the records, their columns called by their roles and in the units that a sensor's sensitivity
+    makes of them, up to one that cannot be read, which is said where all records are."""
     for section in record_sections(document):
-        if "scale" in section.values:
-            return
         table, file = section.values.get("data"), section.text("file")
+        scale = {role: quantity_of(str(text)) for role, text in section.section("scale").values.items()}
+        units = section.section("units").values | {role: unit for role, unit in scale.items() if unit}
         try:
             table = table if isinstance(table, Table) else read_table(folder / file, file)
-            yield renamed(table, section.section("columns").values, section.section("units").values)
+            yield renamed(table, section.section("columns").values, units)
         except (UserError, OSError, ValueError):
             return
 

@@ -6,7 +6,7 @@ import re
 from typing import NamedTuple
 
 from ident.errors import UserError
-from ident.units import Dimension, Unit, find_unit
+from ident.units import Dimension, Unit, base_unit, find_unit
 
 _SENSITIVITY = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*([^\d\s(].*?)\s*/\s*(\([^()]+\)|[^/()]+)\s*")
 _GRAVITY = Unit("g_n", 9.80665, (1, 0, -2, 0, 0, 0, 0))  # of an accelerometer's mV/g; a gram else
@@ -40,6 +40,14 @@ def parse_scale(text: str, wanted: Dimension, base: str, where: str) -> Scale:
     if below[2] == wanted:
         return Scale(below[1] / (value * above[1]), above[2], below[0], below[1])
     raise UserError(f'"{text}" says nothing about a quantity in {base}', where=where, do=do)
+
+
+def quantity_of(text: str) -> str:
+    """The unit of what a sensitivity is about, the side of the slash that is not volts; "" if it is none."""
+    match = _SENSITIVITY.fullmatch(text)
+    sides = [] if match is None else [_unit(name.strip(" ()"), _GRAVITY.dimension) for name in match.groups()[1:]]
+    known = [base_unit(side[2]) for side in sides if side is not None]
+    return next((unit for unit in known if unit != "V"), "V") if len(known) == 2 else ""
 
 
 def _unit(name: str, wanted: Dimension) -> tuple[str, float, Dimension] | None:

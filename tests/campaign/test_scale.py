@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from ident.campaign import read_campaign
+from ident.campaign.device import Oscillator
 from ident.campaign.record import Trace
 from ident.errors import UserError
 
@@ -53,3 +54,14 @@ def test_the_reference_of_a_loop_is_neither_drive_nor_response(tmp_path: Path) -
     found = record(tmp_path, 'columns = { reference = "drive" }', header=header)
     np.testing.assert_allclose(found.drive, DRIVE, atol=1e-8)
     assert any("loop" in note for note in read_campaign(tmp_path).notes)
+
+
+@pytest.mark.parametrize(("response", "unit"), [("5 um/V", "um"), ("100 mV/g", "g_n")])
+def test_a_sensitivity_tells_the_units_that_a_device_leaves_open(tmp_path: Path, response: str, unit: str) -> None:
+    rows = np.stack([T, DRIVE, READ], 1)
+    np.savetxt(tmp_path / "a.csv", rows, "%.9g", ",", header="t (s),drive (A),response (V)", comments="")
+    record = f'[[record]]\nfile = "a.csv"\nscale = {{ response = "{response}" }}'
+    (tmp_path / "campaign.toml").write_text(f'device = {{ kind = "oscillator" }}\n{record}\n')
+    campaign = read_campaign(tmp_path)
+    assert isinstance(campaign.device, Oscillator)
+    assert (campaign.device.input, campaign.traces[0].response_channel.unit) == ("A", unit)

@@ -9,8 +9,8 @@ class EndStop(AbstractEffect):
     """Elastic contact beyond a gap: F = −k_a g (δ_a/g)ⁿ + k_b g (δ_b/g)ⁿ, δ_a = (z − g)₊, δ_b = (−z − a g)₊.
 
     n = 3/2 is the contact of round bodies (Hertz), n = 1 a linear bumper; k is the secant stiffness at a penetration
-    of one gap. One amplitude at zero leaves a stop on one side only; the gaps are taken as equal (a = 1) unless a
-    campaign frees `asymmetry`. Gaps of 0.05-1 of the travel, k from 1 to 1000 times the suspension.
+    of one gap. One amplitude at zero leaves a stop on one side only, of which a says nothing; gaps are sought as equal
+    and fitted as they are. Gaps of 0.05-1 of the travel, k from 1 to 1000 times the suspension.
     """
 
     name = "end-stop"
@@ -27,7 +27,7 @@ class EndStop(AbstractEffect):
     gap = shape("m", "gap from rest to the upper stop, g", grid=(0.08, 0.13, 0.2, 0.3, 0.42, 0.55, 0.7, 0.85),
                 limits=(0.05, 1.0), scale="displacement")  # fmt: skip
     exponent = shape("1", "exponent of the contact law, n", grid=(1.0, 1.5), limits=(0.8, 1.8))
-    asymmetry = shape("1", "lower gap over upper gap, a", grid=(1.0,), fitted=False)
+    asymmetry = shape("1", "lower gap over upper gap, a", grid=(1.0,), limits=(0.2, 5.0))
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         reach = state.z / self.gap
