@@ -61,6 +61,15 @@ class Drive(NamedTuple):
     order: Scalar = 0.0
 
 
+class Linear(NamedTuple):
+    """The linear part of a stage: `mass` kg, `omega` rad/s, `quality`, and the `push` of the drive, N/V."""
+
+    mass: float
+    omega: float
+    quality: float
+    push: float
+
+
 class AbstractEffect:
     """A term of the equation of motion, of the drive, or of the sensor. Subclasses are final and immutable.
 
@@ -82,7 +91,8 @@ class AbstractEffect:
     or a stop, says so in `has_kink`: the steps that meet it are divided. (A loop that bends all along is cheaper in
     steps that are short everywhere.) `steps_per_period` is how finely a period of the resonance must be divided to
     follow an effect all along, or, if it has a kink, in the steady motions of sweeps, whose steps are all alike. One
-    whose law implies simpler effects names them in `contains`: they are tried in its place.
+    whose law implies simpler effects names them in `contains`: they are tried in its place. `form_of`: the effect of
+    which it is another form, the same on a device that is linear otherwise; it is looked for in its place only.
     """
 
     name: ClassVar[str] = ""
@@ -93,6 +103,7 @@ class AbstractEffect:
     platform_only: ClassVar[bool] = False
     contains: ClassVar[tuple[str, ...]] = ()
     needs: ClassVar[str] = ""
+    form_of: ClassVar[str] = ""
     steps_per_period: ClassVar[int] = 0
     has_kink: ClassVar[bool] = False
     acts_on: ClassVar[str] = ""
@@ -206,6 +217,12 @@ class AbstractEffect:
     def told_by(cls, records: Sequence[Trace]) -> Mapping[str, str]:
         """Words of its choices that the fitted records decide, where the campaign does not."""
         return {}
+
+    @classmethod
+    def in_its_form(cls, there: Linear, usual: Mapping[str, float]) -> tuple[Linear, dict[str, float]] | None:
+        """The linear part and the numbers by which this effect makes the same linear device as the one of which it is
+        another form does beside a linear part, with its `usual` numbers; None if there are none."""
+        return None
 
     def unused(self) -> tuple[str, ...]:
         """Names of the parameters that the present settings leave without meaning."""

@@ -132,6 +132,20 @@ def test_second_mode_is_a_second_oscillator_under_the_same_voltage():
     assert_agrees(make("second-mode", travel=travel, period=1 / f2, quality=q2), physics, SMOOTH)
 
 
+def test_an_attached_mass_is_moved_by_the_stage_and_moves_it():
+    share, fa, qa = 0.15, 700.0, 12.0
+    wa, k = 2 * np.pi * fa, 0.15 * K
+    mass = k / wa**2
+    # Written with the momentum of the part, which the spring and the damper between the two change.
+    between = lambda z, v, h: k * (z - h[0]) + k / (wa * qa) * (v - h[1] / mass)
+    physics = Physics(
+        lambda t, z, v, h: -between(z, v, h),
+        rates=lambda t, z, v, h: (h[1] / mass, between(z, v, h)),
+        start=(0.0, 0.0),
+    )
+    assert_agrees(make("attached-mass", stiffness=share * K, period=1 / fa, quality=qa), physics, SMOOTH)
+
+
 @pytest.mark.parametrize("spread", [1.0, 9.0])
 @pytest.mark.parametrize("time", [1e-4, 3e-4, 5e-3])
 def test_viscoelastic_support_is_two_springs_behind_dashpots(time, spread):

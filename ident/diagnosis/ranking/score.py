@@ -88,12 +88,15 @@ def score(regression: Regression, library: Registry, report: Report = lambda _: 
     """Every candidate of the library that the model does not have, best first; each is scored once on a regression.
 
     A family of which the model has a member is none: that one with other numbers would stand in its place, not beside.
+    Nor is another form of an effect beside others: it is asked for alone.
     """
-    there = regression.fit.model.effects
+    there, alone = regression.fit.model.effects, len(library) == 1
     missing = [
         effect
         for effect in library.values()
-        if effect.name not in regression.fit.model.names and not any(is_family_of(effect, one) for one in there)
+        if effect.name not in regression.fit.model.names
+        and not any(is_family_of(effect, one) for one in there)
+        and (alone or not effect.form_of)
     ]
     new = [effect for effect in missing if effect not in regression.scored]
     regression.scored.update(

@@ -53,6 +53,8 @@ def concluded(ended: Ended) -> Discovery:
         if needed.names != tuple(s.added for s in steps):
             steps = _replayed(start, needed, library, at_best)
             steps = _without_refuted(start, steps, prepare(working(steps[-1].fit)))  # the laws before it have changed
+        elif needed.fit is not steps[-1].fit:  # another law in the place of one has led to a better minimum with it
+            steps[-1] = steps[-1]._replace(fit=needed.fit)
     steps = _on_all_samples(start, steps, report)
     final = steps[-1].fit if steps else start
     if final is not walked.final:
@@ -116,7 +118,8 @@ def _replayed(start: Fit, needed: Pruned, library: Registry, at_best: Regression
     current, names = start, list(needed.names)
     while names:
         regression = prepare(working(current)) if steps else at_best
-        candidates = score(regression, library)
+        forms = [c for name in names if library[name].form_of for c in score(regression, {name: library[name]})]
+        candidates = [*score(regression, library), *forms]
         chosen = min((c for c in candidates if c.name in names), key=lambda c: names.index(c.name), default=None)
         if chosen is None:  # beside the others it does nothing that they do not
             return [*steps[:-1], steps[-1]._replace(fit=needed.fit)] if steps else []

@@ -89,7 +89,7 @@ def prune(
     when it was added.
     """
     names, given, last = list(added), last, working(last)
-    as_given = Pruned(tuple(added), given, ())
+    as_given, begun = Pruned(tuple(added), given, ()), last
     names, last = _questioned(names, last, library, first, report, int(weighed))
     compared = take_apart(last, names, library, first.fit, report)
     alike = tuple(parts for parts in compared if parts.near)
@@ -100,7 +100,7 @@ def prune(
             report(f"now {', '.join(names)}: error over noise {last.fitted.error_over_noise:.3g}{_held_out(last)}")
             # What the whole could not say beside the others, its parts may say without them.
             names, last = _questioned(names, last, library, first, report)
-    if names == added:
+    if names == added and last is begun:
         return as_given._replace(alike=alike)
     if last.campaign is given.campaign:
         return Pruned(tuple(names), last, alike)
