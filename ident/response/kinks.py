@@ -5,14 +5,19 @@ these change, or bend, the step is tried whole and as two halves. If their ends 
 is tried in the same way, and so on until a part is short enough; the next part is tried twice as long. So a kink is
 closed in by halving, and away from its kinks a law costs what a smooth one does.
 
+Where friction sticks the motion creeps over a slope so steep that the method is not stable in any step that is worth
+taking: the velocity would tremble, unseen, and its derivatives grow without bound. There it is stepped implicitly.
+
 Source: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equations I, 1993, §II.4 (step doubling) and
-§II.6 (discontinuities).
+§II.6 (discontinuities); E. Hairer, G. Wanner, the same II, 1996, §IV.2 (stability) and §IV.7 (linearly implicit Euler).
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
@@ -24,12 +29,37 @@ SHORTEST = 1 / 256
 """Part of a step: ten thousand in a period of the resonance, if the step is one of `model.COARSE`."""
 
 
+STIFF = 2.5  # of velocity, in a step: the method is stable to 2.78
+
+
+def _alone(system: System, slots: tuple[slice | None, ...]) -> tuple[System, tuple[slice | None, ...]]:
+    """The effects with kinks, and nothing else."""
+    own = [i for i, effect in enumerate(system.effects) if effect.has_kink]
+    alone = system._replace(effects=tuple(system.effects[i] for i in own), damping=0.0, stiffness=0.0, gain=0.0)
+    return alone, tuple(slots[i] for i in own)
+
+
+def sticks(system: System, slots: tuple[slice | None, ...], y: tuple[Array, ...], at: tuple[Any, ...], h: Any) -> Array:
+    """Whether the forces with kinks hold the velocity of the state `y` so hard that a step `h` is not stable."""
+    alone, places = _alone(system, slots)
+    by_velocity = lambda v: accelerated(alone, places, (y[0], v, *y[2:]), at[:3])
+    return -h * jax.jvp(by_velocity, (y[1],), (jnp.ones_like(y[1]),))[1] > STIFF
+
+
+def crept(slope: Slope, y: tuple[Array, ...], at: list[tuple[Any, ...]], h: Any) -> tuple[Array, ...]:
+    """The state after a step `h` in which friction sticks: the velocity by a linearly implicit step to where forces
+    balance, all else as it moves with that."""
+    by_velocity = lambda v: slope((y[0], v, *y[2:]), at[2])[1]
+    acceleration, steep = jax.jvp(by_velocity, (y[1],), (jnp.ones_like(y[1]),))
+    v = y[1] + h * acceleration / (1.0 - h * steep)
+    held = lambda s, u: (v, 0.0 * v, *slope((s[0], v, *s[2:]), u)[2:])
+    return runge_kutta(held, (y[0], v, *y[2:]), at, h)
+
+
 def bend(system: System, slots: tuple[slice | None, ...], states: Any, inputs: Any, h: Numbers) -> Array:
     """Change of velocity, m/s, by which a step `h` may be wrong: that by what the forces with kinks, at the four
     `states` and inputs, say beyond a straight line."""
-    own = [i for i, effect in enumerate(system.effects) if effect.has_kink]
-    alone = system._replace(effects=tuple(system.effects[i] for i in own), damping=0.0, stiffness=0.0, gain=0.0)
-    places = tuple(slots[i] for i in own)
+    alone, places = _alone(system, slots)
     a, b, c, d = (accelerated(alone, places, y, at[:3]) for y, at in zip(states, inputs, strict=True))
     return h / 6 * jnp.abs(a - b - c + d)
 
@@ -41,8 +71,12 @@ def limits_of(system: System, allowed: Any) -> tuple[Array, Array]:
     return rate, allowed / rate**system.order
 
 
+Stepped = Callable[[tuple[Array, ...], list[tuple[Any, ...]], Any], tuple[Array, ...]]
+"""The state after a step from one, with the inputs at its beginning, middle and end, and its length."""
+
+
 def halved(
-    slope: Slope, y: tuple[Array, ...], grids: tuple[Any, ...], h: Numbers, first: Any, length: Any, limits: Any
+    stepped: Stepped, y: tuple[Array, ...], grids: tuple[Any, ...], h: Numbers, first: Any, length: Any, limits: Any
 ) -> Any:
     """A part of a step `h` that is short enough, in lengths of it: the given one, or a half of it, or a quarter …
 
@@ -56,7 +90,7 @@ def halved(
             whole, halves = ends
             begun, share = jnp.where(k == 2, 0.5, 0.0), jnp.where(k == 0, 1.0, 0.5)
             begin = tuple(jnp.where(k == 2, b, a) for a, b in zip(y, halves, strict=True))
-            end = runge_kutta(slope, begin, between(grids, first + begun * length, share * length), h * share * length)
+            end = stepped(begin, between(grids, first + begun * length, share * length), h * share * length)
             kept = lambda old, now: tuple(jnp.where(now, a, b) for a, b in zip(end, old, strict=True))
             return kept(whole, k == 0), kept(halves, k > 0)
 

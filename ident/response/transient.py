@@ -20,7 +20,7 @@ import numpy as np
 from jax import lax
 
 from ..programs import program
-from .kinks import bend, between, halved, limits_of
+from .kinks import bend, between, crept, halved, limits_of, sticks
 from .lane import Numbers
 from .memory import Remembered, Seen, forgotten, remembered_force
 from .runge_kutta import runge_kutta, stages, steps_of, with_stages
@@ -186,18 +186,25 @@ def march(
             inputs = [(*now, *force) for now, force in zip(stages(at), stages(remembered), strict=True)]
             shown = reading(system, parts, y, stages(at)[0], slope(y, inputs[0])[1])
             after, states = with_stages(slope, y, inputs, block.step)
+            if equation.has_kink:
+                still = sticks(system, parts, y, inputs[2], block.step)
+                after = lax.cond(still, lambda: crept(slope, y, inputs, block.step), lambda: after)
             return after, shown, states
 
         def in_parts(y: tuple, dy: tuple, at: tuple, remembered: tuple, changes: Any, limits: tuple) -> tuple:
-            slope = lambda numbers: jax.jit(partial(derivative, system_of(numbers).at(block), parts))
+            def stepped(numbers: Any, y: tuple, inputs: list, h: Any) -> tuple:
+                system = system_of(numbers).at(block)
+                slope = jax.jit(partial(derivative, system, parts))
+                still = sticks(system, parts, y, inputs[2], h)
+                move = (lambda: crept(slope, y, inputs, h)), (lambda: runge_kutta(slope, y, inputs, h))
+                return lax.cond(still, *move)
 
             def part(state: tuple) -> tuple:
                 first, length, y, dy = state
-                length = halved(slope(numbers), y, (*at, *remembered), block.step, first, length, limits)
+                length = halved(partial(stepped, numbers), y, (*at, *remembered), block.step, first, length, limits)
 
                 def one(numbers: Any, y: tuple, remembered: tuple) -> tuple:
-                    inputs = between((*at, *remembered), first, length)
-                    return runge_kutta(slope(numbers), y, inputs, block.step * length)
+                    return stepped(numbers, y, between((*at, *remembered), first, length), block.step * length)
 
                 y, dy = tangents(one, (numbers, y, remembered), (along, dy, changes))
                 first = first + length
@@ -214,7 +221,8 @@ def march(
             if equation.has_kink:
                 now, (first, middle, last) = system_of(numbers).at(block), stages(at)
                 rate, allowed = limits = limits_of(now, block.allowed)
-                missed = bend(now, parts, states, (first, middle, middle, last), block.step)
+                still = sticks(now, parts, y, last, block.step)
+                missed = jnp.where(still, 0.0, bend(now, parts, states, (first, middle, middle, last), block.step))
                 divided = lambda: in_parts(y, dy, at, remembered, changes, limits)
                 after, dafter = lax.cond(missed > rate * allowed, divided, lambda: (after, dafter))
             return (after, dafter), (shown, y[0], y[1], dshown)

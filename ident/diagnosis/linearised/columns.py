@@ -25,6 +25,7 @@ from ...effects.effect import State
 from ...model import FREQUENCY, QUALITY
 from ...programs import program
 from ...response import Equation, Tape
+from ...response.kinks import STIFF
 from ...response.lane import Numbers
 from ...response.memory import Seen, memory_along, shaping
 from ...response.system import Block, System, assemble, behind_the_sensor
@@ -343,7 +344,8 @@ def push_columns(tape: Tape, dynamics: Sequence[Dynamics], pushes: Sequence[np.n
 def answer(
     _: None, pushes: Numbers, along: Dynamics, carry: tuple, steps: Numbers, first: Numbers, count: Numbers
 ) -> tuple:
-    """One chunk of `push_columns`: a linear time-varying oscillator, at rest at the beginning of every record.
+    """One chunk of `push_columns`: a linear time-varying oscillator, at rest at the beginning of every record. Where
+    friction sticks it is stepped implicitly, as its motion was (`response.kinks`).
 
     **Returns:** the carry (z, v), (d,) each; changes of the readings, (BLOCKS, BLOCK, d).
     """
@@ -365,7 +367,11 @@ def answer(
             a3 = pm - km * zb - cm * vb
             zc, vc = z + h * vb, v + h * a3
             a4 = p1 - k1 * zc - c1 * vc
-            after = (z + h / 6 * (v + 2 * va + 2 * vb + vc), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4))
+            plain = (z + h / 6 * (v + 2 * va + 2 * vb + vc), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4))
+            mean = lambda a, b, c: (a + 4 * b + c) / 6
+            held = (v + h * (mean(p0, pm, p1) - mean(k0, km, k1) * z)) / (1 + h * mean(c0, cm, c1))
+            stuck = h * jnp.maximum(jnp.maximum(c0, cm), c1) > STIFF
+            after = tuple(jnp.where(stuck, a, b) for a, b in zip((z + h * held, held), plain, strict=True))
             return after, by_z * z + by_v * v + by_a * p0
 
         (z, v), said = lax.scan(step, (z, v), (inputs, along.by_z[k], along.by_v[k], along.by_a[k]))

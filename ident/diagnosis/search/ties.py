@@ -188,7 +188,8 @@ def unseen(regression: Regression, candidates: Sequence[Candidate], library: Reg
     found = []
     for effect in library.values():
         absent = effect.platform_only and not isinstance(model.device, Platform)
-        if effect.name in scored or absent or (effect.needs and effect.needs not in model.names):
+        other = effect.form_of or (effect.needs and effect.needs not in model.names)
+        if effect.name in scored or absent or other:
             continue
         found.append(Unseen(effect.name, "the model's own parameters absorb all that it adds to these records"))
     return tuple(found)
