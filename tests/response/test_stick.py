@@ -1,0 +1,65 @@
+"""A carriage that sticks between its moves: neither its velocity nor its derivatives tremble."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from ident.campaign.campaign import Campaign
+from ident.campaign.device import Oscillator
+from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.diagnosis.linearised.regression import prepare
+from ident.effects.library.stribeck_friction import StribeckFriction
+from ident.fit import fit
+from ident.model import Model
+
+ONE = Channel("V", 1.0)
+BREAK, KEPT, FALL, DRAG, GAIN = 2.2, 0.7, 0.03, 4.9, 0.12  # m/s², share, m/s, 1/s, m/(N s²)
+STEP, NOISE = 2e-3, 2e-4
+
+
+def pushed(t: np.ndarray | float) -> np.ndarray | float:
+    """A force (N) that lets go for a while after every move."""
+    return 26.0 * np.sin(2 * np.pi * 1.1 * t) * np.clip(3 * np.sin(2 * np.pi * 0.31 * t), -1, 1)
+
+
+def carriage() -> Trace:
+    """Its velocity, m/s, by an event at every standstill: it sticks while the push is less than what breaks it loose."""
+    t = STEP * np.arange(4000)
+    v, at, sign, now = np.zeros(len(t)), 0.0, 0.0, 0.0
+    while at < t[-1]:
+        if sign == 0.0:  # at rest, until the push is enough
+            fine = np.arange(at, t[-1] + 1e-5, 1e-5)
+            loose = np.flatnonzero(np.abs(GAIN * pushed(fine)) > BREAK)
+            if not len(loose):
+                break
+            at, now = float(fine[loose[0]]), 0.0
+            sign = float(np.sign(pushed(at)))
+        law = lambda s, y, sign=sign: [
+            GAIN * pushed(s) - DRAG * y[0] - sign * BREAK * (KEPT + (1 - KEPT) * np.exp(-((y[0] / FALL) ** 2)))
+        ]
+        stops = lambda s, y, sign=sign, begun=at: sign * y[0] if s > begun + 1e-4 else 1.0
+        stops.terminal, stops.direction = True, -1
+        found = solve_ivp(law, (at, t[-1]), [now + sign * 1e-9], "DOP853", rtol=1e-9, atol=1e-12, events=stops,
+                          dense_output=True, max_step=1e-3)  # fmt: skip
+        own = (t >= at) & (t <= found.t[-1])
+        v[own] = found.sol(t[own])[0]
+        at, now = float(found.t[-1]), 0.0
+        sign = 0.0 if abs(GAIN * pushed(at)) <= BREAK else float(np.sign(pushed(at)))
+    noisy = v + NOISE * np.random.default_rng(3).standard_normal(len(t))
+    return Trace("axis", t, np.asarray(pushed(t)), noisy, ONE, ONE, NoiseFloor(NOISE), "rest", measures="velocity")
+
+
+def test_the_law_is_found_with_error_bars_and_can_be_looked_at_for_more():
+    record = carriage()
+    assert np.mean(np.abs(record.response) < 5 * NOISE) > 0.2  # it does stick
+    campaign = Campaign("axis", (record,), Oscillator("V", "V"), linear="no-spring")
+    start = [1.0, 1 / DRAG, GAIN, 2.0, 0.6, 0.04, 1e-3]
+    model = Model(campaign.device, form="no-spring") + StribeckFriction()
+    found = fit(model, campaign, initial=np.array(start))
+    assert found.fitted.error_over_noise < 1.2
+    for name, true in {"friction": BREAK, "sliding": KEPT, "fall": FALL}.items():
+        estimate = found[f"stribeck-friction.{name}"]
+        assert estimate.standard_error is not None and 1e-6 < estimate.standard_error / true < 0.01
+        assert abs(estimate.value / true - 1) < 0.02
+    assert np.all(np.isfinite(prepare(found).absorbed))
