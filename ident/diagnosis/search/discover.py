@@ -37,7 +37,7 @@ from .drive import other_drive
 from .fewer_modes import without_a_mode
 from .further_mode import with_its_mode
 from .once_more import begun_with, drive_beside, lower_start, with_other_starts
-from .other_form import in_another_form
+from .other_form import in_another_form, steps_in_another_form
 from .steps import Discovery, Ended, Step, Walked
 from .ties import weighed_ties
 from .together import both, hidden_by_each_other
@@ -82,6 +82,8 @@ def walk_on(
     asked = revised and not steps and look.worth_it and look.real
     if asked and (other := other_drive(start, look.regression, report, look)) is not None:
         return once_more(begun_with(start, other))
+    if revised and not steps and (form := in_another_form(start, look.regression, library, report)) is not None:
+        return once_more(form.fit)
     current, questioned = walked.final, None
     while look.worth_it and look.real and len(steps) < most:
         alone = not_worth_adding(look.regression, look.promise, first)
@@ -101,7 +103,7 @@ def walk_on(
         current, regression = with_its_constant(steps[-1].fit, regression, library, report)
         current, regression = with_its_mode(current, regression, report)
         steps[-1] = steps[-1]._replace(fit=current)
-        steps, regression = in_another_form(steps, regression, library, report)
+        steps, regression = steps_in_another_form(steps, regression, library, report)
         current = steps[-1].fit
         look = Look(regression, first, library, report)
         if revised and (other := drive_beside(more, current, look)) is not None:

@@ -8,6 +8,7 @@ the numbers that make the same linear device.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,29 +27,45 @@ from .change import values_without
 from .steps import Step
 
 
-def in_another_form(
-    steps: list[Step], regression: Regression, library: Registry, report: Report
-) -> tuple[list[Step], Regression]:
-    """The steps with an effect of the last fit replaced by its other form, if that does clearly better, and the
-    regression of that fit; else what was given. One that the first model had is an addition of its own."""
-    current = steps[-1].fit
+class Instead(NamedTuple):
+    """A `fit` with the effect called `name` in the place of the one called `usual`, and its `regression`."""
+
+    usual: str
+    name: str
+    fit: Fit
+    regression: Regression
+
+
+def in_another_form(current: Fit, regression: Regression, library: Registry, report: Report) -> Instead | None:
+    """A fit with one of its effects replaced by its other form, if that does clearly better."""
     if current.model.form != "oscillator" or adequate(regression):
-        return steps, regression
+        return None
     for one in current.model.effects:
         for form in (effect for effect in library.values() if effect.form_of == one.name):
             found = None if current.model.carries(one.name) else _instead(current, one, form, regression, report)
-            if found is None:
-                continue
-            fitted, left = found
-            report(f"{form.name} in the place of {one.name}: error over noise {fitted.fitted.error_over_noise:.3g}")
-            gain = 1.0 - (left.chi2 - left.n) / (regression.chi2 - regression.n)
-            own = Step(form.name, gain, gain, (form.name,), "effect", fitted, regression=regression)
-            renamed = {"added": form.name, "tie_set": (form.name,), "reasons": (), "tied": ()}
-            named = [step._replace(**renamed) if step.added == one.name else step for step in steps]
-            if named == steps:
-                return [*steps, own], left
-            return [*named[:-1], named[-1]._replace(fit=fitted)], left
-    return steps, regression
+            if found is not None:
+                after, left = found
+                report(f"{form.name} in the place of {one.name}: error over noise {after.fitted.error_over_noise:.3g}")
+                return Instead(one.name, form.name, after, left)
+    return None
+
+
+def steps_in_another_form(
+    steps: list[Step], regression: Regression, library: Registry, report: Report
+) -> tuple[list[Step], Regression]:
+    """The steps with an effect of the last fit replaced by its other form, and the regression of that fit, if that does
+    clearly better; else what was given. One that the first model had is an addition of its own."""
+    found = in_another_form(steps[-1].fit, regression, library, report)
+    if found is None:
+        return steps, regression
+    left = found.regression
+    gain = 1.0 - (left.chi2 - left.n) / (regression.chi2 - regression.n)
+    own = Step(found.name, gain, gain, (found.name,), "effect", found.fit, regression=regression)
+    if found.usual not in [step.added for step in steps]:
+        return [*steps, own], left
+    renamed = {"added": found.name, "tie_set": (found.name,), "reasons": (), "tied": ()}
+    named = [step._replace(**renamed) if step.added == found.usual else step for step in steps]
+    return [*named[:-1], named[-1]._replace(fit=found.fit)], left
 
 
 def _instead(
