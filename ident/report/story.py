@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from .figures.picture import draw
 from .figures.style import FAINT, HELDOUT, INK, MODEL, label, new_axes, new_figure
@@ -26,7 +29,7 @@ def change_sheet(lineage: Lineage) -> Sheet:
         cells = [_step_words(entry)]
         for part in ("fitted", "holdout"):
             for errors in (before, after):
-                cells.append("–" if errors[part] is None else ratio_text(errors[part]["error_over_noise"]))
+                cells.append("–" if errors[part] is None else ratio_text(_ratio(errors[part])))
         rows.append(tuple(cells))
     names = ("step", "fitted before", "after", "held out before", "after")
     columns = (Column(names[0], wraps=True), *(Column(n, number=True) for n in names[1:]))
@@ -62,13 +65,13 @@ def staircase_figure(lineage: Lineage) -> Figure:
     errors = [first["before"], *(entry["after"] for entry in lineage)]
     figure = new_figure(10.6, 3.4)
     axes = new_axes(figure, 0.07, 0.2, 0.91, 0.66)
-    parts = {part: [float(e[part]["error_over_noise"]) for e in errors if e[part] is not None] for part in _COLOURS}
+    parts = {part: [_ratio(e[part]) for e in errors if e[part] is not None] for part in _COLOURS}
     whole = {part: heights for part, heights in parts.items() if len(heights) == len(errors)}
     for k, (part, heights) in enumerate(whole.items()):
         axes.step(range(len(heights)), heights, where="mid", color=_COLOURS[part], lw=1.4)
         axes.plot(range(len(heights)), heights, "o", color=_COLOURS[part], ms=5)
-        for i, height in enumerate(heights):
-            highest = next(name for name in whole if whole[name][i] == max(at[i] for at in whole.values()))
+        for i, height in ((i, height) for i, height in enumerate(heights) if math.isfinite(height)):
+            highest = next(name for name in whole if whole[name][i] == np.nanmax([at[i] for at in whole.values()]))
             offset = (0, 7 if part == highest else -13)  # the higher of the two has its number above it
             axes.annotate(ratio_text(height), (i, height), offset, textcoords="offset points", fontsize=9,
                           color=_COLOURS[part], ha="center")  # fmt: skip
@@ -86,6 +89,11 @@ def staircase_figure(lineage: Lineage) -> Figure:
     figure.text(0.012, 0.93, "The error after each step", fontsize=12, weight="bold", color=INK, va="center")
     figure.text(0.985, 0.93, "line: noise floor", fontsize=9, color=FAINT, ha="right", va="center")
     return figure
+
+
+def _ratio(errors: Mapping[str, Any]) -> float:
+    """Error over noise as a run keeps it, where a motion without bound has none."""
+    return math.nan if errors["error_over_noise"] is None else float(errors["error_over_noise"])
 
 
 def _before_effects(entry: Mapping[str, Any]) -> list[str]:

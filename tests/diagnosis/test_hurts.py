@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any, cast
 
-from ident.diagnosis.evidence.held_out import hurts
+from ident.diagnosis.evidence.held_out import contradicted, hurts
 from ident.fit.judge import RecordScore, combine
 
 
@@ -26,3 +26,9 @@ def test_what_makes_every_record_worse_hurts() -> None:
 
 def test_what_lies_below_the_floor_counts_as_at_it() -> None:
     assert hurts(judged(1.0, 2.0), judged(0.5, 3.0))
+
+
+def test_a_motion_without_bound_hurts_and_is_contradicted() -> None:
+    away = judged(2.0, float("nan"))
+    assert hurts(judged(300.0, 200.0), away) and not hurts(away, away)
+    assert contradicted(away)

@@ -27,6 +27,8 @@ def contradicted(fit: Fit) -> bool:
     the error there is many noise floors and a good part of the signal, and what the parameters' errors can make of it
     is not enough."""
     held = fit.holdout
+    if held is not None and not np.isfinite(held.error_over_noise):
+        return True  # a motion without bound is not what was measured
     if held is None or held.error_over_noise < BEYOND_FLOORS * max(fit.fitted.error_over_noise, 1.0):
         return False
     if held.error_over_signal < BEYOND_FLOORS * fit.fitted.error_over_signal:
@@ -45,6 +47,8 @@ def hurts(before: Fit, after: Fit) -> bool:
     """Whether held-out records are predicted worse, by more than laws of one kind and chance make of them."""
     if before.holdout is None or after.holdout is None:
         return False
+    if not np.isfinite(after.holdout.error_over_noise):
+        return bool(np.isfinite(before.holdout.error_over_noise))
     if after.holdout.error_over_noise <= _HURT * before.holdout.error_over_noise:
         return False
     return _worse_in_each(before, after) and _beyond_chance(before, after)

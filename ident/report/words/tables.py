@@ -90,7 +90,9 @@ def error_scale(score: RecordScore | Score, device: Device, unit: str = "m") -> 
 
 
 def ratio_text(ratio: float) -> str:
-    """Error over noise: two decimals where it is near 1, else three digits."""
+    """Error over noise: two decimals where it is near 1, else three digits; of a motion without bound it is none."""
+    if not math.isfinite(ratio):
+        return "no bound"
     return f"{ratio:.2f}" if ratio < 9.995 else significant(ratio)
 
 
