@@ -82,7 +82,7 @@ def walk_on(
     asked = revised and not steps and look.worth_it and look.real
     if asked and (other := other_drive(start, look.regression, report, look)) is not None:
         return once_more(begun_with(start, other))
-    if revised and not steps and (form := in_another_form(start, look.regression, library, report)) is not None:
+    if asked and (form := in_another_form(start, look.regression, library, report)) is not None:
         return once_more(form.fit)
     current, questioned = walked.final, None
     while look.worth_it and look.real and len(steps) < most:

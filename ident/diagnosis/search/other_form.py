@@ -38,7 +38,7 @@ class Instead(NamedTuple):
 
 def in_another_form(current: Fit, regression: Regression, library: Registry, report: Report) -> Instead | None:
     """A fit with one of its effects replaced by its other form, if that does clearly better."""
-    if current.model.form != "oscillator" or adequate(regression):
+    if current.model.form != "oscillator":
         return None
     for one in current.model.effects:
         for form in (effect for effect in library.values() if effect.form_of == one.name):
@@ -55,7 +55,7 @@ def steps_in_another_form(
 ) -> tuple[list[Step], Regression]:
     """The steps with an effect of the last fit replaced by its other form, and the regression of that fit, if that does
     clearly better; else what was given. One that the first model had is an addition of its own."""
-    found = in_another_form(steps[-1].fit, regression, library, report)
+    found = None if adequate(regression) else in_another_form(steps[-1].fit, regression, library, report)
     if found is None:
         return steps, regression
     left = found.regression
