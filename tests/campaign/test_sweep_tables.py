@@ -346,3 +346,10 @@ def test_a_sweep_far_from_every_resonance_of_a_platform_is_another_device(tmp_pa
 def test_a_sweep_without_a_point_is_one_line_of_advice() -> None:
     with pytest.raises(UserError, match="0 points are too few"):
         read_campaign({"freq (Hz)": np.zeros(0), "drive (V)": np.zeros(0), "z (um)": np.zeros(0)})
+
+
+def test_the_acceleration_of_a_base_is_the_level(tmp_path: Path) -> None:
+    write_table(tmp_path / "s.csv", "Frequency_Hz,Base_acceleration_g,Amplitude_um", [F, LEVEL, 1e6 * SIZE])
+    campaign = read_campaign(tmp_path / "s.csv")
+    assert isinstance(campaign.device, Oscillator) and campaign.device.input == "m/s^2"
+    np.testing.assert_allclose(campaign.sweeps[0].level, 9.80665 * LEVEL, rtol=1e-6)

@@ -65,7 +65,8 @@ _TIME = _words(
 )
 _DRIVE = _words(
     "u, drive, drv, input, excitation, vin, v in, u in, uin, stimulus, command, actuation, drive voltage, source, "
-    "drive signal, input voltage, driving voltage, excitation voltage, v drive, drive v, u drive, anregung"
+    "drive signal, input voltage, driving voltage, excitation voltage, v drive, drive v, u drive, anregung, "
+    "base acceleration, base motion, base displacement, base velocity, table acceleration, ground acceleration"
 )
 _DRIVE_STRONG = _words("drive, driving, input, excitation, stimulus, command, actuation, actuator, vin, uin, anregung")
 _DRIVE_WEAK = _words(

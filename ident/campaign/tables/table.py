@@ -179,7 +179,7 @@ def split_header(header: str, own_unit: str = "") -> tuple[str, str | None, str]
     return stem, signal_unit(unit, stem), doubtful
 
 
-GRAVITY = "standard_gravity"
+GRAVITY = "g_n"
 _WEIGHED = re.compile(r"mass|weight|load|force|kraft|gewicht", re.IGNORECASE)
 
 

@@ -158,6 +158,8 @@ def _searched(
     """Where Levenberg's and Marquardt's search from x ends; numbers that stay `above` zero by their logarithms."""
     left, slopes = at(x)
     damping, cost = 1e-3, float(left @ left)
+    if not (np.isfinite(cost) and np.all(np.isfinite(slopes))):
+        return x  # nothing to go by
     for _ in range(_ROUNDS):
         slopes = slopes * np.where(above, x, 1.0)[:, None]
         gram = slopes @ slopes.T

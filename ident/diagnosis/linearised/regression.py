@@ -268,6 +268,8 @@ def _without(regression: Regression, known: np.ndarray, directions: np.ndarray) 
     if regression.plane is None or not len(directions):
         return found
     own = balanced(found, np.zeros((0, samples_of(found))), regression.plane.own.rows(slice(0)))
+    if not np.all(np.isfinite(own.left)):  # no drive makes the model answer as was measured
+        raise Diverged(regression.fit.campaign.fitted_sweeps[0].name)
     absorbed = orthonormal(own.slopes)
     return replace(found, absorbed=absorbed, residual=own.left - absorbed @ (absorbed.T @ own.left))
 
