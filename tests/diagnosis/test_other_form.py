@@ -16,9 +16,9 @@ def storeys(bent: float, seed: int) -> dict:
     """Two storeys, the upper a fifth of the lower, which is driven, read, and on a spring that hardens by `bent` of its
     stiffness at 1 mm: three records of band noise, of which one is held out."""
     rng, t = np.random.default_rng(seed), np.arange(3000) / 1500.0
-    found = []
+    lines, found = np.arange(12.0, 66.0, 0.7), []
     for k, size in enumerate((1.0, 0.4, 0.8)):
-        lines, phases = np.arange(12.0, 66.0, 0.7), rng.uniform(0, 2 * np.pi, 78)
+        phases = rng.uniform(0, 2 * np.pi, len(lines))
         u = lambda t, s=size, p=phases: s * np.sum(np.sin(2 * np.pi * lines * np.asarray(t)[..., None] + p), -1)
 
         def rates(t: float, y: np.ndarray, u=u) -> list[float]:

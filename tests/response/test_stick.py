@@ -24,7 +24,7 @@ def pushed(t: np.ndarray | float) -> np.ndarray | float:
 
 
 def carriage() -> Trace:
-    """Its velocity, m/s, by an event at every standstill: it sticks while the push is less than what breaks it loose."""
+    """Its velocity, m/s, by an event at every standstill: it sticks while the push is too small."""
     t = STEP * np.arange(4000)
     v, at, sign, now = np.zeros(len(t)), 0.0, 0.0, 0.0
     while at < t[-1]:
