@@ -73,17 +73,21 @@ def rows_of(regression: Regression, kind: Kind) -> np.ndarray:
 
 def differing(fitted: Fit, kinds: Sequence[Kind | Literal["drive"]] | None = None) -> Differing | None:
     """The kind of numbers by which the records of a fit differ, or the levels of its sweeps in their drives, if that
-    explains them clearly better than one device does; None if it does not, and where traces stand beside sweeps."""
+    explains them clearly better than one device does; None if it does not. Of traces beside sweeps only a baseline is
+    asked for, of which those know nothing."""
     traces, sweeps = fitted.campaign.traces, fitted.campaign.sweeps
-    if (traces and sweeps) or any(sweep.fast for sweep in sweeps) or fitted.model.form != "oscillator":
+    if any(sweep.fast for sweep in sweeps) or fitted.model.form != "oscillator":
         return None
+    asked: Sequence[Kind | Literal["drive"]] = kinds or kinds_of(fitted.campaign)
+    if sweeps:
+        asked = ("baseline",) if traces else ("drive",)
     weigh = lambda fit, more: Left(prepare(fit).left, fit.freedom + more)
     try:
         before = weigh(fitted, 0)
     except (Diverged, np.linalg.LinAlgError):  # a motion without bound tells nothing
         return None
     found: list[tuple[Differing, Left]] = []
-    for kind in ("drive",) if sweeps else kinds or kinds_of(fitted.campaign):
+    for kind in asked:
         try:
             one = differing_levels(fitted) if kind == "drive" else _found(fitted, kind)
             found += [] if one is None else [(one, weigh(one.fit, one.numbers))]
@@ -96,7 +100,7 @@ def differing(fitted: Fit, kinds: Sequence[Kind | Literal["drive"]] | None = Non
 def _found(fitted: Fit, kind: Kind) -> Differing | None:
     campaign, now, q = fitted.campaign, fitted, TOLD[kind].each
     inside = [i for i, trace in enumerate(campaign.traces) if not trace.holdout]
-    if len(inside) < _FEWEST:
+    if len(inside) < (2 if kind == "baseline" else _FEWEST):  # a zero that moves is no device's
         return None
     shortest = min(len(trace.time) for trace in campaign.traces)
     most = min(TOLD[kind].most, shortest / 10) if kind == "delay" else TOLD[kind].most
@@ -105,7 +109,9 @@ def _found(fitted: Fit, kind: Kind) -> Differing | None:
         regression = prepare(now)
         pairs = zip(campaign.fitted, now.campaign.fitted, strict=True)
         rows = _apart(regression, [_slopes(now, as_read, own, kind) for as_read, own in pairs])
-        solved = regress(regression.project(by_record(regression, rows)), regression.residual)
+        whole = by_record(regression, rows)
+        whole = np.pad(whole, ((0, 0), (0, len(regression.residual) - whole.shape[1])))  # nothing to sweeps
+        solved = regress(regression.project(whole), regression.residual)
         step, spread = solved.coefficients.reshape(-1, q), solved.spread.reshape(len(inside), q, -1)
         if TOLD[kind].shared:
             step, spread = step - np.mean(step, axis=0), spread - np.mean(spread, axis=0)
