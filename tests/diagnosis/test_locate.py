@@ -105,6 +105,23 @@ def test_a_misfit_is_found_in_its_time(regression: Regression) -> None:
     assert "first" in said["time"]
 
 
+def test_the_error_is_that_of_the_fit_and_another_size_is_explained(regression: Regression) -> None:
+    """Hum and the noise's colour are taken out before a place is looked for, and `ident fit` counts them in."""
+    own = regression.fit.fitted.error_over_noise
+    where = disturbed(regression, 1, np.full(800, 1.0))
+    assert f"The error is {own:.2f} times the noise floor ({where.white_error:.2f} in what follows" in summary(where)
+    assert [r.error for r in where.records] == [s.error_over_noise for s in regression.fit.scores]
+    told = summary(where._replace(error=where.white_error))
+    assert f"The error is {where.white_error:.2f} times the noise floor; what is left" in told
+    assert "98.8 times" in summary(where._replace(error=98.84))
+
+
+def test_a_phase_goes_round(regression: Regression) -> None:
+    angle = 2 * np.pi * 50.0 * np.arange(800) / 4000.0
+    said = {s.axis: s.words for s in statements(disturbed(regression, 0, np.where(np.cos(angle) > 0.88, 6.0, 0.0)))}
+    assert said["phase"] == "at 330–30° of the drive's phase"
+
+
 def test_an_offset_is_the_constant_part(regression: Regression) -> None:
     where = disturbed(regression, 1, np.full(800, 1.0))
     assert "in the constant part" in summary(where)
