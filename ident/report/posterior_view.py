@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _ACROSS = 3
+_EDGE = 0.06  # of a panel's width that has no tick
 _WIDE = 4.0  # standard deviations shown to each side
 
 
@@ -131,6 +132,8 @@ def _panel(figure: Figure, axes: Axes, marginal: Marginal, values: np.ndarray, d
     axes.set_xlim(low / unit.factor, high / unit.factor)
     axes.locator_params(axis="x", nbins=4)
     axes.ticklabel_format(axis="x", useOffset=False, style="plain")
+    shown = [x for x in axes.get_xticks() if _EDGE < (x * unit.factor - low) / (high - low) < 1 - _EDGE]
+    axes.set_xticks(shown)  # a number at the edge would touch that of the next panel
     left = axes.get_position().x0
     name = marginal.prior.name + (f"  ({unit.unit})" if unit.unit else "")
     figure.text(left, top + 0.012, name, fontsize=9.5, color=INK, weight="bold", va="bottom")

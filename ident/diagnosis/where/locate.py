@@ -145,7 +145,7 @@ def locate(regression: Regression, whole: Fit | None = None) -> Where:
     time, displacement, velocity = axes()
     freedom = float(regression.n - regression.absorbed.shape[1])
     white = [s.white for s in samples]
-    said = whole or regression.fit
+    said = regression.fit if whole is None else whole
     return Where(
         _by_record(regression, samples, {score.name: score.error_over_noise for score in said.scores}),
         regression.chi2 - freedom,
