@@ -11,7 +11,7 @@ from ..campaign.device import Device
 from ..campaign.record import Trace
 from ..posterior.attribution import Attributed, Attribution, Share
 from ..units import plain_micro
-from .figures.picture import draw
+from .figures.picture import draw_kept
 from .figures.style import FAINT, HELDOUT, INK, MODEL, RESIDUAL, new_axes, new_figure, shortened
 from .html import Section
 from .words.drives import drive_words
@@ -180,6 +180,6 @@ def _cell(
 def attribution_section(document: Mapping[str, Any]) -> Section:
     """The part of the report about the offset's causes, from `attribution.json`."""
     caption = "Share of the offset that each mechanism explains; line: 90 % interval"
-    picture = draw(caption, attribution_figure(document))
+    picture = draw_kept(caption, attribution_figure(document))
     sheets = (attribution_sheet(document),)
     return Section("What explains the zero-point offset", (document["words"],), sheets, (picture,))

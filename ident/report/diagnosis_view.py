@@ -12,7 +12,7 @@ from ..diagnosis.search.steps import Discovery, Step
 from ..fit import Fit
 from ..fit.start_score import mostly_starts
 from .candidates_view import later_sheet, ranking_sheet
-from .figures.picture import draw
+from .figures.picture import draw_kept
 from .figures.where import where_figure
 from .html import Section
 from .words.data import one_frequency
@@ -195,7 +195,7 @@ def _not_identified(final: Fit) -> list[str]:
 def sections(found: Diagnosis) -> list[Section]:
     """The diagnosis as parts of the report."""
     device = found.discovery.start.model.device
-    where = draw("Error over noise by record, time, motion, phase and harmonic", where_figure(found.where))
+    where = draw_kept("Error over noise by record, time, motion, phase and harmonic", where_figure(found.where))
     parts = [Section("Where the first model fails", (), (), (where,))]
     if found.suspects and not found.discovery.ranking:
         parts.append(Section("Which record is suspect", (verdict_words(found), *advice(found))))
@@ -206,6 +206,6 @@ def sections(found: Diagnosis) -> list[Section]:
     if found.unknown is not None:
         from .figures.unknown import unknown_figure
 
-        picture = draw("The missing term against its coordinates", unknown_figure(found.unknown, device))
+        picture = draw_kept("The missing term against its coordinates", unknown_figure(found.unknown, device))
         parts.append(Section("What the library lacks", found.unknown.sentences, (), (picture,)))
     return parts

@@ -11,7 +11,7 @@ import numpy as np
 from ..campaign.device import Device
 from ..posterior.pareto import TRUSTED
 from ..posterior.result import Marginal, Posterior
-from .figures.picture import draw
+from .figures.picture import draw_kept
 from .figures.style import FAINT, INK, MODEL, RESIDUAL, new_axes, new_figure
 from .html import Section
 from .words.quantity import Shown, display_unit, scale, show, show_in
@@ -147,7 +147,7 @@ def posterior_section(posterior: Posterior, document: Mapping[str, Any]) -> Sect
     caption = "Each parameter before (line) and after (filled) the records; dotted: 90 % interval"
     paragraphs = (verdict_words(document), evidence_words(document["log_evidence"]), *document["notes"])
     sheets = (posterior_sheet(document, device), prior_sheet(document, device))
-    return Section("Posterior", paragraphs, sheets, (draw(caption, posterior_figure(posterior)),))
+    return Section("Posterior", paragraphs, sheets, (draw_kept(caption, posterior_figure(posterior)),))
 
 
 def _narrower(contraction: float) -> str:
