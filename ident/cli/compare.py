@@ -42,7 +42,7 @@ def command(runs: tuple[str, ...], output: str | None, force: bool, as_json: boo
         fits.append((run, load_run(run)))
 
     from ident.diagnosis.judged import compare
-    from ident.report.compare_view import compare_dict, compare_figure, compare_sheet
+    from ident.report.compare_view import compare_dict, compare_figure, compare_sheet, headline
     from ident.report.figures.picture import draw
 
     progress("evidence, left-out and held-out scores")
@@ -56,7 +56,7 @@ def command(runs: tuple[str, ...], output: str | None, force: bool, as_json: boo
         say_json(document)
         return
     say_sheet(compare_sheet(document))
-    say(f"verdict: {document['verdict']}")
+    say(f"verdict: {headline(document)}")
     say(document["words"])
     if folder is not None:
         say(f"figure: {', '.join(map(str, figures))}")

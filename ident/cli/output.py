@@ -42,12 +42,12 @@ def width() -> int:
 
 def say_sheet(sheet: Sheet) -> None:
     """A table."""
-    from ident.report.words.sheet import rich_table, sheet_text
+    from ident.report.words.sheet import rich_sheet, sheet_text
 
     if sys.stdout.isatty():
         from rich.console import Console
 
-        Console().print(rich_table(sheet))
+        Console().print(rich_sheet(sheet))
     else:
         click.echo(visible(sheet_text(sheet, width())))
 

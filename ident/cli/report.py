@@ -20,13 +20,16 @@ def command(run: str, as_json: bool) -> None:
     Example:
       ident report runs/first
     """
-    from ident.report.run_folder import load_run, read_run, renew_report
+    from ident.report.run_folder import lacking_formats, load_run, read_run, renew_report
 
     read_run(run)  # a wrong folder is answered before anything is compiled
     progress("reading the campaign and compiling the model")
     fit = load_run(run)
     progress("writing the report")
     page = renew_report(fit, run)
+    if lacking := lacking_formats(run):
+        what = f"the figures of {' and '.join(lacking)} were kept as PNG alone by an earlier version"
+        progress(f"{what}; the command that drew them draws them in other formats")
     if as_json:
         say_json(read_run(run))
         return

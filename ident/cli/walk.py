@@ -108,13 +108,16 @@ def _free_file(folder: Path) -> Path:
 def tell(found: Diagnosis) -> None:
     """The diagnosis on the terminal."""
     from ident.diagnosis.document import lineage_of
-    from ident.report.diagnosis_view import advice, ranking_sheet, verdict_words
+    from ident.report.candidates_view import later_sheet, ranking_sheet
+    from ident.report.diagnosis_view import advice, verdict_words
     from ident.report.story import change_sheet
 
     say(f"Where the first model fails: {found.summary}")
     say()
     if found.discovery.ranking:
         say_sheet(ranking_sheet(found))
+    if (later := later_sheet(found)) is not None:
+        say_sheet(later)
     lineage = lineage_of(found.discovery.start, found.discovery.steps)
     if lineage:
         say_sheet(change_sheet(lineage))

@@ -123,7 +123,7 @@ def diagnose(
     library = registry(fitted.campaign.effect_files) if library is None else library
     report("locating the misfit")
     regression = prepare(working(fitted))
-    where = locate(regression)
+    where = locate(regression, fitted)
     look = first_look(fitted, library, report)
     suspects = find_suspects(fitted, lambda: look, report)
     first = [suspect for suspect in suspects if suspect.first]
@@ -149,7 +149,7 @@ def diagnose(
         return diagnose(again, library, report, effect_file, keeps_walk, keep)
     if found.start is not fitted:  # the walk has begun again, from a better first model
         regression = prepare(working(found.start))
-        where = locate(regression)
+        where = locate(regression, found.start)
     if found.verdict != "adequate" and not adequate(found.regression) and before is None:
         after = apart_after(look, found.final, report)
         if after is not None and (said := _read_apart(after, regression, library, report, keep)) is not None:

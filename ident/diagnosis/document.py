@@ -91,6 +91,10 @@ def _step(step: Step) -> dict[str, Any]:
         **_errors(step.fit),
         "tie_set": list(step.tie_set),
         "role": step.role,
+        "rivals": [
+            {"effect": r.name, "predicted_gain": r.predicted_gain, "confirmed_gain": r.confirmed_gain}
+            for r in step.rivals
+        ],
     }
 
 

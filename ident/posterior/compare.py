@@ -41,7 +41,8 @@ class Weighed(NamedTuple):
 
 
 class Comparison(NamedTuple):
-    """Models in the order given; the position of the `best`; `lead`, ln of its odds over the next, with `error`."""
+    """Models in the order given; the position of the `best`; `lead`, ln of its odds over the next, with `error`; and
+    whether the best one describes the records, which a verdict among models does not say."""
 
     models: tuple[Weighed, ...]
     best: int
@@ -49,6 +50,7 @@ class Comparison(NamedTuple):
     error: float
     verdict: Literal["decided", "undecided"]
     words: str
+    describes: bool
 
 
 def compare(fits: Sequence[tuple[str, Fit]], doubts: Callable[[Fit], Sequence[str]] = lambda _: ()) -> Comparison:
@@ -107,7 +109,8 @@ def _judge(models: tuple[Weighed, ...], doubts: Callable[[Fit], Sequence[str]]) 
         f"ln Z of [{names[0]}] exceeds that of [{names[1]}] by {lead:.1f} ± {error:.1f}: "
         f"odds of {odds} to 1, {strength}."
     ]
-    parts.append(f"Left-out stretches of time prefer it by {elpd:.1f} ± {elpd_error:.1f} nats.")
+    whom = "it" if elpd >= 0 else "the other"
+    parts.append(f"Left-out stretches of time prefer {whom} by {abs(elpd):.1f} ± {elpd_error:.1f} nats.")
     if first.fit.holdout is not None and second.fit.holdout is not None:
         ratios = (m.fit.holdout.error_over_noise for m in (first, second) if m.fit.holdout is not None)
         parts.append("Held-out error over noise: {:.3g} against {:.3g}.".format(*ratios))
@@ -123,7 +126,8 @@ def _judge(models: tuple[Weighed, ...], doubts: Callable[[Fit], Sequence[str]]) 
             f"Even the best does not describe the records ({wrong[0]}): the right model is not among "
             "them; `ident diagnose` says what is missing."
         )
-    return Comparison(models, order[0], lead, error, "decided" if decided else "undecided", " ".join(parts))
+    verdict = "decided" if decided else "undecided"
+    return Comparison(models, order[0], lead, error, verdict, " ".join(parts), not wrong)
 
 
 def _effects(model: Weighed) -> str:

@@ -1,7 +1,8 @@
 """The posterior as an ArviZ container: `posterior.nc`, which ArviZ 0.23 and 1.x read alike.
 
 Groups: posterior, log_likelihood (by blocks of time), posterior_predictive, observed_data, constant_data, sample_stats.
-A chain of ArviZ is an ensemble; its draws are those of all walkers, step by step.
+A chain of ArviZ is an ensemble; its draws are those of all walkers, step by step. Each record's samples have their
+times beside them, s: `<record>_time` along `<record>_sample`.
 """
 
 from __future__ import annotations
@@ -48,13 +49,13 @@ def write_container(posterior: Posterior, path: Path) -> None:
     few = np.linspace(0, shape[1] - 1, min(_PREDICTED, shape[1])).astype(int)
     at = (np.arange(ensembles)[:, None] * shape[1] + few).reshape(-1)
     readings = density.readings(density.values(together[at]))
-    predictive, observed, drive, likelihood = {}, {}, {}, {}
+    predictive, observed, drive, times, likelihood = {}, {}, {}, {}, {}
     dims: dict[str, list[str]] = {}
     for i, (record, reading) in enumerate(zip(density.records, readings, strict=True)):
         name = _name(record.name)
         noise = random.standard_normal(reading.shape) * record.noise.sigma * blocks.sigma[at, i][:, None]
         predictive[name] = (reading + noise).reshape(ensembles, len(few), -1)
-        observed[name], drive[name] = record.response, record.drive
+        observed[name], drive[name], times[name] = record.response, record.drive, record.time
         likelihood[name] = blocks.log_likelihood[:, blocks.record == i].reshape(*shape, -1)
         dims[name] = [f"{name}_sample"]
     data = {
@@ -70,6 +71,9 @@ def write_container(posterior: Posterior, path: Path) -> None:
     tree = arviz_base.from_dict(data, dims=dims, attrs={"/": attributes})
     for n, prior in zip(density.names, density.priors, strict=True):
         tree["posterior"][n].attrs["units"] = prior.unit
+    for group in ("posterior_predictive", "observed_data", "constant_data"):
+        beside_samples = {f"{n}_time": ([f"{n}_sample"], time, {"units": "s"}) for n, time in times.items()}
+        tree[group].dataset = tree[group].to_dataset().assign_coords(beside_samples)
     beside = path.with_name(path.name + ".part")
     tree.to_netcdf(beside, engine="h5netcdf")
     beside.replace(path)

@@ -11,7 +11,7 @@ from ..campaign.device import Device
 from ..campaign.record import Trace
 from ..posterior.attribution import Attributed, Attribution, Share
 from ..units import plain_micro
-from .figures.picture import draw
+from .figures.picture import draw_kept
 from .figures.style import FAINT, HELDOUT, INK, MODEL, RESIDUAL, new_axes, new_figure, shortened
 from .html import Section
 from .words.drives import drive_words
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 # Told apart by the colour-blind (Okabe & Ito), the first three as elsewhere in the report.
 _COLOURS = (MODEL, RESIDUAL, HELDOUT, "#009e73", "#cc79a7", "#56b4e9", "#f0e442", INK)
 _SHOWN = ("mean over periods", "2nd harmonic", "dwell asymmetry", "at drive zeros, mean")
+_NARROW = 0.001  # width of a share from which its interval is told
+_BROAD = 0.02  # and from which whole percents tell it
 _FIXED = {"rad": Scale(np.pi / 180, "deg"), "1": Scale(0.01, "%")}
 
 
@@ -92,21 +94,26 @@ def attribution_sheet(document: Mapping[str, Any]) -> Sheet:
     marks: list[Mark] = ["total" if row[0] == "all together" else "" for row in rows]
     columns = (
         Column("record", wraps=True),
-        Column("measure"),
-        Column("offset", True),
-        *(Column(n, True) for n in names),
+        Column("measure", wraps=True),
+        Column("offset", True, True),
+        *(Column(n, True, True) for n in names),
     )
     note = (
         "The offset is what the record has beyond a motion that symmetric physics could make. Share of each mechanism "
-        "with its 90 % interval; shares of a measure add up to 100 %."
+        "with its 90 % interval, but where that is narrower than 0.1 %; shares of a measure add up to 100 %. Beyond "
+        "100 % a mechanism alone would make more than the offset, and one below 0 works against it."
     )
     return Sheet("Which mechanism explains the offset", columns, tuple(rows), tuple(marks), note)
 
 
 def _percent(share: Mapping[str, Any]) -> str:
+    """ "97 % (95…99)", with a decimal where the interval would not show without."""
     low, high = share["interval90"]
-    middle = f"{round(100 * share['share']):d} %"
-    return middle if high - low < 0.01 else f"{middle} ({100 * low:.0f} … {100 * high:.0f})"
+    if not high - low >= _NARROW:
+        return f"{round(100 * share['share']):d} %"
+    digits = 0 if high - low >= _BROAD else 1
+    middle, low, high = (f"{100 * value + 0.0:.{digits}f}" for value in (share["share"], low, high))
+    return f"{middle} % ({low}…{high})"
 
 
 def attribution_figure(document: Mapping[str, Any]) -> Figure:
@@ -173,6 +180,6 @@ def _cell(
 def attribution_section(document: Mapping[str, Any]) -> Section:
     """The part of the report about the offset's causes, from `attribution.json`."""
     caption = "Share of the offset that each mechanism explains; line: 90 % interval"
-    picture = draw(caption, attribution_figure(document))
+    picture = draw_kept(caption, attribution_figure(document))
     sheets = (attribution_sheet(document),)
     return Section("What explains the zero-point offset", (document["words"],), sheets, (picture,))

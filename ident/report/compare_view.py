@@ -9,11 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..posterior.compare import DECISIVE, Comparison, Weighed
-from .figures.style import FAINT, HELDOUT, INK, MODEL, RESIDUAL, label, new_axes, new_figure
+from .figures.style import HELDOUT, INK, MODEL, RESIDUAL, key, label, new_axes, new_figure
 from .words.sheet import Column, Sheet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+_LINEAR = 10.0  # nats, up to which the axis is linear
+_BEFORE = 1.5  # nats, from which a number beside a bar would reach the line of decision
 
 
 def compare_dict(found: Comparison) -> dict[str, Any]:
@@ -25,8 +28,22 @@ def compare_dict(found: Comparison) -> dict[str, Any]:
         "best": found.models[found.best].name,
         "lead": found.lead,
         "lead_error": found.error,
+        "describes_the_records": found.describes,
         "words": found.words,
     }
+
+
+def headline(document: Mapping[str, Any]) -> str:
+    """The verdict in one sentence, from `compare.json`: which of the models, and whether that one is any good."""
+    if document.get("describes_the_records", True):
+        return document["verdict"]
+    held = _ahead(document)["holdout_error_over_noise"]
+    far = "" if held is None else f" (held-out error {held:.3g} times the noise floor)"
+    return f"{document['verdict']} among these, but even the best does not describe the records{far}"
+
+
+def _ahead(document: Mapping[str, Any]) -> Mapping[str, Any]:
+    return max(document["models"], key=lambda m: m["log_evidence"])
 
 
 def _model(one: Weighed) -> dict[str, Any]:
@@ -63,26 +80,30 @@ def compare_sheet(document: Mapping[str, Any]) -> Sheet:
         doubt = [] if m["trusted"] else ["evidence not to be trusted"]
         doubt += [] if m["describes_the_records"] else ["does not describe the records"]
         rows.append((str(folder.relative_to(shared)), " + ".join(m["effects"]) or "linear",
-                     f"{m['log_evidence'] - best['log_evidence']:.1f}",
-                     f"± {m['log_evidence_error']:.2f}", f"{100 * m['probability']:.3g} %",
+                     f"{m['log_evidence'] - best['log_evidence']:.1f} ± {m['log_evidence_error']:.2f}",
+                     _probability(m["probability"]),
                      f"{m['elpd'] - best['elpd']:.1f}", "–" if holdout is None else f"{holdout:.3g}",
                      "; ".join(doubt)))  # fmt: skip
         marks.append("total" if m is best else "warning" if doubt else "")
     columns = (
-        Column("run", wraps=True), Column("effects", wraps=True), Column("Δ ln Z", True), Column("error"),
-        Column("probability", True), Column("Δ elpd", True), Column("held out/noise", True),
+        Column("run", wraps=True), Column("effects", wraps=True), Column("Δ ln Z", True, True),
+        Column("probability", True), Column("Δ elpd", True), Column("held out/noise", True, True),
         Column("remark", wraps=True),
     )  # fmt: skip
     note = "Δ: against the best. elpd: ln predictive density of left-out stretches of time."
     return Sheet("Models compared", columns, tuple(rows), tuple(marks), note)
 
 
+def _probability(share: float) -> str:
+    return f"{100 * share:.3g} %" if share > 1e-4 else "< 0.01 %"
+
+
 def compare_figure(document: Mapping[str, Any]) -> Figure:
     """How far each model is behind the best, in nats of evidence (bar) and of left-out prediction (dot)."""
     models = sorted(document["models"], key=lambda m: -m["log_evidence"])
-    height = 0.5 * len(models) + 1.35
+    height = 0.5 * len(models) + 1.75
     figure = new_figure(10.6, height)
-    axes = new_axes(figure, 0.36, 0.62 / height, 0.56, 1 - 1.2 / height)
+    axes = new_axes(figure, 0.36, 0.82 / height, 0.56, 1 - 1.6 / height)
     best = models[0]
     behind = [best["log_evidence"] - m["log_evidence"] for m in models]
     missed = [max(best["elpd"] - m["elpd"], 0.0) for m in models]
@@ -90,31 +111,38 @@ def compare_figure(document: Mapping[str, Any]) -> Figure:
     colours = [MODEL if i == 0 else HELDOUT for i in range(len(models))]
     axes.barh(places, [max(b, 0.0) for b in behind], height=0.55, color=colours)
     axes.plot(missed, places, "o", color=INK, ms=5)
-    axes.set_xscale("symlog", linthresh=10.0)
+    axes.set_xscale("symlog", linthresh=_LINEAR)
     axes.set_xlim(0, max(20.0, 3.0 * max([*behind, *missed])))
     axes.axvline(DECISIVE, color=RESIDUAL, lw=1.2, ls="--")
-    axes.set_ylim(places[-1] - 0.6, 0.75)
-    axes.text(DECISIVE, 0.72, " decided beyond", fontsize=9, color=RESIDUAL, va="top")
+    axes.set_ylim(places[-1] - 0.6, 0.6)
+    above = axes.get_xaxis_transform()
+    axes.text(
+        DECISIVE,
+        1.02,
+        f"decided beyond {DECISIVE:g}",
+        fontsize=9,
+        color=RESIDUAL,
+        ha="center",
+        va="bottom",
+        transform=above,
+    )
     axes.set_yticks(places, [" + ".join(m["effects"]) or "linear alone" for m in models])
     axes.tick_params(axis="y", length=0)
     axes.minorticks_off()
     axes.xaxis.set_major_formatter("{x:g}")
     for place, b, m in zip(places, behind, models, strict=True):
-        text = f"best: {100 * m['probability']:.3g} %" if m is best else f"{b:.1f}"
-        axes.annotate(
-            text,
-            (max(b, best["elpd"] - m["elpd"], 0.0), place),
-            (8, 0),
-            textcoords="offset points",
-            va="center",
-            fontsize=9,
-        )
-    label(axes, "nats behind the best:  bar, evidence;  dot, left-out prediction")
-    words = {"decided": "The records decide for", "undecided": "The records do not decide; ahead is"}[
-        document["verdict"]
-    ]
-    title = f"{words} {' + '.join(best['effects']) or 'the linear model'}"
-    colour = INK if document["verdict"] == "decided" else RESIDUAL
+        text = f"best: {100 * m['probability']:.3g} %" if m is best else f"{b:.1f}" if b < 1000 else f"{b:.0f}"
+        reached = max(b, best["elpd"] - m["elpd"], 0.0)
+        at = (
+            DECISIVE if _BEFORE < reached < DECISIVE or m is best and reached < DECISIVE else reached
+        )  # not on its line
+        axes.annotate(text, (at, place), (8, 0), textcoords="offset points", va="center", fontsize=9)
+    label(axes, f"nats behind the best (a nat: odds of 2.7; logarithmic beyond {_LINEAR:g})")
+    key(figure, 0.92, 0.2 / height, ("bar: evidence", HELDOUT), ("dot: left-out prediction", INK))
+    decided, described = document["verdict"] == "decided", document.get("describes_the_records", True)
+    words = "The records decide for" if decided else "The records do not decide; ahead is"
+    doubt = "" if described else ", but it does not describe them"
+    title = f"{words} {' + '.join(best['effects']) or 'the linear model'}{doubt}"
+    colour = INK if decided and described else RESIDUAL
     figure.text(0.012, 1 - 0.24 / height, title, fontsize=12, weight="bold", color=colour, va="center")
-    figure.text(0.985, 1 - 0.24 / height, "a nat: odds of 2.7", fontsize=9, color=FAINT, va="center", ha="right")
     return figure

@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-from ..campaign.device import Device
 from ..campaign.quality.suspect import ALL
 from ..diagnosis.diagnose import Diagnosis
 from ..diagnosis.evidence.enough import ANOTHER_LAW, adequate, noise_of_force
 from ..diagnosis.evidence.held_out import contradicted
 from ..diagnosis.faulty.suspects import BY_OTHERS
-from ..diagnosis.ranking.score import NAMED_BY_CHANCE, Candidate
 from ..diagnosis.search.beyond import NAME
 from ..diagnosis.search.steps import Discovery, Step
 from ..fit import Fit
 from ..fit.start_score import mostly_starts
+from .candidates_view import later_sheet, ranking_sheet
 from .figures.picture import draw
 from .figures.where import where_figure
 from .html import Section
 from .words.data import one_frequency
-from .words.quantity import show
-from .words.sheet import Column, Mark, Sheet
 from .words.tables import listed, percent_text, ratio_text
-
-_LISTED = 6
 
 _OTHER_STARTS = (
     "with other starts than are claimed the model leaves less than half of that. "
@@ -132,47 +127,6 @@ def _not_in_library(loop: Discovery, known: list[Step], named: list[Step]) -> st
     return f"{said} {named[-1].added}, written from what is missing, lowers it to {left}."
 
 
-def ranking_sheet(found: Diagnosis) -> Sheet:
-    """The best candidates: share of the excess error that each would remove, as scored and as confirmed by a refit."""
-    loop = found.discovery
-    rows: list[tuple[str, ...]] = []
-    marks: list[Mark] = []
-    for candidate in loop.ranking[:_LISTED]:
-        confirmed = loop.confirmed.get(candidate.name)
-        rows.append(
-            (
-                candidate.name,
-                f"{100 * candidate.predicted_gain:.1f} %",
-                _confirmed(confirmed),
-                _size(candidate, loop.start),
-                "< 1e-15" if candidate.p_value < 1e-15 else f"{candidate.p_value:.1g}",
-            )
-        )
-        sure = candidate.p_value * max(len(loop.ranking), 1) < NAMED_BY_CHANCE
-        marks.append("" if sure else "quiet")
-    columns = (
-        Column("candidate", wraps=True), Column("predicted", True), Column("confirmed", True),
-        Column("estimated size", wraps=True), Column("by chance", True),
-    )  # fmt: skip
-    note = "share of the error beyond noise that the effect removes: as scored, and in a refit of the full simulation"
-    return Sheet("Which effect is missing?", columns, tuple(rows), tuple(marks), note)
-
-
-def _confirmed(gain: float | None) -> str:
-    if gain is None:
-        return "–"
-    return f"{100 * min(gain, 1.0):.1f} %" if gain > 0 else "none"
-
-
-def _size(candidate: Candidate, fitted: Fit) -> str:
-    device: Device = fitted.model.device
-    units = candidate.units
-    parts = []
-    for name, error in candidate.errors.items():
-        parts.append(f"{name} {show(candidate.values[name], error, units[name], device)}")
-    return ", ".join(parts)
-
-
 def advice(found: Diagnosis) -> list[str]:
     """What ties, what is unknown, and what to measure next, one sentence each."""
     sentences = [f"Suspect record: {suspect.sentence}" for suspect in found.suspects]
@@ -186,7 +140,8 @@ def advice(found: Diagnosis) -> list[str]:
     if found.unseen:
         names = listed([effect.name for effect in found.unseen])
         them = "it" if len(found.unseen) == 1 else "them"
-        sentences.append(f"Beside the first model these records cannot show {names}: its parameters absorb {them}.")
+        model = "the first model" if found.discovery.steps else "this model"
+        sentences.append(f"Beside {model} these records cannot show {names}: its parameters absorb {them}.")
     if found.unknown is not None:
         sentences += found.unknown.sentences
     if found.effect_file is not None:
@@ -246,7 +201,8 @@ def sections(found: Diagnosis) -> list[Section]:
         parts.append(Section("Which record is suspect", (verdict_words(found), *advice(found))))
     if found.discovery.ranking:
         words = (verdict_words(found), *advice(found))
-        parts.append(Section("Which effect is missing", words, (ranking_sheet(found),)))
+        sheets = [sheet for sheet in (ranking_sheet(found), later_sheet(found)) if sheet is not None]
+        parts.append(Section("Which effect is missing", words, sheets))
     if found.unknown is not None:
         from .figures.unknown import unknown_figure
 

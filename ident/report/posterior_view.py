@@ -11,7 +11,7 @@ import numpy as np
 from ..campaign.device import Device
 from ..posterior.pareto import TRUSTED
 from ..posterior.result import Marginal, Posterior
-from .figures.picture import draw
+from .figures.picture import draw_kept
 from .figures.style import FAINT, INK, MODEL, RESIDUAL, new_axes, new_figure
 from .html import Section
 from .words.quantity import Shown, display_unit, scale, show, show_in
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _ACROSS = 3
+_EDGE = 0.06  # of a panel's width that has no tick
 _WIDE = 4.0  # standard deviations shown to each side
 
 
@@ -131,6 +132,8 @@ def _panel(figure: Figure, axes: Axes, marginal: Marginal, values: np.ndarray, d
     axes.set_xlim(low / unit.factor, high / unit.factor)
     axes.locator_params(axis="x", nbins=4)
     axes.ticklabel_format(axis="x", useOffset=False, style="plain")
+    shown = [x for x in axes.get_xticks() if _EDGE < (x * unit.factor - low) / (high - low) < 1 - _EDGE]
+    axes.set_xticks(shown)  # a number at the edge would touch that of the next panel
     left = axes.get_position().x0
     name = marginal.prior.name + (f"  ({unit.unit})" if unit.unit else "")
     figure.text(left, top + 0.012, name, fontsize=9.5, color=INK, weight="bold", va="bottom")
@@ -144,7 +147,7 @@ def posterior_section(posterior: Posterior, document: Mapping[str, Any]) -> Sect
     caption = "Each parameter before (line) and after (filled) the records; dotted: 90 % interval"
     paragraphs = (verdict_words(document), evidence_words(document["log_evidence"]), *document["notes"])
     sheets = (posterior_sheet(document, device), prior_sheet(document, device))
-    return Section("Posterior", paragraphs, sheets, (draw(caption, posterior_figure(posterior)),))
+    return Section("Posterior", paragraphs, sheets, (draw_kept(caption, posterior_figure(posterior)),))
 
 
 def _narrower(contraction: float) -> str:

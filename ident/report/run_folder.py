@@ -25,7 +25,7 @@ from ..fit import Fit
 from ..model import Model
 from ..pulse import Report
 from ..threads import one_thread
-from .figures.picture import drawn_as_before
+from .figures.picture import draw, drawn_as_before
 from .html import Section, write_report
 from .new_folder import OWN, link_or_copy, new_folder, write_whole
 from .parts import FILE as PARTS
@@ -109,6 +109,17 @@ def _draw_page(fit: Fit, folder: Path) -> None:
     for name, own in parts.items():
         for k, picture in enumerate([picture for section in own for picture in section.pictures], 1):
             picture.write(folder / "figures", name if k == 1 else f"{name}_{k}")
+    if exists(folder / "compare.json"):  # `ident compare … -o RUN`
+        from .compare_view import compare_figure  # not needed by a fit
+
+        draw("", compare_figure(read_json(folder / "compare.json"))).write(folder, "compare")
+
+
+def lacking_formats(folder: PathLike) -> tuple[str, ...]:
+    """The parts of a run's page whose pictures do not have the formats that are asked for: earlier versions kept a PNG
+    alone."""
+    parts = _parts(Path(folder))
+    return tuple(n for n, own in parts.items() if any(p.lacks for section in own for p in section.pictures))
 
 
 def _parts(folder: Path) -> dict[str, list[Section]]:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..campaign.tables.opening import exists
+from ..diagnosis.search.rivals import Rival
 from ..diagnosis.search.steps import Step, Walked
 from ..errors import UserError
 from ..fit import Fit
@@ -23,7 +24,7 @@ def walk_dict(walked: Walked) -> dict[str, Any]:
     return {
         "format": _FORMAT,
         "start": _kept(walked.start),
-        "steps": [{name: getattr(step, name) for name in _OWN} | {"fit": _kept(step.fit)} for step in walked.steps],
+        "steps": [_step_dict(step) for step in walked.steps],
         "gains": dict(walked.gains),
     }
 
@@ -50,7 +51,13 @@ def _kept(fit: Fit) -> dict[str, Any]:
     return {"effects": list(fit.model.names), "sigma": fit.sigma, "converged": fit.converged, "state": state(fit)}
 
 
+def _step_dict(step: Step) -> dict[str, Any]:
+    own = {name: getattr(step, name) for name in _OWN}
+    return own | {"rivals": [list(rival) for rival in step.rivals], "fit": _kept(step.fit)}
+
+
 def _step(told: dict[str, Any], fit: Fit) -> Step:
     known: dict[str, Any] = {name: told[name] for name in _OWN}
-    known |= {"tie_set": tuple(told["tie_set"]), "reasons": tuple(told["reasons"])}
+    rivals = tuple(Rival(*rival) for rival in told.get("rivals", ()))  # earlier versions kept none
+    known |= {"tie_set": tuple(told["tie_set"]), "reasons": tuple(told["reasons"]), "rivals": rivals}
     return Step(**known, fit=fit)

@@ -13,10 +13,11 @@ from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.diagnosis.linearised.regression import Regression, prepare
 from ident.diagnosis.where.locate import Where, locate
 from ident.diagnosis.where.whiteness import drive_correlation, lagged, whiteness
-from ident.diagnosis.where.words import hertz, statements, summary
+from ident.diagnosis.where.words import Statement, hertz, statements, summary
 from ident.fit import Fit, fit
 from ident.fit.reading import read
 from ident.model import Model
+from ident.report.figures import where as figure
 from ident.report.figures.where import where_figure
 from tests.fit.test_curves import FREQUENCY, QUALITY, sweep
 
@@ -105,6 +106,23 @@ def test_a_misfit_is_found_in_its_time(regression: Regression) -> None:
     assert "first" in said["time"]
 
 
+def test_the_error_is_that_of_the_fit_and_another_size_is_explained(regression: Regression) -> None:
+    """Hum and the noise's colour are taken out before a place is looked for, and `ident fit` counts them in."""
+    own = regression.fit.fitted.error_over_noise
+    where = disturbed(regression, 1, np.full(800, 1.0))
+    assert f"The error is {own:.2f} times the noise floor ({where.white_error:.2f} in what follows" in summary(where)
+    assert [r.error for r in where.records] == [s.error_over_noise for s in regression.fit.scores]
+    told = summary(where._replace(error=where.white_error))
+    assert f"The error is {where.white_error:.2f} times the noise floor; what is left" in told
+    assert "98.8 times" in summary(where._replace(error=98.84))
+
+
+def test_a_phase_goes_round(regression: Regression) -> None:
+    angle = 2 * np.pi * 50.0 * np.arange(800) / 4000.0
+    said = {s.axis: s.words for s in statements(disturbed(regression, 0, np.where(np.cos(angle) > 0.88, 6.0, 0.0)))}
+    assert said["phase"] == "at 330–30° of the drive's phase"
+
+
 def test_an_offset_is_the_constant_part(regression: Regression) -> None:
     where = disturbed(regression, 1, np.full(800, 1.0))
     assert "in the constant part" in summary(where)
@@ -138,9 +156,22 @@ def test_drive_correlation_is_found_at_its_lag() -> None:
 
 
 def test_the_figure_draws(regression: Regression) -> None:
-    figure = where_figure(locate(regression))
-    assert len(figure.axes) == 8
-    assert "No part of the records stands out" in figure.texts[0].get_text()
+    drawn = where_figure(locate(regression))
+    assert len(drawn.axes) == 8
+    assert "No part of the records stands out" in drawn.texts[0].get_text()
+
+
+def test_the_figure_asks_and_answers(regression: Regression, monkeypatch: pytest.MonkeyPatch) -> None:
+    third = 3.0 * np.sin(2 * np.pi * 3 * 50.0 * np.arange(800) / 4000.0)
+    where = disturbed(regression, 0, third)
+    told = lambda: [text.get_text() for text in where_figure(where).texts]
+    assert {"Which record?", "At which harmonic?", "at the third harmonic of the drive"} <= set(told())
+    assert "no: beyond the grey band" in told() and "At which frequency?" not in told()
+    named = Statement("frequency", "between 140 and 160 Hz", 0.9, 0.0)
+    monkeypatch.setattr(figure, "statements", lambda _: [named])  # what the words name has an axis
+    assert {"At which frequency?", "between 140 and 160 Hz"} <= set(told())
+    boxes = [axes.get_window_extent() for axes in where_figure(where).axes]
+    assert not any(a.overlaps(b) for i, a in enumerate(boxes) for b in boxes[:i])
 
 
 def test_a_frequency_has_no_power_of_ten() -> None:

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
+import re
+import subprocess
+import sys
 import warnings
 from pathlib import Path
 
@@ -77,6 +81,21 @@ def test_sample_leaves_a_container_a_chain_and_a_page(home, sampled):
     page = (home / "both" / "report.html").read_text(encoding="utf-8")
     assert "<h2>Posterior" in page or "Posterior" in page
     assert (home / "both" / "figures" / "posterior.png").stat().st_size > 10_000
+
+
+def test_the_snippet_of_the_documents_draws_a_band_over_data(home, sampled, tmp_path):
+    page = (DATA.parent / "docs" / "posterior.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    code = code.replace("runs/paper", str(home / "both")).replace("band.png", str(tmp_path / "band.png"))
+    environment = {**os.environ, "MPLBACKEND": "agg"}
+    script = f"{code}\nprint(float(time[0]), float(time[-1]), float(((data > low) & (data < high)).mean()))"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=environment, check=False)
+    assert done.returncode == 0, done.stderr
+    first, last, inside = map(float, done.stdout.split())
+    record = np.loadtxt(home / "campaign" / "sine_8V_317Hz.csv", delimiter=",", skiprows=2)[:, 0]  # Time_ms
+    assert (first, last) == pytest.approx((record[0], record[-1]), rel=1e-4, abs=1e-6)
+    assert 0.8 < inside < 0.95
+    assert (tmp_path / "band.png").stat().st_size > 5000
 
 
 def test_arviz_reads_the_container(home, sampled):

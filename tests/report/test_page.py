@@ -12,9 +12,9 @@ import pytest
 
 from ident.campaign import Platform
 from ident.fit.judge import score_record
-from ident.report.figures.picture import Picture
+from ident.report.figures.picture import Picture, draw_kept, drawn_as, from_dict
 from ident.report.figures.records import record_figure
-from ident.report.figures.style import envelope, png
+from ident.report.figures.style import envelope, new_figure, png
 from ident.report.html import Section, write_report
 from ident.report.words.sheet import Column, Sheet
 
@@ -72,6 +72,15 @@ def test_other_parts_of_the_program_add_sections(make_fit, tmp_path):
     page = write_report(fit, tmp_path, {"sections": [section], "parent": "runs/0"}).read_text(encoding="utf-8")
     for words in ("What is missing", "A paragraph.", "Ranking", "end-stop", 'alt="a picture"', "runs/0"):
         assert words in page
+
+
+def test_a_kept_picture_has_every_format_and_one_of_earlier_versions_says_what_it_lacks(tmp_path):
+    kept = from_dict(draw_kept("caption", new_figure(2, 1)).as_dict())
+    early = Picture("caption", kept.image)
+    with drawn_as(("svg", "pdf")):
+        assert {path.name for path in kept.write(tmp_path, "a")} == {"a.svg", "a.pdf"}
+        assert kept.lacks == () and early.lacks == ("svg", "pdf")
+    assert {path.name for path in kept.write(tmp_path, "b")} == {"b.png"}
 
 
 def test_of_many_records_the_worst_are_drawn(make_fit, tmp_path, monkeypatch):

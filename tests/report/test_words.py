@@ -101,7 +101,10 @@ def test_starts(make_fit):
     text = start_sentence(replace(fit, starts=other))
     assert text.startswith("2 of 4 starts reach the same minimum; the next best ends at 7.30")
     assert text.endswith("1 could not be solved")
-    assert "one start" in start_sentence(replace(fit, starts=fit.starts[:1]))
+    alone = start_sentence(replace(fit, starts=fit.starts[:1]))
+    assert alone == "there was one start, and it reaches the noise floor"
+    bad = make_fit(misfit=0.4)
+    assert "nothing shows that its minimum is the deepest" in start_sentence(replace(bad, starts=bad.starts[:1]))
 
 
 def test_strong_correlations_in_words(make_fit):

@@ -7,6 +7,8 @@ absent from the library an impostor still lowers the error.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from ...campaign.campaign import Campaign
 from ...effects.registry import Registry
 from ...fit import Fit
@@ -23,6 +25,7 @@ from .change import to_its_end, try_without
 from .lacking import lacking
 from .parts import Parts
 from .prune import Pruned, prune
+from .rivals import rivals_of
 from .steps import Discovery, Ended, Step, Verdict
 from .ties import weighed_ties
 
@@ -51,7 +54,7 @@ def concluded(ended: Ended) -> Discovery:
         needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report, weighed)
         alike = needed.alike
         if needed.names != tuple(s.added for s in steps):
-            steps = _replayed(start, needed, library, at_best)
+            steps = _replayed(start, needed, library, at_best, walked.gains)
             steps = _without_refuted(start, steps, prepare(working(steps[-1].fit)))  # the laws before it have changed
         elif needed.fit is not steps[-1].fit:  # another law in the place of one has led to a better minimum with it
             steps[-1] = steps[-1]._replace(fit=needed.fit)
@@ -109,8 +112,11 @@ def _after_effects(steps: list[Step], regression: Regression) -> Regression:
     return regression if last == len(steps) - 1 else prepare(working(steps[last].fit))
 
 
-def _replayed(start: Fit, needed: Pruned, library: Registry, at_best: Regression) -> list[Step]:
-    """The steps as they would have been without the terms that proved superfluous; `at_best`: where the walk began.
+def _replayed(
+    start: Fit, needed: Pruned, library: Registry, at_best: Regression, gains: Mapping[str, float]
+) -> list[Step]:
+    """The steps as they would have been without the terms that proved superfluous; `at_best`: where the walk began, and
+    `gains` of what was refitted there.
 
     Of two laws that do the same to these records the second shows only beside a third, and comes after that.
     """
@@ -130,8 +136,11 @@ def _replayed(start: Fit, needed: Pruned, library: Registry, at_best: Regression
         ties, tied = weighed_ties(regression, found, significant(candidates), library, [found])
         role = role_of(regression, found.chi2, at_best)
         steps.append(
-            Step(name, chosen.predicted_gain, found.gain, ties.names, role, current, ties.reasons, tied, regression)
-        )
+            Step(
+                name, chosen.predicted_gain, found.gain, ties.names, role, current, ties.reasons, tied, regression,
+                rivals=rivals_of(name, significant(candidates), {} if steps else gains),
+            )
+        )  # fmt: skip
     return steps
 
 

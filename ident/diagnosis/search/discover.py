@@ -38,6 +38,7 @@ from .fewer_modes import without_a_mode
 from .further_mode import with_its_mode
 from .once_more import begun_with, drive_beside, lower_start, with_other_starts
 from .other_form import in_another_form, steps_in_another_form
+from .rivals import rivals_of
 from .steps import Discovery, Ended, Step, Walked
 from .ties import weighed_ties
 from .together import both, hidden_by_each_other
@@ -149,7 +150,8 @@ def _best_step(current: Fit, look: Look, gains: dict[str, float]) -> tuple[list[
     """Confirm the best candidates by refits and take the best one, or two that hide each other; the regression of the
     fit with them too."""
     regression, first, library, tried = look.regression, look.first, look.library, look.tried
-    gains.update({found.candidate.name: found.gain for found in tried})
+    kept = {found.candidate.name: found.gain for found in tried}
+    gains.update(kept)
     best = (
         None
         if not_worth_adding(regression, best_drop(tried, regression), first)
@@ -159,15 +161,19 @@ def _best_step(current: Fit, look: Look, gains: dict[str, float]) -> tuple[list[
     if names := hidden_by_each_other(regression, look.candidates, single, first, library):
         look.report(f"trying {' and '.join(names)} together")
         if two := both(current, regression, names, library, best and best.left, first):
-            return two
+            (one, other), left = two
+            return [one._replace(rivals=rivals_of(one.added, look.real, kept)), other], left
     if best is None:
         return None
     found = best.confirmed
     name, predicted = found.candidate.name, found.candidate.predicted_gain
     ties, tied = weighed_ties(regression, found, look.real, library, tried)
     return [
-        Step(name, predicted, found.gain, ties.names, best.role, best.fit, ties.reasons, tied, regression)
-    ], best.left
+        Step(
+            name, predicted, found.gain, ties.names, best.role, best.fit, ties.reasons, tied, regression,
+            rivals=rivals_of(name, look.real, kept),
+        )
+    ], best.left  # fmt: skip
 
 
 class _Best(NamedTuple):

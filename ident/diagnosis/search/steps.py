@@ -13,6 +13,7 @@ from ..linearised.regression import Regression
 from ..ranking.look import Look
 from ..ranking.score import Candidate
 from .parts import Parts
+from .rivals import Rival
 
 Verdict = Literal["adequate", "identified", "ambiguous", "not-in-library"]
 
@@ -22,7 +23,7 @@ class Step(NamedTuple):
 
     `reasons`: why it ties, in words; `tied`: the candidates that do, as scored on `regression`, the fit before;
     `instead`: where an effect and a few simpler ones do as well; `partner`: the effect that was added with it, where
-    neither alone explains what both do together.
+    neither alone explains what both do together; `rivals`: what stood against it.
     """
 
     added: str
@@ -36,6 +37,7 @@ class Step(NamedTuple):
     regression: Regression | None = None
     instead: Parts | None = None
     partner: str | None = None
+    rivals: tuple[Rival, ...] = ()
 
 
 class Walked(NamedTuple):

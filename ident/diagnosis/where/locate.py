@@ -7,12 +7,14 @@ rest.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 
 from ...campaign.drive import drive_frequency
 from ...campaign.record import Sweep, same_level
+from ...fit import Fit
 from ...model import QUALITY
 from ..linearised.regression import Regression
 from .views import View, chance_of, from_sums, view
@@ -22,14 +24,17 @@ ALARMS = 0.001  # probability with which noise alone would be called a misfit, p
 
 
 class RecordView(NamedTuple):
-    """One record: error ÷ noise floor, χ² above noise, its probability by chance, and where it was driven.
+    """One record: error ÷ noise floor of its white residual, χ² above noise, its probability by chance, and where it
+    was driven.
 
-    **Arguments:** `level`: largest |drive|, V; `travel`: largest |response|, m; `frequency`: of the drive, Hz.
+    **Arguments:** `error`: error ÷ noise floor as its fit says it; `level`: largest |drive|, V; `travel`: largest
+    |response|, m; `frequency`: of the drive, Hz.
     """
 
     name: str
     holdout: bool
     ratio: float
+    error: float
     excess: float
     p_value: float
     level: float
@@ -48,6 +53,8 @@ class Where(NamedTuple):
       drive, 0 is the constant part, and alone where no record is periodic; `phase` is then None. Of sweeps both are.
     - Of curves alone `time` is the frequency, Hz, `displacement` the amplitude, and `velocity` how far from the largest
       amplitude of its level a point lies, in half-power widths.
+    - `error`: error ÷ noise floor of the fitted records as their fit says it, and `excerpts`, whether only excerpts of
+      them were looked at.
     - `whiteness`: autocorrelation of the residual; `drive`: its cross-correlation with the drive, if there is one.
     """
 
@@ -63,6 +70,13 @@ class Where(NamedTuple):
     whiteness: Correlation
     drive: Correlation | None
     resonance: float
+    error: float
+    excerpts: bool = False
+
+    @property
+    def white_error(self) -> float:
+        """Error ÷ noise floor of the white residual of the fitted records, of which all that follows is counted."""
+        return float(np.sqrt(np.mean([r.ratio**2 for r in self.records if not r.holdout])))
 
     @property
     def fails(self) -> bool:
@@ -102,8 +116,10 @@ class _Samples(NamedTuple):
     frequency: np.ndarray | None = None
 
 
-def locate(regression: Regression) -> Where:
+def locate(regression: Regression, whole: Fit | None = None) -> Where:
     """Look at the residual of a fit along every axis.
+
+    **Arguments:** `whole`: the fit to all samples, where the regression is of excerpts; its errors are the ones told.
 
     Source: L. Ljung, System Identification: Theory for the User, 1999, §16.6 (residual analysis).
     """
@@ -129,8 +145,9 @@ def locate(regression: Regression) -> Where:
     time, displacement, velocity = axes()
     freedom = float(regression.n - regression.absorbed.shape[1])
     white = [s.white for s in samples]
+    said = regression.fit if whole is None else whole
     return Where(
-        _by_record(regression, samples),
+        _by_record(regression, samples, {score.name: score.error_over_noise for score in said.scores}),
         regression.chi2 - freedom,
         chance_of(regression.chi2, freedom, floor_error),
         time,
@@ -147,6 +164,8 @@ def locate(regression: Regression) -> Where:
             _LAGS / resonance,
         ),
         resonance,
+        said.fitted.error_over_noise,
+        said is not regression.fit and any(r.excerpt for r in regression.fit.campaign.fitted),
     )
 
 
@@ -243,8 +262,9 @@ def _phase(drive: np.ndarray, turns: np.ndarray) -> np.ndarray:
     return np.degrees(2 * np.pi * turns + np.angle(1j * fundamental)) % 360
 
 
-def _by_record(regression: Regression, samples: list[_Samples]) -> tuple[RecordView, ...]:
-    """Error ÷ noise floor of every record; fitted ones are judged on the white residual."""
+def _by_record(regression: Regression, samples: list[_Samples], errors: Mapping[str, float]) -> tuple[RecordView, ...]:
+    """Error ÷ noise floor of every record; fitted ones are judged on the white residual. `errors`: as a fit says
+    them."""
     white = iter(s.white[s.known] for s in samples)
     found = []
     settled = lambda record: isinstance(record, Sweep) and not record.fast
@@ -259,14 +279,15 @@ def _by_record(regression: Regression, samples: list[_Samples]) -> tuple[RecordV
             n, chi2 = len(own), float(own @ own)
         ratio = float(np.sqrt(chi2 / n))
         p = chance_of(chi2, n, record.noise.relative_error)
+        error = errors.get(record.name, scored.error_over_noise)
         if isinstance(record, Sweep):
             top = int(np.argmax(record.amplitude))
             at = float(record.level[top]), float(record.amplitude[top]), float(record.frequency[top])
-            found.append(RecordView(record.name, record.holdout, ratio, chi2 - n, p, *at))
+            found.append(RecordView(record.name, record.holdout, ratio, error, chi2 - n, p, *at))
             continue
         level, travel = (float(np.max(np.abs(x[record.skip :]))) for x in (record.drive, record.response))
         frequency = drive_frequency(record) / (2 * np.pi)
-        found.append(RecordView(record.name, record.holdout, ratio, chi2 - n, p, level, travel, frequency))
+        found.append(RecordView(record.name, record.holdout, ratio, error, chi2 - n, p, level, travel, frequency))
     return tuple(sorted(found, key=lambda r: r.holdout))
 
 

@@ -23,6 +23,7 @@ class Statement(NamedTuple):
 
 
 _MOST = 0.5  # share of the misfit below which a single place is not worth naming
+_ANOTHER_SIZE = 0.02  # relative difference from which two numbers for the error are explained
 _ORDINALS = (
     "in the constant part",
     "at the drive frequency itself",
@@ -49,8 +50,7 @@ def summary(where: Where) -> str:
         unrelated = "" if where.drive is None else " and unrelated to the drive"
         return f"No part of the records stands out: what is left is noise, white{unrelated}."
     found = statements(where)
-    total = np.sqrt(np.mean([r.ratio**2 for r in where.records if not r.holdout]))
-    first = f"The error is {total:.2f} times the noise floor; what is left {_nature(where)}."
+    first = f"The error is {_times(where.error)} times the noise floor{_counted(where)}; what is left {_nature(where)}."
     if not found:
         return f"{first} No part of the records stands out."
     places = sorted((s for s in found if s.axis not in ("record", "level")), key=lambda s: -s.share)
@@ -58,6 +58,19 @@ def summary(where: Where) -> str:
     middle = f" The misfit sits {_listed([s.words for s in places])}." if places else ""
     last = f" Of the misfit, {_listed(amounts)}." if amounts else ""
     return f"{first}{middle}{last}"
+
+
+def _times(ratio: float) -> str:
+    """An error over the noise floor, with the digits that `ident fit` gives it."""
+    return f"{ratio:.2f}" if ratio < 9.995 else np.format_float_positional(ratio, 3, fractional=False, trim="-")
+
+
+def _counted(where: Where) -> str:
+    """What the places below are counted on, where that is another size than the error itself."""
+    if not abs(where.white_error / where.error - 1) > _ANOTHER_SIZE:
+        return ""
+    of = " of excerpts" if where.excerpts else ""
+    return f" ({_times(where.white_error)} in what follows{of}, where mains hum and the noise's colour are taken out)"
 
 
 def _nature(where: Where) -> str:
@@ -213,7 +226,8 @@ def _phase(where: Where) -> Statement | None:
     spans = []
     for first in starts:
         length = int(np.argmin(np.roll(chosen, -first)))
-        spans.append(f"{view.edges[first]:.0f}–{view.edges[first] + length * 30:.0f}°")
+        last = view.edges[first] + length * 30
+        spans.append(f"{view.edges[first]:.0f}–{last if last <= 360 else last - 360:.0f}°")  # 330–30°, across the zero
     return Statement("phase", f"at {' and '.join(spans)} of the drive's phase", share, p)
 
 

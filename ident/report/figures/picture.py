@@ -35,6 +35,11 @@ class Picture(NamedTuple):
     def source(self) -> str:
         return "data:image/png;base64," + base64.b64encode(self.image).decode("ascii")
 
+    @property
+    def lacks(self) -> tuple[str, ...]:
+        """The formats that were asked for and that it does not have."""
+        return tuple(f for f in _asked.get() if f not in self.files)
+
     def write(self, folder: Path, name: str) -> list[Path]:
         """Write it as `name.png` and so on, in the formats that were asked for and that it has; the files."""
         paths = {folder / f"{name}.{f}": content for f, content in self.files.items() if f in _asked.get()}
@@ -50,6 +55,12 @@ class Picture(NamedTuple):
 def draw(caption: str, figure: Figure) -> Picture:
     """A figure as a picture, in the formats that were asked for."""
     return Picture(caption, png(figure), {format: vector(figure, format) for format in _asked.get() if format != "png"})
+
+
+def draw_kept(caption: str, figure: Figure) -> Picture:
+    """A figure as a picture in every format: what it shows is not kept, so whoever writes it later draws nothing."""
+    with drawn_as(FORMATS):
+        return draw(caption, figure)
 
 
 def from_dict(told: Mapping[str, Any]) -> Picture:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from ...errors import visible
+from .widths import broken, columns_within
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    from rich.console import Console, ConsoleOptions, RenderableType
     from rich.table import Table
 
 Mark = Literal["", "quiet", "warning", "total"]
@@ -15,7 +17,8 @@ _STYLE = {"": "", "quiet": "dim", "warning": "yellow", "total": "bold"}
 
 
 class Column(NamedTuple):
-    """`name` above it; numbers are right-aligned; what may be broken over lines has `wraps`."""
+    """`name` above it; numbers are right-aligned; what has `wraps` is broken over lines before
+    the others are."""
 
     name: str
     number: bool = False
@@ -42,8 +45,18 @@ def file_words(name: str) -> str:
     return "/".join(["…", *parts[-2:]]) if far and len(parts) > 3 else name
 
 
-def rich_table(sheet: Sheet) -> Table:
-    """The sheet without its note for a `rich` console; colour only repeats what the words say."""
+class _Fitted:
+    """A sheet without its note, as a `rich` console of any width asks for it."""
+
+    def __init__(self, sheet: Sheet):
+        self._sheet = sheet
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Table]:
+        yield rich_table(self._sheet, options.max_width)
+
+
+def rich_table(sheet: Sheet, width: int) -> Table:
+    """The sheet without its note within a width; colour only repeats what the words say."""
     from rich import box
     from rich.markup import escape
     from rich.table import Table
@@ -52,17 +65,19 @@ def rich_table(sheet: Sheet) -> Table:
         title=escape(visible(sheet.title)), title_justify="left", title_style="bold", box=box.SIMPLE_HEAD,
         pad_edge=False, padding=(0, 1), header_style="", show_edge=False,
     )  # fmt: skip
-    for column in sheet.columns:
-        table.add_column(
-            escape(column.name), justify="right" if column.number else "left",
-            no_wrap=not column.wraps, overflow="fold" if column.wraps else "ellipsis",
-        )  # fmt: skip
+    rows = [tuple(visible(cell) for cell in row) for row in sheet.rows]
+    cells = [(column.name, *(row[k] for row in rows)) for k, column in enumerate(sheet.columns)]
+    widths = columns_within(cells, [column.wraps for column in sheet.columns], width)
+    for column, wide in zip(sheet.columns, widths, strict=True):
+        name = escape(broken(column.name, wide))
+        table.add_column(name, justify="right" if column.number else "left", overflow="fold")
     total = False
-    for i, row in enumerate(sheet.rows):
+    for i, row in enumerate(rows):
         if sheet.mark(i) == "total" and not total and i:
             table.add_section()
             total = True
-        table.add_row(*(escape(visible(cell)) for cell in row), style=_STYLE[sheet.mark(i)])
+        told = (escape(broken(cell, wide)) for cell, wide in zip(row, widths, strict=True))
+        table.add_row(*told, style=_STYLE[sheet.mark(i)])
     return table
 
 
@@ -72,7 +87,8 @@ def rich_sheet(sheet: Sheet) -> RenderableType:
     from rich.padding import Padding
     from rich.text import Text
 
-    return Padding(Group(rich_table(sheet), Text(sheet.note)) if sheet.note else rich_table(sheet), (0, 0, 1, 0))
+    table = _Fitted(sheet)
+    return Padding(Group(table, Text(sheet.note)) if sheet.note else table, (0, 0, 1, 0))
 
 
 def sheet_text(sheet: Sheet, width: int = 96) -> str:

@@ -171,6 +171,8 @@ def start_sentence(fit: Fit) -> str:
     if not finite:
         return "no start could be solved"
     if len(ends) == 1:
+        if fit.fitted.error_over_noise <= GOOD:  # no minimum is deeper than the noise
+            return "there was one start, and it reaches the noise floor"
         return "there was one start, so nothing shows that its minimum is the deepest"
     best = min(finite)
     same = sum(end <= best * (1 + _SAME_MINIMUM) for end in finite)
