@@ -31,7 +31,8 @@ from .new_folder import OWN, link_or_copy, new_folder, write_whole
 from .parts import FILE as PARTS
 from .parts import parts_dict, parts_of
 from .run_json import run_dict
-from .run_state import origin, rebuild, restore, state, versions
+from .run_origin import origin
+from .run_state import rebuild, restore, state, versions
 from .story import staircase_section
 
 FORMAT = 1
@@ -65,7 +66,7 @@ def write_run(
     check_target(target, force)
     document = {
         **run_dict(fit),
-        "campaign": origin(fit.campaign, target),
+        "campaign": origin(fit.campaign, fit.model, target),
         "versions": versions(),
         "command": command,
         "options": dict(options or {}),
