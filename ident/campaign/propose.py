@@ -40,6 +40,10 @@ _ANSWERED = re.compile("start is not given|direction is not given|read from the 
 _LEVEL_ROLE = tuple(role for role in sweep_roles(VOLTAGE, LENGTH) if role.name == "level")
 
 
+LEFT_OUT = "# left out: "
+"""Before each line of the text that says which file could not be read."""
+
+
 @dataclass(frozen=True)
 class _Proposal:
     """One record to be: its settings as TOML lines, the record as it reads with them, and the doubts."""
@@ -84,6 +88,9 @@ def propose(paths: Sequence[Path], folder: Path, columns: Mapping[str, str | int
         )
     else:
         parts.append('# device = "device.toml"        # geometry and materials; without it the nominal platform')
+        parts.append(
+            '# device = { kind = "oscillator" }      # if it is no such platform: any other thing that vibrates'
+        )
     parts += [f"# guessed: {note}" for note in device_notes]
     parts += ["", "[model]", "effects = []                     # where to start: the plain linear device", ""]
     if columns:
@@ -94,7 +101,7 @@ def propose(paths: Sequence[Path], folder: Path, columns: Mapping[str, str | int
         if k in held:
             parts.append("holdout = true                   # suggested: never fitted, only used to judge")
         parts += [f"# doubt: {doubt}" for doubt in proposal.doubts] + [""]
-    parts += [f"# left out: {error}" for error in unread]
+    parts += [f"{LEFT_OUT}{error}" for error in unread]
     if not held:
         parts.append("# Nothing is held out: a record taken under other conditions, with holdout = true, would judge.")
     return "\n".join(_line(part) for part in parts).rstrip() + "\n"

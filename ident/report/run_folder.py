@@ -14,6 +14,7 @@ import os
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -186,7 +187,13 @@ def _can_write(folder: Path) -> bool:
     """Whether a folder, or the nearest one above it that is there, takes new entries."""
     while not exists(folder):
         folder = folder.parent
-    return folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)
+    if not folder.is_dir() or not os.access(folder, os.W_OK | os.X_OK):
+        return False
+    try:
+        with TemporaryDirectory(prefix=".ident-", dir=folder):  # rights do not tell it of /proc, or of what is full
+            return True
+    except OSError:
+        return False
 
 
 def read_json(path: Path) -> Any:
