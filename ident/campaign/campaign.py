@@ -11,6 +11,7 @@ from typing import Any
 
 from .device import Device, Platform
 from .record import Record, Sweep, Trace, common_order
+from .said import Said
 
 MOST_MODES = 6
 """Linear modes that a model may have, its own included."""
@@ -45,6 +46,7 @@ class Campaign:
     - `checksums`: SHA-256 of every file read.
     - `linear`: the form of the linear model, "auto" if the records decide; `modes`: how many linear modes an oscillator
       has, None if the records decide.
+    - `said`: what its file says that decides a result, None if it has none.
     - `files`: what `read_campaign` was given: one TOML file, or data files.
     """
 
@@ -61,6 +63,7 @@ class Campaign:
     files: tuple[Path, ...] = ()
     linear: str = "auto"
     modes: int | None = None
+    said: Said | None = None
 
     @property
     def traces(self) -> tuple[Trace, ...]:

@@ -19,7 +19,6 @@ from .drive import drive_frequency
 from .guess import guess_device, guess_kind, match_any, renamed
 from .held_drive import jumps
 from .load import load_record, read_table
-from .period import noise_between
 from .quality.checks import PLATFORM_TRAVEL
 from .record import Record, Sweep, Trace, same_level
 from .segments import segments
@@ -28,6 +27,7 @@ from .sweeps.form import direction_in, level_in
 from .tables.columns import sweep_roles, trace_roles
 from .tables.opening import check_file, seen_from
 from .tables.table import Column, Table
+from .which_drives import Chosen, by_how_much, decided_together, roughness, switches
 
 _ONE_OF_TWO = re.compile(
     r"(?i)(?<![a-z])(ch(?:annel)?[ _-]?[1-8]|c[1-8](?=trace|[^a-z]|$)|"
@@ -38,6 +38,10 @@ _DRIVING = re.compile(r"(?i)drive|input|excitation|command|1$")
 _LOAD = re.compile(r"(?i)(\d+(?:[.,p]\d+)?)[ _]?(mg|ug)(?![a-z])")
 _ANSWERED = re.compile("start is not given|direction is not given|read from the name of the file")
 _LEVEL_ROLE = tuple(role for role in sweep_roles(VOLTAGE, LENGTH) if role.name == "level")
+
+
+LEFT_OUT = "# left out: "
+"""Before each line of the text that says which file could not be read."""
 
 
 @dataclass(frozen=True)
@@ -63,8 +67,9 @@ def propose(paths: Sequence[Path], folder: Path, columns: Mapping[str, str | int
     second = set(pairs.values())
     alone = [path for path in tables if path not in second]
     joined = {path: _joined(path, tables[path], pairs.get(path), columns or {}) for path in alone}
-    chosen = {path: (dict(columns), "") if columns else _columns_by_content(joined[path]) for path in alone}
-    chosen = _compared(chosen)
+    chosen = decided_together(
+        {path: Chosen(columns) if columns else _columns_by_content(joined[path]) for path in alone}
+    )
     units = {path: _units(renamed(joined[path], chosen[path][0])) for path in alone}
     device, device_notes = guess_device([_with_units(renamed(joined[p], chosen[p][0]), units[p]) for p in alone])
     proposals = [
@@ -83,6 +88,9 @@ def propose(paths: Sequence[Path], folder: Path, columns: Mapping[str, str | int
         )
     else:
         parts.append('# device = "device.toml"        # geometry and materials; without it the nominal platform')
+        parts.append(
+            '# device = { kind = "oscillator" }      # if it is no such platform: any other thing that vibrates'
+        )
     parts += [f"# guessed: {note}" for note in device_notes]
     parts += ["", "[model]", "effects = []                     # where to start: the plain linear device", ""]
     if columns:
@@ -93,7 +101,7 @@ def propose(paths: Sequence[Path], folder: Path, columns: Mapping[str, str | int
         if k in held:
             parts.append("holdout = true                   # suggested: never fitted, only used to judge")
         parts += [f"# doubt: {doubt}" for doubt in proposal.doubts] + [""]
-    parts += [f"# left out: {error}" for error in unread]
+    parts += [f"{LEFT_OUT}{error}" for error in unread]
     if not held:
         parts.append("# Nothing is held out: a record taken under other conditions, with holdout = true, would judge.")
     return "\n".join(_line(part) for part in parts).rstrip() + "\n"
@@ -184,14 +192,14 @@ def _record(
     return _Proposal(tuple(lines), record, tuple(doubts))
 
 
-def _columns_by_content(table: Table) -> tuple[dict[str, str | int], str]:
-    """Columns for a table whose names do not tell: of two alike, the one with less noise for its size is the drive."""
+def _columns_by_content(table: Table) -> Chosen:
+    """Columns for a table whose names do not tell."""
     if guess_kind(table) == "sweep":
-        return {}, ""
+        return Chosen({})
     roles = [replace(role, dimension=None, needed=False) for role in trace_roles(VOLTAGE, LENGTH)]
     found = match_any(table, tuple(roles))
     if len(found) == 3:
-        return {}, ""
+        return Chosen({})
     time = found.get("time") or next((c for c in table.columns if _is_time(c)), None)
     told = [match_any(table, (role,)).get(role.name) for role in roles[1:]] if len(table.columns) > 2 else [None, None]
     # "Source" heads a time.
@@ -199,28 +207,19 @@ def _columns_by_content(table: Table) -> tuple[dict[str, str | int], str]:
     taken = [c.position for c in (time, drive, response) if c is not None]
     others = [c for c in table.columns if c.position not in taken and _varies(c)]
     if time is None or len(others) != 2 - sum(c is not None for c in (drive, response)):
-        return {}, ""
-    why = ""
+        return Chosen({})
+    named, both = drive is not None or response is not None, [c.numbers(missing=True) for c in others]
     if drive is None and response is not None:
         drive, others = others[0], [response]
-    elif drive is None:
-        others.sort(key=lambda c: (not _switches(c.numbers(missing=True)), _roughness(c.numbers(missing=True))))
-        drive = others.pop(0)
-        by = "the one that switches" if _switches(drive.numbers(missing=True)) else "the smoother"
-        why = f'which of "{drive.header}" and "{others[0].header}" is the drive is not said; {by} is taken'
-    chosen = {"time": time, "drive": drive, "response": others[0]}
-    return {role: _name(column, table) for role, column in chosen.items()}, why
-
-
-def _compared(
-    chosen: Mapping[Path, tuple[dict[str, str | int], str]],
-) -> dict[Path, tuple[dict[str, str | int], str]]:
-    """The choices, with a word where the drive stands in another column than in most files: were channels exchanged?"""
-    doubtful = [told["drive"] for told, why in chosen.values() if why]
-    usual = max(doubtful, key=doubtful.count, default="")
-    word = f'; in most files it is "{usual}": were the channels exchanged?'
-    return {path: (told, f"{why}{word}" if why and told["drive"] != usual else why)
-            for path, (told, why) in chosen.items()}  # fmt: skip
+    first = 0
+    if drive is None:
+        first = min((0, 1), key=lambda k: (not switches(both[k]), roughness(both[k])))
+        drive = others.pop(first)
+    roles = {"time": _name(time, table), "drive": _name(drive, table), "response": _name(others[0], table)}
+    if named:
+        return Chosen(roles)
+    one, other = both[first], both[1 - first]
+    return Chosen(roles, True, by_how_much(one, other), switches(one) and not switches(other))
 
 
 def _units(table: Table) -> dict[str, str]:
@@ -270,21 +269,6 @@ def _known(column: Column) -> np.ndarray:
     """The numbers of a column that are there."""
     values = column.numbers(missing=True)
     return values[np.isfinite(values)]
-
-
-def _switches(values: np.ndarray) -> bool:
-    """Whether a signal has two levels, and hardly anything between, as a generator or a trigger has: a sine spends 29 %
-    of its time within a twentieth of its range from its ends."""
-    values = values[np.isfinite(values)]
-    low, high = np.quantile(values, (0.01, 0.99))
-    near = np.minimum(np.abs(values - low), np.abs(values - high)) < 0.05 * (high - low)
-    return bool(np.mean(near) > 0.9)
-
-
-def _roughness(values: np.ndarray) -> float:
-    """Noise over size."""
-    values = values[np.isfinite(values)]
-    return float(np.sqrt(noise_between(values)) / max(float(np.std(values)), 1e-300))
 
 
 def _start(record: Trace) -> tuple[str, str]:

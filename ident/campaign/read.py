@@ -28,6 +28,7 @@ from .load import load_record, read_table
 from .noise.pool import pooled
 from .quality.rest_level import counted_from_rest
 from .record import Record, Trace
+from .said import Said
 from .scale import quantity_of
 from .spec import RecordSpec, parse_record
 from .sweeps.together import seen_together
@@ -140,8 +141,8 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
             notes += found
     records = counted_from_rest(seen_together(records, notes), notes)
     files = [one for one in (path, device_path, *effect_files) if one is not None]
-    files += [spec.path for spec in specs if spec.table is None]
-    files += [spec.drive_file for spec in specs if spec.drive_file is not None]
+    measured = [spec.path for spec in specs if spec.table is None]
+    measured += [spec.drive_file for spec in specs if spec.drive_file is not None]
     return Campaign(
         title,
         _with_common_noise(records),
@@ -152,10 +153,11 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
         priors,
         tuple(dict.fromkeys(notes)),
         path,
-        _checksums(files, folder),
+        _checksums([*files, *measured], folder),
         () if path is None else (path,),
         linear,
         modes,
+        None if path is None else Said.of(specs, device, [linear, modes], _names(measured, folder), folder),
     )
 
 
@@ -271,11 +273,15 @@ def _prior(section: Section, name: str, value: Any) -> Prior:
     return Prior(mean, deviation)
 
 
+def _names(files: Sequence[Path], folder: Path | None) -> list[str]:
+    """What files are called: relative to the campaign where they lie in its folder."""
+    inside = lambda path: folder is not None and path.is_relative_to(folder)
+    return [path.relative_to(folder or Path()).as_posix() if inside(path) else path.name for path in files]
+
+
 def _checksums(files: Sequence[Path], folder: Path | None = None) -> Mapping[str, str]:
     sums = {}
-    for path in files:
-        inside = folder is not None and path.is_relative_to(folder)
-        name = path.relative_to(folder).as_posix() if inside and folder is not None else path.name
+    for name, path in zip(_names(files, folder), files, strict=True):
         with open(path, "rb") as file:
             sums[name] = hashlib.file_digest(file, "sha256").hexdigest()
     return MappingProxyType(sums)

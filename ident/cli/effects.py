@@ -28,7 +28,11 @@ def command(name: str | None, files: tuple[str, ...], as_json: bool) -> None:
     """
     from ident.campaign.trust import trust
     from ident.effects.registry import find, registry
+    from ident.errors import UserError
 
+    if name and name.endswith(".py"):
+        what, do = "a file of effects is no name of one", f"write `ident effects --file {name}`"
+        raise UserError(what, where=name, do=do)
     trust(*files)  # named at the command line: that is to ask for them
     known = registry([Path(file) for file in files])
     chosen = [find(name, known)] if name else list(known.values())

@@ -51,7 +51,8 @@ def command(folder: str, files: tuple[str, ...], columns: dict[str, str | int], 
 
 
 def _from_files(target: Path, files: tuple[str, ...], columns: dict[str, str | int], as_json: bool) -> None:
-    from ident.campaign.propose import propose
+    from ident.campaign.propose import LEFT_OUT, propose
+    from ident.errors import visible
     from ident.report.new_folder import write_whole
 
     progress(f"reading {len(files)} file{'s' if len(files) > 1 else ''}")
@@ -59,6 +60,9 @@ def _from_files(target: Path, files: tuple[str, ...], columns: dict[str, str | i
     target.mkdir(parents=True, exist_ok=True)
     path = target / "campaign.toml"
     write_whole(path, text)
+    for line in text.splitlines():
+        if line.startswith(LEFT_OUT):  # the comment stands below all records
+            click.echo(visible(f"ident: left out: {line.removeprefix(LEFT_OUT)}"), err=True)
     if as_json:
         say_json(_written([path]))
         return

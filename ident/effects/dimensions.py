@@ -22,9 +22,9 @@ from ..units import exponents
 from .effect import AbstractEffect, Drive, Parameter, State
 
 _WORLD = {"kg": 1.7, "m": 2.3, "s": 0.6, "V": 3.1}  # one SI unit, measured in the other world's units
-_DISPLACEMENT, _VELOCITY, _VOLTAGE, _TIME = 3e-6, 2e-2, 5.0, 1e-3
+DISPLACEMENT, VELOCITY, VOLTAGE, TIME = 3e-6, 2e-2, 5.0, 1e-3  # m, m/s, V, s: a typical state
 _TOLERANCE = 1e-6
-_MOTIONS = (1.0, -4.0)  # times the typical state: a contact or a slip shows on one side, or far out, only
+MOTIONS = (1.0, -4.0)  # times the typical state: a contact or a slip shows on one side, or far out, only
 
 
 def _factor(unit: str) -> float:
@@ -42,7 +42,7 @@ def check_units(effect: type[AbstractEffect], where: str = "") -> None:
         except UserError as error:
             raise UserError(f"{effect.name}.{parameter.name}: {error.what}", where=where, do=error.do) from error
     names = [setting.name for setting in effect.choices]
-    for words, motion in product(product(*(setting.words for setting in effect.choices)), _MOTIONS):
+    for words, motion in product(product(*(setting.words for setting in effect.choices)), MOTIONS):
         _check_formulas(effect, dict(zip(names, words, strict=True)), motion, where)
 
 
@@ -66,10 +66,10 @@ def _evaluate(
     to = (lambda value, unit: value * _factor(unit)) if scaled else (lambda value, unit: value)
     device = _in_other_units(Platform()) if scaled else Platform()
     instance = _instance(effect, settings, device, to)
-    hidden = tuple(to(motion * _typical(unit), unit) for unit in effect.hidden_units)
-    state = State(to(motion * _DISPLACEMENT, "m"), to(motion * _VELOCITY, "m/s"), hidden)
-    drive = Drive(to(motion * _VOLTAGE, "V"), to(3e3, "V/s"), to(2e3, "1/s"), to(1e-4, "N/V"), 1.0)
-    t = to(_TIME, "s")
+    hidden = tuple(to(motion * typical(unit), unit) for unit in effect.hidden_units)
+    state = State(to(motion * DISPLACEMENT, "m"), to(motion * VELOCITY, "m/s"), hidden)
+    drive = Drive(to(motion * VOLTAGE, "V"), to(3e3, "V/s"), to(2e3, "1/s"), to(1e-4, "N/V"), 1.0)
+    t = to(TIME, "s")
     found: dict[str, tuple[float, str]] = {}
     if effect.overrides("force"):
         found["force"] = (float(instance.force(state, drive, t)), "N")
@@ -105,7 +105,7 @@ def _one_for_each(effect: AbstractEffect, count: int, what: str) -> None:
 
 
 def _instance(effect: type[AbstractEffect], settings: dict[str, str], device: Device, to: Any) -> AbstractEffect:
-    instance = effect(device, settings, **{p.name: to(_value(p), p.unit) for p in effect.parameters})
+    instance = effect(device, settings, **{p.name: to(typical_value(p), p.unit) for p in effect.parameters})
     if effect.needs:
         from .registry import built_in
 
@@ -113,7 +113,7 @@ def _instance(effect: type[AbstractEffect], settings: dict[str, str], device: De
     return instance
 
 
-def _value(parameter: Parameter) -> float:
+def typical_value(parameter: Parameter) -> float:
     """A value of typical size, so that the formula is tested where it will be used."""
     if parameter.kind == "amplitude":
         return parameter.default or 0.7
@@ -121,8 +121,9 @@ def _value(parameter: Parameter) -> float:
     return parameter.default * size[parameter.scale] or 0.7
 
 
-def _typical(unit: str) -> float:
-    return {"m": 0.4 * _DISPLACEMENT, "m/s": 0.4 * _VELOCITY, "V": 0.3 * _VOLTAGE, "N": 1e-4}.get(unit, 0.3)
+def typical(unit: str) -> float:
+    """A hidden state of typical size."""
+    return {"m": 0.4 * DISPLACEMENT, "m/s": 0.4 * VELOCITY, "V": 0.3 * VOLTAGE, "N": 1e-4}.get(unit, 0.3)
 
 
 _FIELD_UNITS = {"modulus": "Pa", "thickness": "m", "width": "m", "length": "m", "mass": "kg", "voltage": "V",

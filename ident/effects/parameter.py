@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
+
+from ..errors import UserError
 
 if TYPE_CHECKING:
     from .effect import AbstractEffect
@@ -88,6 +90,11 @@ def shape(
     smallest to three times the largest of the grid). A fit stays inside; one of a shape that may be negative does not,
     but where it ends outside the effect is impossible, and there is no default. `expected`: as of an amplitude.
     """
+    if scale not in get_args(Scale):
+        do = "write one of " + ", ".join(f'"{word}"' for word in get_args(Scale))
+        raise UserError(f"a shape is scaled by {scale!r}, which is nothing that is known of the data", do=do)
+    if not isinstance(grid, (tuple, list)) or not grid:
+        raise UserError(f"grid = {grid!r} lists no values to try", do="write a few of them, as in grid=(0.1, 0.3, 1.0)")
     if limits is None and positive:
         limits = (min(grid) / 3, max(grid) * 3)
     default = grid[len(grid) // 2]

@@ -6,7 +6,6 @@ import difflib
 import importlib
 import linecache
 import pkgutil
-import traceback
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -17,6 +16,9 @@ from ..campaign.trust import check_trusted
 from ..errors import UserError
 from .dimensions import check_units
 from .effect import AbstractEffect
+from .mistakes import answered, place_of_class
+from .probe import check_runs
+from .written import check_written
 
 Registry = Mapping[str, type[AbstractEffect]]
 
@@ -43,7 +45,9 @@ def registry(files: Iterable[Path] = ()) -> Registry:
         for effect in _load(file, content):
             if effect.name in found:
                 raise UserError(
-                    f"the name {effect.name!r} is taken", where=_place(effect, file), do="give the effect another name"
+                    f"the name {effect.name!r} is taken",
+                    where=place_of_class(effect, file),
+                    do="give the effect another name",
                 )
             found[effect.name] = effect
     return found
@@ -88,7 +92,7 @@ def _load(file: Path, content: bytes) -> list[type[AbstractEffect]]:
             f"not valid Python: {error.msg}", where=f"{file}, line {error.lineno}", do="correct it"
         ) from error
     except Exception as error:  # whatever a user's file does wrong, it is answered with its place in that file
-        raise _failure(error, file) from error
+        raise answered(error, file) from error
     except SystemExit as error:
         raise UserError(
             "this effect file ends the program",
@@ -102,24 +106,22 @@ def _load(file: Path, content: bytes) -> list[type[AbstractEffect]]:
             where=str(file),
             do='write a class that inherits AbstractEffect and has a name = "…"',
         )
-    for effect in effects:
-        try:
-            check_units(effect, where=_place(effect, file))
-        except UserError as error:
-            raise UserError(error.what, where=error.where or _place(effect, file), do=error.do) from error
-        except Exception as error:  # as above: the formulas are the user's too
-            raise _failure(error, file) from error
+    if content not in _sound:
+        for effect in effects:
+            _check(effect, file)
+        _sound.add(content)
     return effects
 
 
-def _place(effect: type[AbstractEffect], file: Path) -> str:
-    lines = read_bytes(file, str(file)).decode("utf-8", "replace").splitlines()
-    number = next((i for i, line in enumerate(lines, 1) if line.startswith(f"class {effect.__name__}")), 1)
-    return f"{file}, line {number}"
+_sound: set[bytes] = set()  # files that this process has checked, which takes some tenths of a second
 
 
-def _failure(error: Exception, file: Path) -> UserError:
-    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]
-    where = f"{file}, line {lines[-1]}" if lines else str(file)
-    what = f"running this effect file failed: {type(error).__name__}: {error}"
-    return UserError(what, where=where, do="correct it, or take it out of effect_files")
+def _check(effect: type[AbstractEffect], file: Path) -> None:
+    try:
+        check_written(effect)
+        check_runs(effect)
+        check_units(effect)
+    except UserError as error:
+        raise UserError(error.what, where=error.where or place_of_class(effect, file), do=error.do) from error
+    except Exception as error:  # the formulas are the user's too
+        raise answered(error, file) from error

@@ -7,6 +7,7 @@ runtime.configure()
 from .build import build_model as build_model  # noqa: E402  (JAX is configured first)
 from .build import make_effect as make_effect  # noqa: E402
 from .build import open_words as open_words  # noqa: E402
+from .build import told_of as told_of  # noqa: E402
 from .linear import FREQUENCY as FREQUENCY  # noqa: E402
 from .linear import GAIN as GAIN  # noqa: E402
 from .linear import QUALITY as QUALITY  # noqa: E402

@@ -38,7 +38,7 @@ def build_model(campaign: Campaign, effects: Sequence[str] | None = None) -> Mod
         model = replace(model, effects=tuple(sorted(model.effects, key=lambda effect: order[effect.name])))
     except UserError as error:
         raise UserError(error.what, where=error.where or where, do=error.do) from None
-    start, held, freed = _told(campaign, known)
+    start, held, freed = told_of(campaign, known)
     model = replace(model, start=start, held=held, freed=freed)
     check_starts(campaign, model)
     return model
@@ -81,7 +81,9 @@ def _needed_first(names: Iterable[str], known: Registry) -> list[str]:
     return sorted(names, key=depth)
 
 
-def _told(campaign: Campaign, known: Registry) -> tuple[tuple[tuple[str, float], ...], frozenset[str], frozenset[str]]:
+def told_of(
+    campaign: Campaign, known: Registry
+) -> tuple[tuple[tuple[str, float], ...], frozenset[str], frozenset[str]]:
     """Starting values, held and freed parameters by full name, of all settings."""
     start: list[tuple[str, float]] = []
     named: dict[str, list[str]] = {key: [] for key in LISTS}

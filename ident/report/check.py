@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..campaign.campaign import Campaign
+from ..campaign.quality.exchanged import exchanged
 from ..campaign.quality.suspect import Suspect, suspects_by_data
 from ..campaign.read import read_campaign
 from ..campaign.trust import is_trusted
@@ -51,6 +52,7 @@ class Check:
             yield from ("\nAssumed and found", *(f"  {note}" for note in data.notes))
         for path in self.strangers:
             yield f"  ! {path} has not run here: a fit needs --trust, and whether it is right was not checked"
+        yield from (f"  ! {sentence}" for sentence in exchanged(data))
         yield from (f"  ! {suspect.sentence}" for suspect in self.suspects)
         if not data.fitted and not data.fitted_sweeps:
             yield "  ! a fit needs at least one record that is not held out"

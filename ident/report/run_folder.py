@@ -14,6 +14,7 @@ import os
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -31,7 +32,8 @@ from .new_folder import OWN, link_or_copy, new_folder, write_whole
 from .parts import FILE as PARTS
 from .parts import parts_dict, parts_of
 from .run_json import run_dict
-from .run_state import origin, rebuild, restore, state, versions
+from .run_origin import origin
+from .run_state import rebuild, restore, state, versions
 from .story import staircase_section
 
 FORMAT = 1
@@ -65,7 +67,7 @@ def write_run(
     check_target(target, force)
     document = {
         **run_dict(fit),
-        "campaign": origin(fit.campaign, target),
+        "campaign": origin(fit.campaign, fit.model, target),
         "versions": versions(),
         "command": command,
         "options": dict(options or {}),
@@ -196,7 +198,13 @@ def _can_write(folder: Path) -> bool:
     """Whether a folder, or the nearest one above it that is there, takes new entries."""
     while not exists(folder):
         folder = folder.parent
-    return folder.is_dir() and os.access(folder, os.W_OK | os.X_OK)
+    if not folder.is_dir() or not os.access(folder, os.W_OK | os.X_OK):
+        return False
+    try:
+        with TemporaryDirectory(prefix=".ident-", dir=folder):  # rights do not tell it of /proc, or of what is full
+            return True
+    except OSError:
+        return False
 
 
 def read_json(path: Path) -> Any:

@@ -12,17 +12,16 @@ from typing import Any
 
 import numpy as np
 
-from ..campaign import Campaign, NoiseFloor, read_campaign
+from ..campaign import Campaign, NoiseFloor
 from ..campaign.apart import read_apart
 from ..campaign.record import Sweep, Trace
-from ..campaign.tables.opening import read_bytes, seen_from
-from ..campaign.trust import checksum
-from ..effects.registry import find, registry
+from ..effects.registry import Registry, built_in, find, registry
 from ..errors import UserError
 from ..fit import Fit
 from ..fit.rebuild import fit_at
 from ..fit.result import Start
-from ..model import Model
+from ..model import Model, linear_part, told_of
+from .run_origin import campaign_of
 
 _PACKAGES = ("ident", "jax", "numpy", "optimistix", "scipy")
 
@@ -36,19 +35,6 @@ def versions() -> dict[str, str]:
         except PackageNotFoundError:  # run from a source tree that was not installed
             found[name] = "unknown"
     return found
-
-
-def origin(campaign: Campaign, folder: Path) -> dict[str, Any]:
-    """Where the data came from: files relative to the run folder, and the checksums of all that was read."""
-    return {
-        "title": campaign.title,
-        "files": [seen_from(folder, path) for path in campaign.files],
-        "effect_files": [seen_from(folder, path) for path in campaign.effect_files],
-        "checksums": dict(campaign.checksums),
-        "effect_checksums": {
-            seen_from(folder, path): checksum(read_bytes(path, str(path))) for path in campaign.effect_files
-        },
-    }
 
 
 def state(fit: Fit) -> dict[str, Any]:
@@ -80,17 +66,8 @@ def restore(document: dict[str, Any], folder: Path) -> tuple[Model, Campaign, np
 
 
 def restore_campaign(document: dict[str, Any], folder: Path) -> Campaign:
-    """The campaign of a `run.json`, with the effect files and noise floors of then; its files must be the same."""
-    kept = document["state"]
-    campaign = _campaign(document["campaign"], folder)
-    told = [(folder / file).resolve() for file in document["campaign"].get("effect_files", ())]
-    for file, told_sum in document["campaign"].get("effect_checksums", {}).items():
-        if checksum(read_bytes(folder / file, str(folder / file))) != told_sum:
-            what, do = "has changed since this run, so it is not run", "restore it, or fit the campaign again"
-            raise UserError(what, where=str(folder / file), do=do)
-    known_files = {path.resolve() for path in campaign.effect_files}
-    added = tuple(path for path in told if path not in known_files)
-    campaign = replace(campaign, effect_files=(*campaign.effect_files, *added))
+    """The campaign of a `run.json`, with the effect files and noise floors of then; what it depends on is the same."""
+    kept, campaign = document["state"], campaign_of(document, folder)
     floors = [NoiseFloor(**{**floor, "ar": tuple(floor["ar"])}) for floor in kept["noise"]]
     records = [replace(record, noise=noise) for record, noise in zip(campaign.records, floors, strict=True)]
     estimates, stronger = iter(kept.get("traces", ())), iter(kept.get("stronger", ()))
@@ -111,9 +88,11 @@ def as_it_was(record: Trace, told: Sequence[Any]) -> Trace:
 
 def _model(document: dict[str, Any], campaign: Campaign, folder: Path) -> tuple[Model, np.ndarray]:
     kept = document["state"]
-    known = registry(campaign.effect_files)
-    effects = tuple(find(name, known)(campaign.device, kept["settings"].get(name)) for name in document["effects"])
-    start, held, freed = tuple(kept["start"].items()), frozenset(kept["held"]), frozenset(kept["freed"])
+    names = document["effects"]
+    # Files with other effects may have come since, which nobody has trusted yet.
+    known = built_in() if {*names} <= {*built_in()} else registry(campaign.effect_files)
+    effects = tuple(find(name, known)(campaign.device, kept["settings"].get(name)) for name in names)
+    start, held, freed = _told(kept, campaign, known, {*names, linear_part(campaign.device).prefix})
     model = Model(campaign.device, effects, start, held, freed, frozenset(kept.get("undetermined", ())),
                   kept.get("form", "oscillator"))  # fmt: skip
     missing = [p.name for p in model.parameters if p.name not in kept["values"]]
@@ -122,6 +101,23 @@ def _model(document: dict[str, Any], campaign: Campaign, folder: Path) -> tuple[
         raise UserError(what, where=str(folder / "run.json"), do="fit the campaign again")
     values = [kept["values"][p.name] for p in model.parameters]
     return model, np.array([np.nan if v is None else v for v in values])
+
+
+def _told(
+    kept: dict[str, Any], campaign: Campaign, known: Registry, own: set[str]
+) -> tuple[tuple[tuple[str, float], ...], frozenset[str], frozenset[str]]:
+    """Starting values, held and freed parameters: of the run's own effects those of then, of others what the campaign
+    says today, for they wait until they are added."""
+    of_run = lambda full: full.rpartition(".")[0] in own
+    start, held, freed = told_of(campaign, known)
+    return (
+        (
+            *((name, x) for name, x in kept["start"].items() if of_run(name)),
+            *(one for one in start if not of_run(one[0])),
+        ),
+        frozenset([*filter(of_run, kept["held"]), *(name for name in held if not of_run(name))]),
+        frozenset([*filter(of_run, kept["freed"]), *(name for name in freed if not of_run(name))]),
+    )
 
 
 def rebuild(document: dict[str, Any], folder: Path) -> Fit:
@@ -142,18 +138,3 @@ def rebuild_in(campaign: Campaign, document: dict[str, Any], folder: Path) -> Fi
 def _number(told: float | None) -> float:
     """JSON has no infinity: where a start could not be solved, it says null."""
     return math.inf if told is None else float(told)
-
-
-def _campaign(told: dict[str, Any], folder: Path) -> Campaign:
-    if not told["files"]:
-        what = "this run was fitted to data in memory, which no file holds"
-        raise UserError(what, where=str(folder), do="fit them again, from files if the run is to be read back")
-    campaign = read_campaign([folder / file for file in told["files"]])
-    for file, told_sum in told["checksums"].items():
-        if campaign.checksums.get(file) != told_sum:
-            word = "has changed since this run" if file in campaign.checksums else "is no longer part of the campaign"
-            raise UserError(f"{word}, so its result no longer stands", where=file, do="fit the campaign again")
-    for file in campaign.checksums:
-        if file not in told["checksums"]:
-            raise UserError("was added to the campaign since this run", where=file, do="fit the campaign again")
-    return campaign

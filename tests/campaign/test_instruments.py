@@ -91,8 +91,8 @@ def test_channels_that_were_exchanged_in_one_file_are_told(tmp_path):
         rows = "\n".join(f"{t:.6f},{a:.5f},{b:.5f}" for t, a, b in zip(time, *pair, strict=True))
         (tmp_path / f"run{k}.csv").write_text(f"Temps (s),CH1 (V),CH2 (V)\n{rows}\n", encoding="utf-8")
     text = propose([tmp_path / f"run{k}.csv" for k in range(3)], tmp_path)
-    assert text.count('drive = "CH1 (V)"') == 2 and text.count('drive = "CH2 (V)"') == 1
-    assert text.count('in most files it is "CH1 (V)": were the channels exchanged?') == 1
+    assert text.count('drive = "CH1 (V)"') == 3, "one instrument writes one channel into one column"
+    assert text.count('but here "CH2 (V)" is the smoother: were the channels exchanged?') == 1
 
 
 @pytest.mark.parametrize("header", ["t_s,Voltage_V,x_mm", "time (s),Force [N],Displacement [mm]"])
@@ -120,3 +120,34 @@ def test_one_record_within_the_others_is_held_out_and_the_load_read_from_its_nam
     assert [record.name for record in campaign.heldout] == ["b.csv"]
     np.testing.assert_allclose([record.load for record in campaign.traces], [40e-6, 0.0, 0.0])
     assert "# doubt: the load is read from the name" in text
+
+
+def test_a_file_that_is_left_out_is_told_at_once(tmp_path):
+    rows = "".join(f"{t:.9g},{u},{z}\n" for t, u, z in zip(TIME, DRIVE, RESPONSE, strict=True))
+    (tmp_path / "a.csv").write_text("time (s),drive (V),z (um)\n" + rows, encoding="utf-8")
+    (tmp_path / "empty.csv").write_text("", encoding="utf-8")
+    outcome = ident("new", tmp_path / "mine", tmp_path / "empty.csv", tmp_path / "a.csv")
+    assert outcome.code == 0 and "ident: left out: empty.csv" in outcome.err
+    text = (tmp_path / "mine" / "campaign.toml").read_text(encoding="utf-8")
+    assert "# left out: empty.csv" in text
+
+
+def test_where_a_platform_is_assumed_the_line_of_another_device_is_there(tmp_path):
+    rows = "".join(f"{t:.9g},{u},{z / 1000}\n" for t, u, z in zip(TIME, DRIVE, RESPONSE, strict=True))
+    (tmp_path / "a.csv").write_text("time (s),drive (V),z (um)\n" + rows, encoding="utf-8")
+    text = propose([tmp_path / "a.csv"], tmp_path)
+    line = next(one for one in text.splitlines() if 'kind = "oscillator"' in one)
+    (tmp_path / "campaign.toml").write_text(text.replace(line, line.removeprefix("# ")), encoding="utf-8")
+    assert isinstance(read_campaign(tmp_path).device, Oscillator)
+
+
+@pytest.mark.parametrize("device", ['device = { kind = "oscillator", output = "um", input = "V" }\n', ""])
+def test_a_response_in_volts_is_told_of_the_scale(tmp_path, device):
+    rows = "".join(f"{t:.9g},{u},{z}\n" for t, u, z in zip(TIME, DRIVE, RESPONSE, strict=True))
+    (tmp_path / "a.csv").write_text("time (s),drive (V),response (V)\n" + rows, encoding="utf-8")
+    record = '[[record]]\nfile = "a.csv"\n'
+    (tmp_path / "campaign.toml").write_text(device + record, encoding="utf-8")
+    error = ident("check", tmp_path).err
+    assert 'scale = { response = "0.5 um/V" }' in error and 'kind = "oscillator", output = "V" }' in error
+    (tmp_path / "campaign.toml").write_text(device + record + 'scale = { response = "0.5 um/V" }\n', encoding="utf-8")
+    assert ident("check", tmp_path).code == 0

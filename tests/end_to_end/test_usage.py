@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -115,3 +116,14 @@ def test_the_package_tells_its_story_in_few_names_and_loads_nothing_for_it():
     script = "import sys, ident; print(*sorted({'jax', 'numpy', 'pandas', 'matplotlib', 'click'} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=ROOT, check=True)
     assert done.stdout.strip() == ""
+
+
+def test_an_effect_file_in_place_of_a_name_is_told_the_option():
+    assert_one_line(ident("effects", "my_file.py"), "my_file.py", "ident effects --file my_file.py")
+
+
+def test_a_folder_that_cannot_be_made_is_told_before_anything_is_fitted():
+    if Path("/proc").is_dir():
+        outcome = ident("discover", DATA / "oscillator", "-o", "/proc/found")
+        assert_one_line(outcome, "/proc/found", "nothing can be written there")
+        assert "fitting" not in outcome.err

@@ -298,7 +298,10 @@ def _wrong_unit(column: Column, unit: str, role: Role, where: str) -> UserError:
     if role.name == "response" and role.dimension == LENGTH and found is not None and found.dimension in rates:
         do = f'write measures = "{rates[found.dimension]}" in its [[record]], or name another column'
     elif role.name in ("response", "amplitude") and role.dimension == LENGTH:
-        do += '; for a thing that is no platform write device = { kind = "oscillator" }'
+        if role.name == "response" and found is not None and found.dimension == VOLTAGE:
+            do += f'; of a sensor in {unit} write its scale = {{ response = "0.5 um/V" }} under [[record]]'
+        output = "" if found is None else f', output = "{base_unit(found.dimension)}"'
+        do += f'; for a thing that is no platform write device = {{ kind = "oscillator"{output} }}'
     elif role.name in ("response", "amplitude") and found is not None:
         do += f'; or write output = "{base_unit(found.dimension)}" in the device table'
     if role.name in ("drive", "level") and role.dimension == VOLTAGE:
