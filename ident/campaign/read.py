@@ -167,7 +167,7 @@ def _tables(document: Section, folder: Path) -> Iterator[Table]:
     for section in record_sections(document):
         table, file = section.values.get("data"), section.text("file")
         scale = {role: quantity_of(str(text)) for role, text in section.section("scale").values.items()}
-        units = section.section("units").values | {role: unit for role, unit in scale.items() if unit}
+        units = dict(section.section("units").values) | {role: unit for role, unit in scale.items() if unit}
         try:
             table = table if isinstance(table, Table) else read_table(folder / file, file)
             yield renamed(table, section.section("columns").values, units)
