@@ -64,7 +64,8 @@ def test_an_effect_file_runs_only_when_asked_and_is_then_remembered(stranger, tm
     assert ident("check", stranger).code == 0 and not ran(stranger)
     assert_one_line(ident("fit", stranger, "-o", run), "odd.py", "--trust")
     assert not ran(stranger) and not run.exists()
-    assert ident("fit", stranger, "-o", run, "--trust").code == 0
+    assert ident("fit", stranger, "--effects", "odd", "-o", run, "--trust").code == 0
+    assert ident("fit", stranger, "-o", tmp_path / "without").code == 0
     assert ran(stranger)
     (stranger / "it_ran").unlink()
     assert ident("report", run).code == 0 and ran(stranger)
@@ -75,6 +76,7 @@ def test_an_effect_file_runs_only_when_asked_and_is_then_remembered(stranger, tm
     (stranger / "it_ran").unlink()
     assert_one_line(ident("fit", stranger, "-o", tmp_path / "run2"), "odd.py", "changed since")
     assert_refused(ident("report", run, "--trust"), "odd.py", "changed since this run")
+    assert ident("report", tmp_path / "without").code == 0, "a run that has not its effect neither runs it nor minds"
     assert not ran(stranger)
 
 
