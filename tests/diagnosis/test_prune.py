@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 
@@ -11,6 +12,8 @@ from experiments.hidden_effects.generator import draw
 from ident.diagnosis.linearised.regression import prepare
 from ident.diagnosis.linearised.trajectory import Diverged
 from ident.diagnosis.search import prune as pruning
+from ident.diagnosis.search.conclude import _beside_its_even
+from ident.diagnosis.search.steps import Step
 from ident.effects.registry import built_in
 from ident.fit import Fit, fit
 from ident.model import Model, make_effect
@@ -49,3 +52,20 @@ def test_an_effect_without_which_the_motion_has_no_bound_stays(start: Fit, monke
 
     monkeypatch.setattr(pruning, "prepare", unbounded)
     assert pruning.prune(last, list(NAMES), LIBRARY, first, lambda _: None).names == NAMES
+
+
+def test_all_that_promise_nearly_as_much_as_the_best_are_tried_in_its_place(monkeypatch) -> None:
+    drops = {"sensor-lag": 1000.0, "cubic-stiffness": 995.0, "quadratic-stiffness": 990.0, "end-stop": 900.0}
+    scored = [SimpleNamespace(name=name, drop=drop) for name, drop in drops.items()]
+    monkeypatch.setattr(pruning, "score", lambda *_: scored)
+    monkeypatch.setattr(pruning, "significant", lambda found: found)
+    tried = pruning.rivals("squeeze-film-damping", cast(Any, None), built_in())
+    assert [c.name for c in tried] == ["sensor-lag", "cubic-stiffness", "quadratic-stiffness"]
+
+
+def test_a_rival_that_does_as_well_in_its_place_is_told_with_what_would_tell_them_apart() -> None:
+    step = Step("quadratic-stiffness", 1.0, 1.0, ("quadratic-stiffness",), "effect", cast(Any, None))
+    told = _beside_its_even(step, {"quadratic-stiffness": "cubic-stiffness"}, built_in())
+    assert told.tie_set == ("quadratic-stiffness", "cubic-stiffness")
+    assert "second harmonic" in told.reasons[0]
+    assert _beside_its_even(told, {"quadratic-stiffness": "cubic-stiffness"}, built_in()) is told

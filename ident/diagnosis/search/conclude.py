@@ -15,6 +15,7 @@ from ...fit import Fit
 from ...fit.floors import sharpened
 from ...pulse import Report
 from ..evidence.enough import ANOTHER_LAW, adequate, role_of
+from ..evidence.equivalences import what_separates
 from ..evidence.held_out import contradicted, foretold, hurts, predicts_better
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, working
@@ -49,10 +50,11 @@ def concluded(ended: Ended) -> Discovery:
     regression, candidates = look.regression, look.candidates
     steps = _without_refuted(start, list(walked.steps), regression)
     alike: tuple[Parts, ...] = ()
+    even: Mapping[str, str] = {}
     if steps:
         weighed = steps[-1].partner is None
         needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report, weighed)
-        alike = needed.alike
+        alike, even = needed.alike, needed.even
         if needed.names != tuple(s.added for s in steps):
             steps = _replayed(start, needed, library, at_best, walked.gains)
             steps = _without_refuted(start, steps, prepare(working(steps[-1].fit)))  # the laws before it have changed
@@ -65,7 +67,7 @@ def concluded(ended: Ended) -> Discovery:
         candidates = score(regression, library)
     blurred = [step for step in steps if step is not steps[-1] or step.partner]
     steps = [_tied_at_the_end(s, final, first.fit, library, report) if s in blurred else s for s in steps]
-    steps = [_beside_parts(step, alike) for step in steps]
+    steps = [_beside_its_even(_beside_parts(step, alike), even, library) for step in steps]
     remaining = tuple(significant(candidates))
     lacks = lacking(_after_effects(steps, regression), first, report) if steps else 0.0
     verdict = _verdict(steps, regression, first, lacks, contradicted(final))
@@ -170,6 +172,16 @@ def _beside_parts(step: Step, alike: tuple[Parts, ...]) -> Step:
             names = tuple(dict.fromkeys([*step.tie_set, *((parts.whole,) if parts.better else parts.names)]))
             return step._replace(tie_set=names, reasons=tuple(dict.fromkeys((*step.reasons, reason))), instead=parts)
     return step
+
+
+def _beside_its_even(step: Step, even: Mapping[str, str], library: Registry) -> Step:
+    """A step with the rival that does as well in its place, now that all the others are in."""
+    rival = even.get(step.added)
+    if rival is None or rival in step.tie_set or step.role != "effect":
+        return step
+    separate = what_separates(library[step.added], library[rival])
+    reason = f"{step.added} or {rival}: in its place it explains the misfit as well; to tell them apart: {separate}"
+    return step._replace(tie_set=(*step.tie_set, rival), reasons=(*step.reasons, reason))
 
 
 def _verdict(steps: list[Step], regression: Regression, first: Regression, lacks: float, contradicted: bool) -> Verdict:

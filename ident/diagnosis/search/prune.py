@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -23,34 +25,39 @@ from .change import ENOUGH, still_possible, try_without, values_without
 from .parts import Parts, take_apart
 
 _MOST_CHANGES = 10  # each has to be for the better, but by two measures: criterion and held-out error
+_NEARLY, _TRIED = 0.98, 3  # of what the best score promises, and how many of those are refitted
 _PROMISING = 0.5  # of what the score of the one in place promises: a rival that promises less is not tried
 
 
 class Pruned(NamedTuple):
     """The effects that are needed, in order, and the fit with them; `alike`: where one and a few simpler ones do as
-    well."""
+    well; `even`: by name, the rival in its place beside all the others between which the records do not choose."""
 
     names: tuple[str, ...]
     fit: Fit
     alike: tuple[Parts, ...]
+    even: Mapping[str, str] = MappingProxyType({})
 
 
 def rivals(name: str, regression: Regression, library: Registry) -> list[Candidate]:
-    """Who may stand in an effect's place: whoever scores better, and the best of those that it is mistaken for."""
+    """Who may stand in an effect's place: those that score best and nearly so, and the best of those that it is
+    mistaken for."""
     scored = significant(score(regression, library))
     enough = _PROMISING * next((c.drop for c in scored if c.name == name), 0.0)
     candidates = [c for c in scored if c.drop > enough]
-    better = [c for c in candidates[:1] if c.name != name]
+    near = [c for c in candidates if c.drop > _NEARLY * candidates[0].drop][:_TRIED]
+    better = [c for c in near if c.name != name]
     mistaken = library[name].mistaken_for if name in library else ()
     alike = [c for c in candidates if c.name in mistaken and c.name not in {b.name for b in better}]
     return [*better, *alike[:1]]
 
 
 def _replaced(
-    name: str, last: Fit, full: Regression, regression: Regression, library: Registry
+    name: str, last: Fit, full: Regression, regression: Regression, library: Registry, even: dict[str, str]
 ) -> tuple[str, Fit] | None:
-    """A rival in an effect's place, with the fit, if the criterion clearly prefers it; between laws that the fitted
-    records do not tell apart, or by no more than a simpler one may lack in shape, the held-out ones decide.
+    """A rival in an effect's place, with the fit, if the criterion clearly prefers it, or prefers one with fewer
+    numbers; between laws that the fitted records do not tell apart, or by no more than a simpler one may lack in shape,
+    the held-out ones decide. One between which and the effect nothing decides is told in `even`.
 
     `regression`: without the effect. Refits start from what its presence has made of the other parameters.
     """
@@ -70,13 +77,15 @@ def _replaced(
     if not (perhaps or (alike and last.holdout is not None)):
         return None
     after = accept(best, regression.fit)
-    # A part of it is the simpler answer; a law with more numbers may owe its lead to them.
-    margin = 0.0 if best.candidate.name in library[name].contains else VERY_STRONG
+    # A part of it, or one with fewer numbers, is the simpler answer; a law with more may owe its lead to them.
+    margin = 0.0 if simpler or best.candidate.name in library[name].contains else VERY_STRONG
     wider = best.model.numbers > last.model.numbers
     there = prepare(after)
     lead = full.fit_chi2 - there.fit_chi2
     clearly = perhaps and behind(full, there) > margin and not (wider and lead < laws_differ_by(regression, best.chi2))
     wins = (not hurts_more(last, after) if clearly else alike and hurts(after, last)) and still_possible(after, last)
+    if not wins and abs(behind(full, there)) < VERY_STRONG and still_possible(after, last) and not hurts(last, after):
+        even[name] = best.candidate.name
     return (best.candidate.name, after) if wins else None
 
 
@@ -89,8 +98,8 @@ def prune(
     when it was added.
     """
     names, given, last = list(added), last, working(last)
-    as_given, begun = Pruned(tuple(added), given, ()), last
-    names, last = _questioned(names, last, library, first, report, int(weighed))
+    as_given, begun, even = Pruned(tuple(added), given, ()), last, dict[str, str]()
+    names, last = _questioned(names, last, library, first, report, even, int(weighed))
     compared = take_apart(last, names, library, first.fit, report)
     alike = tuple(parts for parts in compared if parts.near)
     for parts in compared:
@@ -99,30 +108,33 @@ def prune(
             names, last = [*names[:at], *parts.names, *names[at + 1 :]], parts.fit
             report(f"now {', '.join(names)}: error over noise {last.fitted.error_over_noise:.3g}{_held_out(last)}")
             # What the whole could not say beside the others, its parts may say without them.
-            names, last = _questioned(names, last, library, first, report)
+            names, last = _questioned(names, last, library, first, report, even)
     if names == added and last is begun:
-        return as_given._replace(alike=alike)
+        return as_given._replace(alike=alike, even=even)
     if last.campaign is given.campaign:
-        return Pruned(tuple(names), last, alike)
+        return Pruned(tuple(names), last, alike, even)
     # Swaps were judged on excerpts, which hold nothing out.
     on_all = fit_at(last.model, given.campaign, last.values)
-    return as_given if hurts(given, on_all) else Pruned(tuple(names), on_all, alike)
+    return as_given if hurts(given, on_all) else Pruned(tuple(names), on_all, alike, even)
 
 
 def _questioned(
-    names: list[str], last: Fit, library: Registry, first: Regression, report: Report, asked: int = 0
-) -> tuple[list[str], Fit]:
+    names: list[str], last: Fit, library: Registry, first: Regression, report: Report, even: dict[str, str],
+    asked: int = 0,
+) -> tuple[list[str], Fit]:  # fmt: skip
     """The effects and the fit after every change that is for the better: each effect is asked in turn, until all that
-    are left have been asked since the last change; `asked`: how many, the last ones, have been before any."""
+    are left have been asked since the last change; `asked`: how many, the last ones, have been before any; `even` is
+    told the rivals that are left."""
     at = changes = 0
     # The rivals of a single effect were weighed when it was added.
     while asked < len(names) > 1 and changes < _MOST_CHANGES:
         at %= len(names)
-        change = _changed(at, names, last, library, first, report)
+        change = _changed(at, names, last, library, first, report, even)
         at, asked = at + 1, asked + 1
         if change is not None:
             at -= len(names) - len(change[0])
             names, last = change
+            even.clear()  # said beside what is there no more
             asked, changes = 0, changes + 1
             report(f"now {', '.join(names)}: error over noise {last.fitted.error_over_noise:.3g}{_held_out(last)}")
     return names, last
@@ -133,7 +145,7 @@ def _held_out(fit: Fit) -> str:
 
 
 def _changed(
-    i: int, names: list[str], last: Fit, library: Registry, first: Regression, report: Report
+    i: int, names: list[str], last: Fit, library: Registry, first: Regression, report: Report, even: dict[str, str]
 ) -> tuple[list[str], Fit] | None:
     """The effects and the fit without the i-th, or with another in its place, if that is for the better."""
     full, name = prepare(last), names[i]
@@ -146,7 +158,7 @@ def _changed(
         if superfluous(regression, full, first) and still_possible(without, last) and not hurts(last, without):
             return [*names[:i], *names[i + 1 :]], without
         # Where scores cannot be believed, every effect has been refitted already.
-        found = _replaced(name, last, full, regression, library) if full.credible else None
+        found = _replaced(name, last, full, regression, library, even) if full.credible else None
     except Diverged:  # without it, or with another in its place, the motion has no bound
         return None
     return None if found is None else ([*names[:i], found[0], *names[i + 1 :]], found[1])
