@@ -20,7 +20,7 @@ class SecondMode(AbstractEffect):
     name = "second-mode"
     equation = "reading = z + a x, ẍ + (ω₂/Q₂) ẋ + ω₂² x = ω₂² V, ω₂ = 2π/T₂"
     source = "D. J. Ewins, Modal Testing, 2000, ch. 2 (modal superposition)"
-    mistaken_for = ("sensor-crosstalk", "drive-lag", "sensor-lag")
+    mistaken_for = ("sensor-crosstalk", "drive-lag", "sensor-lag", "attached-mass")
     steps_per_period = 120
     hidden_units = ("V", "V/s")
 
