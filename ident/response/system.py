@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from ..effects.dependence import runs_by_a_clock, told_in_reading
+from ..effects.dependence import depends_on, runs_by_a_clock, told_in_reading
 from ..effects.effect import AbstractEffect, Drive, State
 from ..model import Model
 from ..units import in_reading
@@ -68,6 +68,13 @@ class Equation:
         """Whether any force of the motion has one."""
         pairs = zip(self.model.effects, self.follow_drive, strict=True)
         return any(effect.has_kink and not before for effect, before in pairs)
+
+    @cached_property
+    def can_stick(self) -> bool:
+        """Whether any of these depends on the velocity, and may hold it."""
+        pairs = zip(self.model.effects, self.follow_drive, strict=True)
+        laws = [depends_on(effect) for effect, before in pairs if effect.has_kink and not before]
+        return any(law is None or "v" in law[1] for law in laws)
 
     @property
     def stepped(self) -> int:

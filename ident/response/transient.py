@@ -186,7 +186,7 @@ def march(
             inputs = [(*now, *force) for now, force in zip(stages(at), stages(remembered), strict=True)]
             shown = reading(system, parts, y, stages(at)[0], slope(y, inputs[0])[1])
             after, states = with_stages(slope, y, inputs, block.step)
-            if equation.has_kink:
+            if equation.can_stick:
                 still = sticks(system, parts, y, inputs[2], block.step)
                 after = lax.cond(still, lambda: crept(slope, y, inputs, block.step), lambda: after)
             return after, shown, states
@@ -195,6 +195,8 @@ def march(
             def stepped(numbers: Any, y: tuple, inputs: list, h: Any) -> tuple:
                 system = system_of(numbers).at(block)
                 slope = jax.jit(partial(derivative, system, parts))
+                if not equation.can_stick:
+                    return runge_kutta(slope, y, inputs, h)
                 still = sticks(system, parts, y, inputs[2], h)
                 move = (lambda: crept(slope, y, inputs, h)), (lambda: runge_kutta(slope, y, inputs, h))
                 return lax.cond(still, *move)
@@ -221,8 +223,9 @@ def march(
             if equation.has_kink:
                 now, (first, middle, last) = system_of(numbers).at(block), stages(at)
                 rate, allowed = limits = limits_of(now, block.allowed)
-                still = sticks(now, parts, y, last, block.step)
-                missed = jnp.where(still, 0.0, bend(now, parts, states, (first, middle, middle, last), block.step))
+                missed = bend(now, parts, states, (first, middle, middle, last), block.step)
+                if equation.can_stick:
+                    missed = jnp.where(sticks(now, parts, y, last, block.step), 0.0, missed)
                 divided = lambda: in_parts(y, dy, at, remembered, changes, limits)
                 after, dafter = lax.cond(missed > rate * allowed, divided, lambda: (after, dafter))
             return (after, dafter), (shown, y[0], y[1], dshown)
