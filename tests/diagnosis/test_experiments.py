@@ -113,3 +113,8 @@ def test_what_a_record_leaves_tied_is_named_together() -> None:
         ("creep",),
     )
     assert grouped(names, [("drive-lag", "sensor-lag")]) == (("drive-lag",), ("sensor-lag",))
+
+
+def test_a_record_to_take_is_told_in_the_unit_of_the_drive(present: Campaign) -> None:
+    told = lambda device: proposals(limits_of(device, present.fitted, F0), F0)[0].words
+    assert " N, " in told(Oscillator("mm", "mN")) and " V, " in told(Oscillator()) and " V, " in told(Platform())

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ...campaign.device import Device
+from ...campaign.device import Device, Oscillator
 from ...campaign.record import Trace
+from ...units import base_unit, find_unit
 from ..where.words import hertz
 
 Kind = Literal["sine", "biased", "burst", "multisine"]
@@ -19,7 +20,8 @@ class Waveform:
     """A drive, switched on at time 0 with the device at rest; a constant part or a multisine rises over two periods.
 
     **Arguments:** `volts`: peak of the alternating part; `hertz`: its frequency (multisine: its highest); `lowest`:
-    of a multisine, Hz; `bias`: constant part, V; `off`: time at which a burst is switched off, s.
+    of a multisine, Hz; `bias`: constant part, V; `off`: time at which a burst is switched off, s; `unit`: in which
+    those volts are, if the drive is no voltage.
     """
 
     kind: Kind
@@ -28,6 +30,7 @@ class Waveform:
     bias: float = 0.0
     lowest: float = 0.0
     off: float = np.inf
+    unit: str = "V"
 
     def voltage(self, time: np.ndarray) -> np.ndarray:
         """Voltage at times (n,) s since the switch-on, V."""
@@ -51,23 +54,25 @@ class Waveform:
     @property
     def words(self) -> str:
         """As a technician would write it."""
-        volts, at = f"{self.volts:.3g} V", f"{hertz(self.hertz)} Hz"
+        volts, at = f"{self.volts:.3g} {self.unit}", f"{hertz(self.hertz)} Hz"
         if self.kind == "multisine":
             return f"multisine {volts} peak, {hertz(self.lowest)} to {at}, from rest"
         if self.kind == "biased":
-            return f"sine {volts}, {at}, on {self.bias:.3g} V dc, from rest"
+            return f"sine {volts}, {at}, on {self.bias:.3g} {self.unit} dc, from rest"
         if self.kind == "burst":
             return f"sine {volts}, {at}, from rest, switched off after {1e3 * self.off:.4g} ms"
         return f"sine {volts}, {at}, from rest"
 
 
 class Limits(NamedTuple):
-    """What the laboratory can do: largest |voltage|, V; lowest and highest frequency, Hz; time axis (n,), s."""
+    """What the laboratory can do: largest |voltage|, V, or of another drive its SI `unit`; lowest and highest frequency,
+    Hz; time axis (n,), s."""
 
     volts: float
     lowest: float
     highest: float
     time: np.ndarray
+    unit: str = "V"
 
 
 _MOST_SAMPLES = 2000  # of a proposed record
@@ -84,7 +89,9 @@ def limits_of(device: Device, records: tuple[Trace, ...], resonance: float) -> L
     n = int(min(np.median([len(r.time) for r in records]), _MOST_SAMPLES))
     time = step * np.arange(n)
     highest = min(device.max_frequency or 2.5 * resonance, 1 / (_PER_PERIOD * step))
-    return Limits(volts, 3.0 / time[-1], highest, time)
+    own = device.input if isinstance(device, Oscillator) else "V"
+    known = find_unit(own)
+    return Limits(volts, 3.0 / time[-1], highest, time, own if known is None else base_unit(known.dimension))
 
 
 def proposals(limits: Limits, resonance: float) -> list[Waveform]:
@@ -100,4 +107,4 @@ def proposals(limits: Limits, resonance: float) -> list[Waveform]:
     low, high = max(0.2 * resonance, limits.lowest), min(1.3 * resonance, limits.highest)
     if low < high:
         found.append(Waveform("multisine", full, high, lowest=low))
-    return found
+    return [replace(wave, unit=limits.unit) for wave in found]
