@@ -65,7 +65,7 @@ class Waveform:
 
 
 class Limits(NamedTuple):
-    """What the laboratory can do: largest |voltage|, V, or of another drive its SI `unit`; lowest and highest frequency,
+    """What the laboratory can do: largest |voltage|, V, or of another drive its `unit`; lowest and highest frequency,
     Hz; time axis (n,), s."""
 
     volts: float
