@@ -28,8 +28,8 @@ def command(run: str, as_json: bool) -> None:
     progress("writing the report")
     page = renew_report(fit, run)
     if lacking := lacking_formats(run):
-        what = f"the figures of {' and '.join(lacking)} were kept as PNG alone by an earlier version"
-        progress(f"{what}; the command that drew them draws them in other formats")
+        what = f"the figures of {' and '.join(lacking)} are kept as PNG alone"
+        progress(f"{what}: the command that drew them draws them in other formats with --figures")
     if as_json:
         say_json(read_run(run))
         return

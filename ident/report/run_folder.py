@@ -118,8 +118,8 @@ def _draw_page(fit: Fit, folder: Path) -> None:
 
 
 def lacking_formats(folder: PathLike) -> tuple[str, ...]:
-    """The parts of a run's page whose pictures do not have the formats that are asked for: earlier versions kept a PNG
-    alone."""
+    """The parts of a run's page whose pictures do not have the formats that are asked for: those of a diagnosis, and
+    all of earlier versions, are kept as PNG alone."""
     parts = _parts(Path(folder))
     return tuple(n for n, own in parts.items() if any(p.lacks for section in own for p in section.pictures))
 

@@ -37,5 +37,5 @@ def test_what_a_decay_leaves_is_not_compared_with_a_drive_that_is_not_there():
     where = locate(prepare(fitted))
     assert where.drive is None and where.fails
     assert "has a colour of its own. The misfit sits" in summary(where)
-    titles = [axes.get_title(loc="left") for axes in where_figure(where).axes]
-    assert "by velocity" in titles and "with the drive" not in titles
+    titles = [text.get_text() for text in where_figure(where).texts]
+    assert "At which velocity?" in titles and "Does it follow the drive?" not in titles
