@@ -37,10 +37,11 @@ class Instead(NamedTuple):
 
 
 def in_another_form(current: Fit, regression: Regression, library: Registry, report: Report) -> Instead | None:
-    """A fit with one of its effects replaced by its other form, if that does clearly better."""
+    """A fit with one of its effects replaced by its other form, if that does clearly better; not one that the campaign
+    names."""
     if current.model.form != "oscillator":
         return None
-    for one in current.model.effects:
+    for one in (effect for effect in current.model.effects if effect.name not in current.campaign.effects):
         for form in (effect for effect in library.values() if effect.form_of == one.name):
             found = None if current.model.carries(one.name) else _instead(current, one, form, regression, report)
             if found is not None:
