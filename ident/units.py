@@ -270,6 +270,29 @@ def format_quantity(value: float, name: str = "", digits: int = 4) -> str:
     return f"{value * scale / power:.{digits}g} {prefix}{symbol}"
 
 
+def significant(value: float, digits: int = 3) -> str:
+    """A number with so many significant digits, without exponent unless it is very large or small."""
+    if value == 0.0 or not math.isfinite(value):
+        return "0" if value == 0.0 else "–"
+    power = math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))))
+    if not -5 <= power <= 9:
+        return f"{value:.{digits - 1}e}"
+    places = digits - 1 - power
+    return signed(f"{round(value, places):.{max(places, 0)}f}")
+
+
+def signed(text: str) -> str:
+    """No minus zero."""
+    return text[1:] if text.startswith("-") and not text.strip("-0.") else text
+
+
+def ratio_text(ratio: float) -> str:
+    """Error over noise: two decimals where it is near 1, else three digits; of a motion without bound it is none."""
+    if not math.isfinite(ratio):
+        return "no bound"
+    return f"{ratio:.2f}" if ratio < 9.995 else significant(ratio)
+
+
 @cache
 def exponents(name: str) -> dict[str, int]:
     """Powers of kg, m, s and V in a unit; electric current is written through the volt (1 A = 1 kg m² s⁻³ V⁻¹)."""

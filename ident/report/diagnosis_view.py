@@ -11,12 +11,13 @@ from ..diagnosis.search.beyond import NAME
 from ..diagnosis.search.steps import Discovery, Step
 from ..fit import Fit
 from ..fit.start_score import mostly_starts
+from ..units import ratio_text
 from .candidates_view import later_sheet, ranking_sheet
 from .figures.picture import draw
 from .figures.where import where_figure
 from .html import Section
 from .words.data import one_frequency
-from .words.tables import listed, percent_text, ratio_text
+from .words.tables import listed, percent_text
 
 _OTHER_STARTS = (
     "with other starts than are claimed the model leaves less than half of that. "

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..units import ratio_text
 from .figures.picture import draw
 from .figures.style import FAINT, HELDOUT, INK, MODEL, label, new_axes, new_figure
 from .html import Section
 from .words.sheet import Column, Sheet
-from .words.tables import ratio_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

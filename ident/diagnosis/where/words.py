@@ -7,6 +7,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from ...units import ratio_text
 from .locate import ALARMS, RecordView, Where
 from .views import View
 
@@ -50,7 +51,9 @@ def summary(where: Where) -> str:
         unrelated = "" if where.drive is None else " and unrelated to the drive"
         return f"No part of the records stands out: what is left is noise, white{unrelated}."
     found = statements(where)
-    first = f"The error is {_times(where.error)} times the noise floor{_counted(where)}; what is left {_nature(where)}."
+    first = (
+        f"The error is {ratio_text(where.error)} times the noise floor{_counted(where)}; what is left {_nature(where)}."
+    )
     if not found:
         return f"{first} No part of the records stands out."
     places = sorted((s for s in found if s.axis not in ("record", "level")), key=lambda s: -s.share)
@@ -60,17 +63,14 @@ def summary(where: Where) -> str:
     return f"{first}{middle}{last}"
 
 
-def _times(ratio: float) -> str:
-    """An error over the noise floor, with the digits that `ident fit` gives it."""
-    return f"{ratio:.2f}" if ratio < 9.995 else np.format_float_positional(ratio, 3, fractional=False, trim="-")
-
-
 def _counted(where: Where) -> str:
     """What the places below are counted on, where that is another size than the error itself."""
     if not abs(where.white_error / where.error - 1) > _ANOTHER_SIZE:
         return ""
     of = " of excerpts" if where.excerpts else ""
-    return f" ({_times(where.white_error)} in what follows{of}, where mains hum and the noise's colour are taken out)"
+    return (
+        f" ({ratio_text(where.white_error)} in what follows{of}, where mains hum and the noise's colour are taken out)"
+    )
 
 
 def _nature(where: Where) -> str:

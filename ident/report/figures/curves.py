@@ -9,10 +9,11 @@ import numpy as np
 from ...campaign.device import Platform
 from ...fit.curve_reading import CurveReading, RunReading
 from ...fit.result import Fit
+from ...units import ratio_text
 from ..run_json import jump_error
 from ..words.drives import drive_words
 from ..words.quantity import scale, show_in
-from ..words.tables import error_scale, ratio_text
+from ..words.tables import error_scale
 from .style import BAND, DATA, FAINT, HELDOUT, INK, MEASURED, MODEL, RESIDUAL, key, label, new_axes, new_figure
 
 if TYPE_CHECKING:

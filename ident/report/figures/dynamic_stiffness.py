@@ -10,7 +10,8 @@ import numpy as np
 from ...campaign.campaign import Campaign
 from ...campaign.record import same_level
 from ...campaign.sweeps.dynamic_stiffness import DynamicStiffness, LawCurve, dynamic_stiffness
-from ..words.quantity import scale, significant
+from ...units import significant
+from ..words.quantity import scale
 from ..words.sweeps import fit_free_words
 from .style import FAINT, INK, label, new_axes, new_figure
 

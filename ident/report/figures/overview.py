@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...fit.result import Fit
+from ...units import ratio_text
 from ..words.drives import drive_words
-from ..words.tables import ratio_text
 from .style import FAINT, HELDOUT, INK, MODEL, label, new_axes, new_figure, shortened
 
 if TYPE_CHECKING:

@@ -12,9 +12,10 @@ from ...campaign.drive_sine import DriveSine, drive_sine
 from ...campaign.record import Trace
 from ...fit.judge import RecordScore
 from ...fit.linear.decay_curve import decay_curves
+from ...units import ratio_text
 from ..words.drives import drive_words
 from ..words.quantity import Scale, reading_unit, scale, show_in
-from ..words.tables import error_scale, ratio_text
+from ..words.tables import error_scale
 from .decays import draw_decay
 from .style import (
     BAND,

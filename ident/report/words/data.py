@@ -14,8 +14,9 @@ from ...campaign.drive import drive_frequency
 from ...campaign.quality.clipping import CLIPPED
 from ...campaign.quality.judge import judge
 from ...campaign.record import SAME_LEVEL, Record, Sweep, Trace
+from ...units import significant
 from .drives import drive_words, only_frequency
-from .quantity import Scale, reading_unit, scale, show_in, significant
+from .quantity import Scale, reading_unit, scale, show_in
 from .sheet import Column, Mark, Sheet, file_words
 from .sweeps import sweep_dict, sweep_remarks, sweep_words, what_the_sweeps_tell
 

@@ -9,8 +9,9 @@ import numpy as np
 from ...campaign.record import SAME_LEVEL
 from ...fit.own_number import OwnNumber
 from ...fit.result import Fit
-from .quantity import Scale, neat, show_in, significant
-from .tables import listed, ratio_text
+from ...units import ratio_text, significant
+from .quantity import Scale, neat, show_in
+from .tables import listed
 
 _WHAT = {"drive": "its drive", "resonance": "its resonance", "quality": "its quality factor"}
 _COMPARED = {"drive": ("larger", "smaller"), "resonance": ("higher", "lower"), "quality": ("higher", "lower")}

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from ...campaign.device import Device, Oscillator
 from ...campaign.record import Record, common_order
-from ...units import exponents, kept_unit
+from ...units import exponents, kept_unit, signed, significant
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "µ", -9: "n", -12: "p"}
@@ -147,26 +147,10 @@ def show_in(value: float, error: float | None, chosen: Scale, digits: int = 4) -
     decimals = 1 - math.floor(math.log10(round(error, decimals)))  # 0.0996 rounds to 0.10, not to 0.100
     decimals = min(decimals, 12)
     places = max(decimals, 0)
-    return Shown(_signed(f"{round(value, decimals):.{places}f}"), f"{round(error, decimals):.{places}f}", chosen.unit)
-
-
-def significant(value: float, digits: int = 3) -> str:
-    """A number with so many significant digits, without exponent unless it is very large or small."""
-    if value == 0.0 or not math.isfinite(value):
-        return "0" if value == 0.0 else "–"
-    power = math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}"))))
-    if not -5 <= power <= 9:
-        return f"{value:.{digits - 1}e}"
-    places = digits - 1 - power
-    return _signed(f"{round(value, places):.{max(places, 0)}f}")
+    return Shown(signed(f"{round(value, decimals):.{places}f}"), f"{round(error, decimals):.{places}f}", chosen.unit)
 
 
 def neat(value: float, digits: int = 4) -> str:
     """The same without zeros behind the point: 317, not 317.0."""
     text = significant(value, digits)
     return text.rstrip("0").rstrip(".") if "." in text and "e" not in text else text
-
-
-def _signed(text: str) -> str:
-    """No minus zero."""
-    return text[1:] if text.startswith("-") and not text.strip("-0.") else text

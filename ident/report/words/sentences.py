@@ -19,11 +19,11 @@ from ...fit.judge import GOOD
 from ...fit.linear.one_tone import gain_of
 from ...fit.result import NEGLIGIBLE_STEP, Fit
 from ...model import QUALITY, open_words
-from ...units import format_quantity
+from ...units import format_quantity, ratio_text, significant
 from .linear import worse_than_static
 from .own_numbers import own_number_words
-from .quantity import display_unit, reading_unit, show, significant
-from .tables import listed, ratio_text
+from .quantity import display_unit, reading_unit, show
+from .tables import listed
 
 _LOW = 0.8  # below this the floor must be too high: a fit of few parameters cannot get under the noise
 _SURPRISE = 4.0  # spreads from what is known beforehand: not one device in ten thousand

@@ -12,8 +12,9 @@ from ...campaign.campaign import Campaign
 from ...campaign.record import SAME_LEVEL, Sweep
 from ...campaign.sweeps.dynamic_stiffness import LawCurve, dynamic_stiffness
 from ...campaign.sweeps.judge import RunJudgement, judge_sweep
+from ...units import significant
 from ..figures.style import shortened
-from .quantity import scale, show_in, significant
+from .quantity import scale, show_in
 from .sheet import Column, Sheet
 
 _NARROW = 2.0

@@ -10,7 +10,8 @@ from ...campaign.device import Device
 from ...fit.identifiability import Combination
 from ...fit.judge import GOOD, RecordScore, Score
 from ...fit.result import Estimate, Fit
-from .quantity import Scale, reading_unit, scale, show, show_in, significant
+from ...units import ratio_text, significant
+from .quantity import Scale, reading_unit, scale, show, show_in
 from .sheet import Column, Mark, Sheet, file_words
 
 _FLAGS = {
@@ -87,13 +88,6 @@ def error_scale(score: RecordScore | Score, device: Device, unit: str = "m") -> 
     four digits at most."""
     chosen = scale(score.noise_rmse, unit, device)
     return chosen if score.rmse < 1e4 * chosen.factor else scale(score.rmse, unit, device)
-
-
-def ratio_text(ratio: float) -> str:
-    """Error over noise: two decimals where it is near 1, else three digits; of a motion without bound it is none."""
-    if not math.isfinite(ratio):
-        return "no bound"
-    return f"{ratio:.2f}" if ratio < 9.995 else significant(ratio)
 
 
 def _score_row(name: str, use: str, score: RecordScore | Score, common: Scale) -> tuple[str, ...]:
