@@ -34,7 +34,7 @@ from ..side_by_side import at_once
 from .conclude import concluded
 from .constant import with_its_constant
 from .drive import other_drive
-from .fewer_modes import without_a_mode
+from .fewer_modes import without_a_mode, without_its_mode
 from .further_mode import with_its_mode
 from .once_more import begun_with, drive_beside, lower_start, with_other_starts
 from .other_form import in_another_form, steps_in_another_form
@@ -102,7 +102,8 @@ def walk_on(
             steps.append(step)
             report(f"added {step.added}: error over noise {step.fit.fitted.error_over_noise:.3g}")
         current, regression = with_its_constant(steps[-1].fit, regression, library, report)
-        current, regression = with_its_mode(current, regression, report)
+        fewer = without_its_mode(current, start, [step.added for step in steps], first, report)
+        current, regression = fewer or with_its_mode(current, regression, report)
         steps[-1] = steps[-1]._replace(fit=current)
         steps, regression = steps_in_another_form(steps, regression, library, report)
         current = steps[-1].fit

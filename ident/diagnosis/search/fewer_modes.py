@@ -1,11 +1,13 @@
-"""The further modes of the start model, questioned once effects have their place: a mode may have mimicked what was
-missing, as a strongly damped one does a support that relaxes.
+"""The further modes of the linear side, questioned once effects have their place: a mode may have mimicked what was
+missing, as a strongly damped one does a support that relaxes, and one at twice the frequency the overtone of a law.
 
-It was chosen before any effect was known, and is none; but like one it has to be needed, and to say more than another
-effect in its place.
+It was chosen before the effects were known, and is none; but like one it has to be needed, and to say more than
+another effect in its place.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 from ...effects.registry import Registry
 from ...fit import Fit
@@ -42,6 +44,23 @@ def without_a_mode(start: Fit, last: Fit, library: Registry, first: Regression, 
         return None
     report(f"another answer needs no {found[2]}: once more, without it")
     return fewer
+
+
+def without_its_mode(
+    fitted: Fit, start: Fit, added: Sequence[str], first: Regression, report: Report
+) -> tuple[Fit, Regression] | None:
+    """A fit without that mode which it needs least of those that joined its model on the walk, and the regression, if
+    that does as well; `added`: the effects of the walk's steps."""
+    known = {*start.model.names, *added}
+    joined = [one for one in fitted.model.names if one in FURTHER and one not in known]
+    found = None if is_long(fitted.campaign) else without_one(fitted, joined, start)
+    if found is None:
+        return None
+    less, regression, mode = found
+    if not superfluous(regression, prepare(fitted), first) or hurts(fitted, less):
+        return None
+    report(f"now that it has {added[-1]}, {mode} rings no more")
+    return less, regression
 
 
 def _does_as_well(
