@@ -10,9 +10,10 @@ Source: G. I. Barenblatt, Scaling, 1996, §1.1 (covariance of physical laws).
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from itertools import product
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +21,9 @@ from ..campaign.device import Device, Platform
 from ..errors import UserError
 from ..units import exponents
 from .effect import AbstractEffect, Drive, Parameter, State
+
+if TYPE_CHECKING:
+    from .registry import Registry
 
 _WORLD = {"kg": 1.7, "m": 2.3, "s": 0.6, "V": 3.1}  # one SI unit, measured in the other world's units
 DISPLACEMENT, VELOCITY, VOLTAGE, TIME = 3e-6, 2e-2, 5.0, 1e-3  # m, m/s, V, s: a typical state
@@ -31,8 +35,9 @@ def _factor(unit: str) -> float:
     return float(np.prod([_WORLD[base] ** power for base, power in exponents(unit).items()]))
 
 
-def check_units(effect: type[AbstractEffect], where: str = "") -> None:
-    """Test that each formula of an effect has the dimension of its side, for every choice of its settings.
+def check_units(effect: type[AbstractEffect], known: Registry, where: str = "") -> None:
+    """Test that each formula of an effect has the dimension of its side, for every choice of its settings; `known`:
+    the effects that it may build on.
 
     **Raises:** UserError naming the formula and the declared units if it has not.
     """
@@ -43,11 +48,13 @@ def check_units(effect: type[AbstractEffect], where: str = "") -> None:
             raise UserError(f"{effect.name}.{parameter.name}: {error.what}", where=where, do=error.do) from error
     names = [setting.name for setting in effect.choices]
     for words, motion in product(product(*(setting.words for setting in effect.choices)), MOTIONS):
-        _check_formulas(effect, dict(zip(names, words, strict=True)), motion, where)
+        _check_formulas(effect, known, dict(zip(names, words, strict=True)), motion, where)
 
 
-def _check_formulas(effect: type[AbstractEffect], settings: dict[str, str], motion: float, where: str) -> None:
-    here, there = (_evaluate(effect, settings, motion, scaled) for scaled in (False, True))
+def _check_formulas(
+    effect: type[AbstractEffect], known: Registry, settings: dict[str, str], motion: float, where: str
+) -> None:
+    here, there = (_evaluate(effect, known, settings, motion, scaled) for scaled in (False, True))
     for formula, (value, unit) in here.items():
         expected = value * _factor(unit)
         if not abs(there[formula][0] - expected) <= _TOLERANCE * max(abs(expected), 1e-300):  # so that NaN is caught
@@ -60,12 +67,12 @@ def _check_formulas(effect: type[AbstractEffect], settings: dict[str, str], moti
 
 
 def _evaluate(
-    effect: type[AbstractEffect], settings: dict[str, str], motion: float, scaled: bool
+    effect: type[AbstractEffect], known: Registry, settings: dict[str, str], motion: float, scaled: bool
 ) -> dict[str, tuple[float, str]]:
     """Value and unit of each formula of the effect, for arbitrary inputs."""
     to = (lambda value, unit: value * _factor(unit)) if scaled else (lambda value, unit: value)
     device = _in_other_units(Platform()) if scaled else Platform()
-    instance = _instance(effect, settings, device, to)
+    instance = made(effect, known, settings, _typical_values(effect, to), device, to)
     hidden = tuple(to(motion * typical(unit), unit) for unit in effect.hidden_units)
     state = State(to(motion * DISPLACEMENT, "m"), to(motion * VELOCITY, "m/s"), hidden)
     drive = Drive(to(motion * VOLTAGE, "V"), to(3e3, "V/s"), to(2e3, "1/s"), to(1e-4, "N/V"), 1.0)
@@ -104,13 +111,32 @@ def _one_for_each(effect: AbstractEffect, count: int, what: str) -> None:
         )
 
 
-def _instance(effect: type[AbstractEffect], settings: dict[str, str], device: Device, to: Any) -> AbstractEffect:
-    instance = effect(device, settings, **{p.name: to(typical_value(p), p.unit) for p in effect.parameters})
-    if effect.needs:
-        from .registry import built_in
+def made(
+    effect: type[AbstractEffect],
+    known: Registry,
+    settings: Mapping[str, str],
+    values: Mapping[str, Any],
+    device: Device,
+    to: Callable[[float, str], float] = lambda value, unit: value,
+) -> AbstractEffect:
+    """An effect with these values, beside the one that it builds on, which has typical values turned by `to`.
 
-        instance = instance.beside(_instance(built_in()[effect.needs], {}, device, to))
-    return instance
+    **Raises:** UserError if that one is not known.
+    """
+    instance = effect(device, settings, **values)
+    if not effect.needs:
+        return instance
+    if effect.needs not in known:
+        raise UserError(
+            f"the effect {effect.name} builds on {effect.needs}, which is not known here",
+            do="check the word; an effect of your own must be defined above, or in a file that is listed before",
+        )
+    partner = known[effect.needs]
+    return instance.beside(made(partner, known, {}, _typical_values(partner, to), device, to))
+
+
+def _typical_values(effect: type[AbstractEffect], to: Callable[[float, str], float]) -> dict[str, float]:
+    return {p.name: to(typical_value(p), p.unit) for p in effect.parameters}
 
 
 def typical_value(parameter: Parameter) -> float:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from itertools import product
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -17,10 +17,13 @@ import numpy as np
 from ..campaign.device import Platform
 from ..errors import UserError
 from ..runtime import compiler_options, configure
-from .dimensions import DISPLACEMENT, MOTIONS, TIME, VELOCITY, VOLTAGE, typical, typical_value
+from .dimensions import DISPLACEMENT, MOTIONS, TIME, VELOCITY, VOLTAGE, made, typical, typical_value
 from .effect import AbstractEffect, Drive, State
 from .mistakes import place_of_method
 from .written import LAWS
+
+if TYPE_CHECKING:
+    from .registry import Registry
 
 _FINITE = (
     "keep both branches finite, jnp.where on the argument too: "
@@ -40,9 +43,9 @@ class _Point(NamedTuple):
     values: Mapping[str, Any]
 
 
-def check_runs(effect: type[AbstractEffect]) -> None:
+def check_runs(effect: type[AbstractEffect], known: Registry) -> None:
     """Test, for every choice of its settings, that each law returns one finite number for each that is expected, and
-    has finite slopes by the state, the drive and the parameters.
+    has finite slopes by the state, the drive and the parameters; `known`: the effects that it may build on.
 
     **Raises:** UserError that names the class, the method and the point. What the code of the effect raises passes.
     """
@@ -52,34 +55,26 @@ def check_runs(effect: type[AbstractEffect]) -> None:
         settings = dict(zip(names, words, strict=True))
 
         def laws(point: _Point, t: Any, settings: dict[str, str] = settings) -> dict[str, tuple[Any, ...]]:
-            return _laws(_instance(effect, settings, point.values), point, t)
+            return _laws(made(effect, known, settings, point.values, Platform()), point, t)
 
         def both(point: _Point, t: Any, laws: Any = laws) -> tuple[Any, Any]:
             return laws(point, t), jax.jacfwd(laws)(point, t)
 
         compiled = jax.jit(both, compiler_options=compiler_options())
-        for where, point, t in _points(effect, settings):
+        for where, point, t in _points(effect, known, settings):
             values, slopes = compiled(point, t)
             _check_finite(effect, values, slopes, where)
 
 
-def _instance(effect: type[AbstractEffect], settings: Mapping[str, str], values: Mapping[str, Any]) -> AbstractEffect:
-    instance = effect(Platform(), settings, **values)
-    if effect.needs:
-        from .registry import built_in
-
-        partner = built_in()[effect.needs]
-        instance = instance.beside(_instance(partner, {}, {p.name: typical_value(p) for p in partner.parameters}))
-    return instance
-
-
-def _points(effect: type[AbstractEffect], settings: Mapping[str, str]) -> Iterator[tuple[str, _Point, float]]:
+def _points(
+    effect: type[AbstractEffect], known: Registry, settings: Mapping[str, str]
+) -> Iterator[tuple[str, _Point, float]]:
     """At rest and away from it, on both sides; with the amplitudes at some value, and where a fit begins with them."""
     on = {p.name: float(typical_value(p)) for p in effect.parameters}
     # A positive amplitude never is zero in a fit.
     off = {p.name: 0.0 for p in effect.parameters if p.kind == "amplitude" and not p.positive and not p.default}
     for values, said in ((on, ""), ({**on, **off}, f" and {' = '.join(off)} = 0")) if off else ((on, ""),):
-        start = _instance(effect, settings, values).state0()
+        start = made(effect, known, settings, values, Platform()).state0()
         start = tuple(float(h) for h in _numbers(effect, "state0", start, len(effect.hidden_units)))
         yield f"z = v = 0{said}", _Point(0.0, 0.0, start, 0.0, 0.0, values), 0.0
         for m in MOTIONS:

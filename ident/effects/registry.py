@@ -42,7 +42,7 @@ def registry(files: Iterable[Path] = ()) -> Registry:
     contents = [(Path(file), _content(Path(file))) for file in files]
     check_trusted(contents)
     for file, content in contents:
-        for effect in _load(file, content):
+        for effect in _load(file, content, found):
             if effect.name in found:
                 raise UserError(
                     f"the name {effect.name!r} is taken",
@@ -77,8 +77,8 @@ def _content(file: Path) -> bytes:
     return read_bytes(file, str(file))
 
 
-def _load(file: Path, content: bytes) -> list[type[AbstractEffect]]:
-    """The effects of a file, from the very bytes that were found to be trusted."""
+def _load(file: Path, content: bytes, before: Registry) -> list[type[AbstractEffect]]:
+    """The effects of a file, from the very bytes that were found to be trusted; `before`: those that were loaded."""
     name = f"ident_user_effect_{file.stem}"
     module = ModuleType(name)
     module.__file__ = str(file)
@@ -107,8 +107,10 @@ def _load(file: Path, content: bytes) -> list[type[AbstractEffect]]:
             do='write a class that inherits AbstractEffect and has a name = "…"',
         )
     if content not in _sound:
+        known = dict(before)
         for effect in effects:
-            _check(effect, file)
+            _check(effect, known, file)
+            known[effect.name] = effect
         _sound.add(content)
     return effects
 
@@ -116,11 +118,11 @@ def _load(file: Path, content: bytes) -> list[type[AbstractEffect]]:
 _sound: set[bytes] = set()  # files that this process has checked, which takes some tenths of a second
 
 
-def _check(effect: type[AbstractEffect], file: Path) -> None:
+def _check(effect: type[AbstractEffect], known: Registry, file: Path) -> None:
     try:
         check_written(effect)
-        check_runs(effect)
-        check_units(effect)
+        check_runs(effect, known)
+        check_units(effect, known)
     except UserError as error:
         raise UserError(error.what, where=error.where or place_of_class(effect, file), do=error.do) from error
     except Exception as error:  # the formulas are the user's too

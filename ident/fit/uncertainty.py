@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..campaign.noise.autoregression import variance_of
 from ..campaign.noise.recursive import recursive_filter
 from ..campaign.record import NoiseFloor, Trace
 from .problem import Data, Evaluation
@@ -68,9 +69,8 @@ def _spread(jacobian: np.ndarray, noise: NoiseFloor) -> np.ndarray:
         return jacobian.T @ jacobian
     # Running the shaping filter backwards over a column gives Aᵀ J, where A A ᵀ = R is the filter's own covariance.
     denominator = np.concatenate([[1.0], -np.asarray(noise.ar)])
-    settle = min(20 * len(jacobian), 200_000)
-    impulse = recursive_filter(np.ones(1), denominator, np.eye(1, settle)[0])
-    shaped = recursive_filter(np.ones(1) / np.linalg.norm(impulse), denominator, jacobian[::-1])
+    gain = 1.0 / np.sqrt(variance_of(np.asarray(noise.ar), 1.0))
+    shaped = recursive_filter(np.array([gain]), denominator, jacobian[::-1])
     return shaped.T @ shaped
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ident.diagnosis.evidence import held_out
-from ident.diagnosis.evidence.enough import adequate, another_law, not_worth_adding, superfluous
+from ident.diagnosis.evidence.enough import adequate, another_law, not_worth_adding, superfluous, worth_a_name
 from ident.diagnosis.evidence.held_out import foretold, hurts, hurts_more
 from ident.fit.judge import Score
 
@@ -26,7 +26,7 @@ def regression(error: float, reached: float | None = None, doubt: float = 0.03, 
     return SimpleNamespace(
         whitenings=(),
         chi2=N * error**2, fit_chi2=N * (reached or error) ** 2, n=N, fit=fit, residual=residual, instead_of=None,
-        to_explain=max(N * (error**2 - 1), 1e-9),
+        to_explain=max(N * (error**2 - 1), 1e-9), above_noise=max(N * (error**2 - 1), np.sqrt(2 * N)),
     )  # fmt: skip
 
 
@@ -67,6 +67,12 @@ def test_a_refit_that_a_limit_stopped_does_not_do_without_the_term() -> None:
         regression(1.05), full, first
     )  # at the floor, and the loss is less than laws of a kind differ by
     assert not superfluous(regression(1.05, reached=1.48), full, first)
+
+
+def test_nothing_is_worth_a_name_where_the_first_model_lies_below_its_floor() -> None:
+    """A share of an excess that is negative is less than any gain, and every refinement would be an effect."""
+    assert not worth_a_name(1.0, regression(0.97)) and not another_law(1e-3, regression(0.97))
+    assert worth_a_name(20.0, regression(0.97))
 
 
 def heldout(missed: np.ndarray) -> dict[str, Any]:

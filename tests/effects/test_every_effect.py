@@ -70,7 +70,7 @@ def test_the_library_has_the_names_of_the_interface():
 
 @pytest.mark.parametrize("name", NAMES)
 def test_units_are_right(name):
-    check_units(built_in()[name])
+    check_units(built_in()[name], built_in())
 
 
 @pytest.mark.parametrize("name", NAMES)

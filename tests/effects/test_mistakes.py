@@ -43,7 +43,7 @@ MEMORY = """
 @pytest.mark.parametrize("name", sorted(built_in()))
 def test_every_effect_of_the_library_passes(name):
     check_written(built_in()[name])
-    check_runs(built_in()[name])
+    check_runs(built_in()[name], built_in())
 
 
 @pytest.mark.parametrize(

@@ -101,6 +101,17 @@ def test_a_taken_name_a_missing_file_and_an_empty_file(tmp_path):
         registry([tmp_path / "absent.py"])
 
 
+def test_an_effect_may_build_on_one_of_the_same_file_that_stands_above(tmp_path):
+    builder = GOOD.replace("QuinticStiffness", "Builder").replace('= "fifth', '= "builder"\n    needs = "fifth')
+    builder = builder.replace("-self.k5 * state.z", "-(self.partner.k5 + self.k5) * state.z")
+    known = registry([write(tmp_path, GOOD + builder)])
+    assert known["builder"].needs == "fifth-power-spring" in known
+    for text in (builder, builder.replace("fifth-power-spring", "cubic"), builder + GOOD):
+        error = answer(tmp_path, text)
+        assert "builds on" in error.what and "defined above" in error.do
+        assert error.where.endswith(f"line {line_of(text, 'class Builder')}")
+
+
 def test_a_name_that_nobody_has_is_answered_with_the_nearest():
     with pytest.raises(UserError, match="cubic-stiffness"):
         find("cubic-stifness", built_in())
@@ -138,4 +149,4 @@ class _FarAway(AbstractEffect):
 @pytest.mark.parametrize("effect", [_TwoLaws, _FarAway])
 def test_units_are_checked_for_every_choice_and_on_both_sides(effect):
     with pytest.raises(UserError, match="does not come out in N"):
-        check_units(effect)
+        check_units(effect, built_in())

@@ -72,16 +72,21 @@ def levinson(covariance: np.ndarray, order: int) -> tuple[np.ndarray, float]:
     return ar, variance
 
 
+def predictors(ar: np.ndarray) -> list[tuple[np.ndarray, float]]:
+    """The best predictors of an autoregressive process from its last 0, 1, …, p samples alone, and their error
+    variances in units of the innovation: Levinson's recursion run backwards."""
+    found = [(np.asarray(ar, float), 1.0)]
+    while len(found[-1][0]):
+        longer, variance = found[-1]
+        reflection, rest = longer[-1], longer[:-1]
+        lost = 1.0 - reflection**2
+        found.append(((rest + reflection * rest[::-1]) / lost, variance / lost))
+    return found[::-1]
+
+
 def variance_of(ar: np.ndarray, innovation: float) -> float:
-    """Variance of an autoregressive process, by the Yule-Walker equations."""
-    p = len(ar)
-    if p == 0:
-        return innovation
-    matrix = np.eye(p + 1)
-    for k in range(p + 1):
-        for j in range(p):
-            matrix[k, abs(k - 1 - j)] -= ar[j]
-    return float(np.linalg.solve(matrix, np.append(innovation, np.zeros(p)))[0])
+    """Variance of an autoregressive process: what is left to predict where nothing came before."""
+    return innovation * predictors(ar)[0][1]
 
 
 def _expectation(power: np.ndarray, missing: np.ndarray, spectrum: np.ndarray) -> np.ndarray:

@@ -63,7 +63,7 @@ def worth_a_name(drop: float, first: Regression) -> bool:
     No law has exactly the device's shape, so something always remains significant; to add it would name physics that
     is not there.
     """
-    return drop > _SHAPE * (first.chi2 - first.n)
+    return drop > _SHAPE * first.above_noise
 
 
 def role_of(regression: Regression, left: float, first: Regression) -> Role:
@@ -75,7 +75,7 @@ def role_of(regression: Regression, left: float, first: Regression) -> Role:
 
 def another_law(excess: float, first: Regression) -> bool:
     """Whether an excess over noise is as much as no verdict calls a finer shape of what was found."""
-    return excess > ANOTHER_LAW * (first.chi2 - first.n)
+    return excess > ANOTHER_LAW * first.above_noise
 
 
 def not_worth_adding(regression: Regression, best: float, first: Regression) -> bool:

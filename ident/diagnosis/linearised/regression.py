@@ -84,6 +84,12 @@ class Regression:
         return float(self.residual @ self.residual)
 
     @property
+    def above_noise(self) -> float:
+        """χ² above that of noise, and no less than noise scatters by: a share of less would be a share of chance, and
+        below a floor that is too high, none at all."""
+        return max(self.chi2 - self.n, float(np.sqrt(2.0 * self.n)))
+
+    @property
     def fit_chi2(self) -> float:
         return float(self.left @ self.left)
 

@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import solve_toeplitz
 
+from ...campaign.noise.autoregression import predictors, variance_of
 from ...campaign.noise.hum import MAINS, told_apart
-from ...campaign.noise.recursive import convolved, recursive_filter
+from ...campaign.noise.recursive import convolved
 from ...campaign.record import Trace
 
 _ORDER = 12  # of an autoregression that whitens rows
@@ -20,13 +21,15 @@ _DIED_OUT = 1e-12  # of an initial state's influence, before the first sample th
 class Whitening(NamedTuple):
     """How one record is whitened: samples counted, prediction-error filter, scale, and local nuisance directions.
 
-    **Arguments:** `counted`: slice of the record; `filter`: (k,) FIR coefficients; `scale`: of the white noise, m;
-    `basis`: (n, q) orthonormal, already whitened: initial states and mains hum; `masked`: (n,), if there are such, the
-    samples that say nothing: their rows are zero.
+    **Arguments:** `counted`: slice of the record; `filter`: (p + 1,) FIR coefficients; `begin`: (p, p) what they are
+    for the first samples, which have less before them to be predicted from; `scale`: of the white noise, m; `basis`:
+    (n, q) orthonormal, already whitened: initial states and mains hum; `masked`: (n,), if there are such, the samples
+    that say nothing: their rows are zero.
     """
 
     counted: slice
     filter: np.ndarray
+    begin: np.ndarray
     scale: float
     basis: np.ndarray
     masked: np.ndarray | None = None
@@ -35,10 +38,12 @@ class Whitening(NamedTuple):
 def whitening_of(record: Trace, by_start: np.ndarray | None) -> Whitening:
     """Whitening of one record by its noise floor; `by_start` (2, n) if its initial state is fitted."""
     ar = np.asarray(record.noise.ar, float)
-    taps = np.concatenate([[1.0], -ar])
-    whitening = Whitening(
-        slice(record.skip, len(record.time)), taps, record.noise.sigma * _innovation(ar), np.zeros((0, 0))
-    )
+    taps, begin = np.concatenate([[1.0], -ar]), np.eye(len(ar))
+    for row, (weights, variance) in zip(begin, predictors(ar), strict=False):
+        row[: len(weights)] = -weights[::-1]
+        row /= np.sqrt(variance)
+    scale = record.noise.sigma / np.sqrt(variance_of(ar, 1.0))
+    whitening = Whitening(slice(record.skip, len(record.time)), taps, begin, scale, np.zeros((0, 0)))
     if record.masked is not None:
         whitening = whitening._replace(masked=record.masked[whitening.counted])
     n, k = len(record.time), np.arange(len(record.time))
@@ -61,16 +66,12 @@ def whiten(whitening: Whitening, rows: np.ndarray) -> np.ndarray:
 
 def _filter(whitening: Whitening, rows: np.ndarray) -> np.ndarray:
     rows = rows[:, whitening.counted]
-    white = (rows if len(whitening.filter) == 1 else convolved(whitening.filter, rows.T).T) / whitening.scale
+    white = rows
+    if order := len(whitening.begin):
+        white = convolved(whitening.filter, rows.T).T
+        white[:, :order] = rows[:, :order] @ whitening.begin.T
+    white = white / whitening.scale
     return white if whitening.masked is None else np.where(whitening.masked, 0.0, white)
-
-
-def _innovation(ar: np.ndarray) -> float:
-    """Standard deviation of the white noise that drives an autoregression of unit variance."""
-    if not len(ar):
-        return 1.0
-    impulse = recursive_filter(np.ones(1), np.concatenate([[1.0], -ar]), np.eye(1, 20_000)[0])
-    return float(1.0 / np.linalg.norm(impulse))
 
 
 def prediction_filter(rows: np.ndarray) -> np.ndarray:

@@ -190,7 +190,7 @@ def _verdict(steps: list[Step], regression: Regression, first: Regression, lacks
     fine = adequate(regression)
     if not steps:
         return "adequate" if fine and not contradicted else "not-in-library"
-    if not fine and max(lacks, (regression.chi2 - regression.n) / (first.chi2 - first.n)) > ANOTHER_LAW:
+    if not fine and max(lacks, (regression.chi2 - regression.n) / first.above_noise) > ANOTHER_LAW:
         return "not-in-library"
     tied = any(len(s.tie_set) > 1 for s in steps if s.role == "effect")
     return "ambiguous" if lacks or tied or contradicted else "identified"

@@ -30,7 +30,7 @@ def lacking(regression: Regression, first: Regression, report: Report = lambda _
     if not regression.trajectories.tape.spans:
         return 0.0
     regression, first = regression.of_traces(), first.of_traces()
-    excess = max(first.chi2 - first.n, 1e-9)
+    excess = first.above_noise
     report("does what is left have a structure?")
     stage = set_stage(regression)
     found = smallest_sufficient(rank(regression, stage))[0]
