@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ident.diagnosis.evidence import held_out
-from ident.diagnosis.evidence.enough import adequate, another_law, not_worth_adding, superfluous, worth_a_name
+from ident.diagnosis.evidence.enough import adequate, another_law, not_worth_adding, role_of, superfluous, worth_a_name
 from ident.diagnosis.evidence.held_out import foretold, hurts, hurts_more
 from ident.fit.judge import Score
 
@@ -23,10 +23,11 @@ def regression(error: float, reached: float | None = None, doubt: float = 0.03, 
     records = [SimpleNamespace(noise=SimpleNamespace(relative_error=doubt))]
     fit = SimpleNamespace(campaign=SimpleNamespace(fitted=records, fitted_sweeps=()), freedom=freedom)
     residual = error * WHITE
+    excess = max(N * (error**2 - 1), 1e-9)
     return SimpleNamespace(
-        whitenings=(),
+        whitenings=(), best_chi2=N * error**2, excess=excess,
         chi2=N * error**2, fit_chi2=N * (reached or error) ** 2, n=N, fit=fit, residual=residual, instead_of=None,
-        to_explain=max(N * (error**2 - 1), 1e-9), above_noise=max(N * (error**2 - 1), np.sqrt(2 * N)),
+        to_explain=excess, above_noise=max(N * (error**2 - 1), np.sqrt(2 * N)),
     )  # fmt: skip
 
 
@@ -73,6 +74,16 @@ def test_nothing_is_worth_a_name_where_the_first_model_lies_below_its_floor() ->
     """A share of an excess that is negative is less than any gain, and every refinement would be an effect."""
     assert not worth_a_name(1.0, regression(0.97)) and not another_law(1e-3, regression(0.97))
     assert worth_a_name(20.0, regression(0.97))
+
+
+def test_a_small_term_that_leaves_nothing_of_what_it_met_is_an_effect() -> None:
+    """A magnet's quadratic force moved a free decay's frequency by little, and left 10 of 110 noise floors when it was
+    missing and 1.00 when not: no refinement of a cubic's shape does that. One that leaves some of it is one, and so is
+    one whose floor is not known well enough to see that."""
+    first, cubic = regression(110.0), regression(10.6, doubt=0.02)
+    assert role_of(cubic, 1.01 * N, first) == "effect"
+    assert role_of(cubic, 1.2 * N, first) == "shape-refinement"
+    assert role_of(regression(3.0), 1.0 * N, first) == "shape-refinement"
 
 
 def heldout(missed: np.ndarray) -> dict[str, Any]:

@@ -52,8 +52,11 @@ def _at_floor(chi2: float, regression: Regression, explained: float = 0.0) -> bo
 
 def floor_of(records: Sequence[Trace | Sweep]) -> float:
     """Error over noise up to which records stand at their noise floors, as far as these are known."""
-    doubt = float(np.mean([r.noise.relative_error for r in records] or [0.0]))
-    return _AT_FLOOR + 2 * min(doubt, _MOST_DOUBT)
+    return _AT_FLOOR + 2 * min(_doubt(records), _MOST_DOUBT)
+
+
+def _doubt(records: Sequence[Trace | Sweep]) -> float:
+    return float(np.mean([r.noise.relative_error for r in records] or [0.0]))
 
 
 def worth_a_name(drop: float, first: Regression) -> bool:
@@ -68,9 +71,18 @@ def worth_a_name(drop: float, first: Regression) -> bool:
 
 def role_of(regression: Regression, left: float, first: Regression) -> Role:
     """What a term is that lowers the χ² of a regression to what is `left`: an effect removes a share of the first
-    excess that is worth a name; the first one always is."""
+    excess that is worth a name; the first one always is. So is one that leaves nothing of what it met: a law bent to
+    refine the shape of another leaves something."""
     named = regression is first or worth_a_name(regression.best_chi2 - left, first)
-    return "effect" if named else "shape-refinement"
+    return "effect" if named or _nothing_left(regression, left) else "shape-refinement"
+
+
+def _nothing_left(regression: Regression, left: float) -> bool:
+    """Whether a term leaves so little of the excess that it met as no verdict calls another law, as far as chance and
+    the doubt of the noise floors let one see."""
+    campaign, n = regression.fit.campaign, regression.n
+    unseen = np.sqrt(2.0 * n) + 2 * _doubt([*campaign.fitted, *campaign.fitted_sweeps]) * n
+    return max(left - n, unseen) < ANOTHER_LAW * regression.excess
 
 
 def another_law(excess: float, first: Regression) -> bool:
