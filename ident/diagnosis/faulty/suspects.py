@@ -89,7 +89,10 @@ def alone_off(fitted: Fit) -> tuple[Suspect, ...]:
     settled = [one for one in found if one.worst <= _FLOOR and _beyond_an_effect(one, fitted)]
     if not settled:
         return ()
-    best = min(settled, key=lambda one: rms(one.whole, 1.0))
+    # Another device can be one whose only difference is a gain, and leaves a little less for its numbers.
+    left = _left(fitted)
+    weights = criteria([_beside(left, one.whole, one.numbers) for one in settled])
+    best = settled[int(np.argmin(weights))]
     assert best.record is not None
     words = f"{_words(best.told, traces)}; so read, all records stand at their noise. `ident diagnose` weighs that "
     words += "against effects"

@@ -103,7 +103,7 @@ def walk_on(
             report(f"added {step.added}: error over noise {step.fit.fitted.error_over_noise:.3g}")
         current, regression = with_its_constant(steps[-1].fit, regression, library, report)
         fewer = without_its_mode(current, start, [step.added for step in steps], first, report)
-        current, regression = fewer or with_its_mode(current, regression, report)
+        current, regression = fewer or _with_its_mode(current, regression, look)
         steps[-1] = steps[-1]._replace(fit=current)
         steps, regression = steps_in_another_form(steps, regression, library, report)
         current = steps[-1].fit
@@ -126,6 +126,16 @@ def walk_on(
     ):
         return walk_on(Walked(fewer), library, report, most, keep, revised=revised)
     return Ended(Walked(start, tuple(steps), gains), look, at_best, ranking)
+
+
+def _with_its_mode(current: Fit, regression: Regression, look: Look) -> tuple[Fit, Regression]:
+    """With one mode more where the records ask for it, and no effect promises as much: a law's overtone is a line,
+    too."""
+    more, left = with_its_mode(current, regression, look.report)
+    if more is current:
+        return current, regression
+    promise = Look(regression, look.first, look.library, look.report).promise
+    return (current, regression) if promise > regression.chi2 - left.chi2 else (more, left)
 
 
 def _starts_say_more(before: Fit, after: Fit) -> bool:
