@@ -28,7 +28,7 @@ from ...errors import UserError
 from ...model import ABOVE_THE_DRIVE
 from .candidate import Candidate
 from .drives import held, is_acceleration, is_length, with_edge
-from .forms import FORMS
+from .forms import FORMS, Form
 from .guess import guess_linear
 from .independent import independent_samples
 from .modes import find_modes, solved
@@ -67,7 +67,8 @@ def choose_linear(
 
     Where a record starts from rest the first sample says where the zero is. If that is zero a constant is looked for
     only if gain and offset, or an offset alone, leave less than every form without one: what moves the mean is then a
-    force. Decays alone need none: their displacements are counted from where they come to rest.
+    force. Decays alone need none: their displacements are counted from where they come to rest. Without a spring a
+    constant is a force itself, of which no first sample says anything.
 
     **Arguments:** `told`: "auto", or the form that the campaign asks for; `modes`: how many an oscillator has, None if
     the records decide; `base`: whether it may stand on what the drive moves.
@@ -89,17 +90,16 @@ def choose_linear(
     starts = {} if guess is None else {"oscillator": (guess.frequency, guess.quality)}
 
     def compared(stretches: Sequence[Stretch]) -> tuple[list[Candidate], float]:
-        every = lambda constant: [
-            searched(stretches, Kind(form.name, constant, form), starts.get(form.name)) for form in forms
-        ]
+        def every(constant: bool, among: Sequence[Form]) -> list[Candidate]:
+            return [searched(stretches, Kind(form.name, constant, form), starts.get(form.name)) for form in among]
+
+        forced = [form for form in forms if LEVELS[form.name] == "static-force"]
         found = [fitted(stretches, Kind("constant", True))]
         found += [_static(records, stretches)] if driven else []
-        found += [*every(False), *(every(True) if level else [])]
-        if off:  # where a mass without a spring is says nothing of what pushes it
-            found += [c for c in every(True) if LEVELS[c.form] == "sensor-offset"]
-        if driven and not (level or off) and min(found, key=lambda c: c.left).level:
-            found += every(True)
-        return _weighed(stretches, found)
+        found += every(False, forms)
+        if level or off or (driven and min(found, key=lambda c: c.left).level):
+            found += every(True, [form for form in forms if form not in forced])
+        return _weighed(stretches, [*found, *every(True, forced)])
 
     found, n = compared(stretches)
     other = _held(records, stretches, free, found, n)
