@@ -125,3 +125,24 @@ def test_a_mass_without_a_spring_is_fitted_with_the_force_that_its_drive_lacks()
     force, gain = found.value("static-force.force0"), found.value("oscillator.gain")
     assert force / gain == pytest.approx(0.3, rel=0.02)
     assert linear_choice(campaign) is linear_choice(campaign)  # compared once
+
+
+def test_a_tilted_axis_that_sticks_is_given_no_spring():
+    """Friction of a quarter of the force and a slope, from rest: of the forms without a constant a soft overdamped
+    spring left least, and what was missing was then looked for beside it. A constant force is no sensor's level."""
+    decay, gain, friction, slope, fine = 0.29, 1.2, 0.7, 0.22, 8
+    records = []
+    for k, hertz in enumerate((0.23, 0.41, 0.67)):
+        t = STEP * np.arange(1200)
+        drive = 2.2 * np.sin(2 * np.pi * hertz * t) + 0.8 * np.sin(2 * np.pi * 2.3 * hertz * t + k)
+        z, v, answer = 0.0, 0.0, np.zeros(len(t))
+        for i in range(len(t) - 1):
+            for _ in range(fine):  # friction takes at most all of the velocity that the other forces leave
+                free = v + STEP / fine * (gain * drive[i] - slope - v / decay)
+                v = np.sign(free) * max(abs(free) - STEP / fine * friction, 0.0)
+                z += STEP / fine * v
+            answer[i + 1] = z
+        noisy = answer + SIGMA * np.random.default_rng(k).normal(size=len(t))
+        records.append(Trace(f"{k}", t, drive, noisy, ONE, ONE, NoiseFloor(SIGMA), "rest"))
+    chosen = choose_linear(records).chosen
+    assert (chosen.form, chosen.level) == ("no-spring", True)
