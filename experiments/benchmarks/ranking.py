@@ -25,10 +25,10 @@ runtime.configure()
 from experiments.hidden_effects.campaigns import campaign_of  # noqa: E402  (JAX must be configured first)
 from experiments.hidden_effects.generator import draw  # noqa: E402
 from ident.campaign.campaign import Campaign  # noqa: E402
+from ident.diagnosis.diagnose import discover  # noqa: E402
 from ident.diagnosis.linearised.regression import prepare  # noqa: E402
 from ident.diagnosis.ranking.confirm import confirm  # noqa: E402
 from ident.diagnosis.ranking.score import score  # noqa: E402
-from ident.diagnosis.search.discover import discover  # noqa: E402
 from ident.effects.registry import built_in  # noqa: E402
 from ident.fit import fit  # noqa: E402
 from ident.model import Model  # noqa: E402
@@ -52,7 +52,7 @@ def measure(campaign: Campaign) -> Times:
     library, start = built_in(), Model(campaign.device)
     fitted = fit(start, campaign)
     ranking = _seconds(lambda: score(prepare(fitted), library))
-    discovery = _seconds(lambda: discover(start, campaign, library))
+    discovery = _seconds(lambda: discover(campaign))
     regression = prepare(fitted)
     candidates = score(regression, library)
     refits = _seconds(lambda: [confirm(regression, library[one.name], one) for one in candidates])
@@ -94,7 +94,7 @@ def cold() -> float:
 if __name__ == "__main__":
     if sys.argv[1:] == ["--cold"]:
         campaign = case(TIMED, HIDDEN[0])
-        print(_seconds(lambda: discover(Model(campaign.device), campaign, built_in())))
+        print(_seconds(lambda: discover(campaign)))
         sys.exit()
     for took in table(HIDDEN):
         assert took.ranking <= FIRST_RANKING and took.discovery <= DISCOVERY, took

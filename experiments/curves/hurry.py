@@ -30,10 +30,9 @@ from ident import runtime
 runtime.configure()
 
 from ident.campaign import read_campaign  # noqa: E402  (JAX must be configured first)
-from ident.diagnosis.search.discover import discover  # noqa: E402
-from ident.effects.registry import built_in  # noqa: E402
+from ident.diagnosis.diagnose import discover  # noqa: E402
 from ident.fit import Fit, fit  # noqa: E402
-from ident.model import Model, build_model  # noqa: E402
+from ident.model import build_model  # noqa: E402
 
 FREQUENCY, QUALITY, GAIN = 120.0, 60.0, 4e-2  # Hz; m/s² per V
 OWN = 2 * np.pi * FREQUENCY
@@ -191,7 +190,7 @@ def named(first: int, hidden: Hidden, phase: bool) -> None:
     with tempfile.TemporaryDirectory() as name:
         write(Path(name), first, hidden, (), phase=phase)
         campaign, begun = read_campaign(name), time.perf_counter()
-        found = discover(Model(campaign.device), campaign, built_in())
+        found = discover(campaign).discovery
     steps = [(step.added, *step.tie_set[1:]) for step in found.steps]
     print(f"{first} {hidden.name}, {'with' if phase else 'without'} phase: {found.verdict}, {steps}, error over noise "
           f"{found.start.fitted.error_over_noise:.1f}, then {found.final.fitted.error_over_noise:.2f}, "

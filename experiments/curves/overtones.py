@@ -30,9 +30,7 @@ from ident import runtime
 runtime.configure()
 
 from ident.campaign import read_campaign  # noqa: E402  (JAX must be configured first)
-from ident.diagnosis.search.discover import discover  # noqa: E402
-from ident.effects.registry import built_in  # noqa: E402
-from ident.model import Model  # noqa: E402
+from ident.diagnosis.diagnose import discover  # noqa: E402
 
 FREQUENCY, QUALITY, SIZE = 250.0, 80.0, 2e-6  # Hz; m, which a linear device would reach at 1 V
 OWN = 2 * np.pi * FREQUENCY
@@ -148,7 +146,7 @@ def main() -> None:
                 with tempfile.TemporaryDirectory() as place:
                     write(Path(place), truth, seed, overtones, phase, name == "residual-stress")
                     campaign, begun = read_campaign(place), time.perf_counter()
-                    found = discover(Model(campaign.device), campaign, built_in())
+                    found = discover(campaign).discovery
                 steps = [(step.added, *step.tie_set[1:]) for step in found.steps]
                 print(f"  {'with' if phase else 'without'} phase, {'with' if overtones else 'without'} harmonics: "
                       f"{found.verdict}, {steps}, error over noise {found.final.fitted.error_over_noise:.2f}, "

@@ -33,10 +33,8 @@ runtime.configure()
 from experiments.hidden_effects.laws import INDEX, LAWS  # noqa: E402
 from experiments.hidden_effects.tables import FAILS  # noqa: E402
 from ident.campaign import read_campaign  # noqa: E402  (JAX must be configured first)
-from ident.diagnosis.search.discover import discover  # noqa: E402
-from ident.effects.registry import built_in  # noqa: E402
+from ident.diagnosis.diagnose import discover  # noqa: E402
 from ident.errors import UserError  # noqa: E402
-from ident.model import Model  # noqa: E402
 
 from .classes import ALIKE, SEEN  # noqa: E402
 from .files import STYLES, write  # noqa: E402
@@ -95,7 +93,7 @@ def run(task: Task) -> Row:
         except UserError as error:  # a platform that moves by a millimetre is no device
             return row | {"visible": False, "refused": str(error)}
     began = time.process_time()
-    found = discover(Model(campaign.device), campaign, built_in())
+    found = discover(campaign).discovery
     deviation = np.median(np.concatenate([sweep.deviation for sweep in campaign.sweeps]))
     clean = np.abs(np.concatenate([curve.clean for curve in case.curves]))
     true = np.median(np.hypot(float(case.truth["sigma"]), NULL_NOISE[task.noise].relative * clean))  # type: ignore[arg-type]

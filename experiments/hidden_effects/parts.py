@@ -13,16 +13,13 @@ from typing import Any, Literal
 import numpy as np
 
 from experiments.simulator.signals import Played
-from ident.diagnosis.diagnose import measure_next
+from ident.diagnosis.diagnose import discover, measure_next
 from ident.diagnosis.linearised.regression import prepare
 from ident.diagnosis.search.beyond import go_beyond
-from ident.diagnosis.search.discover import discover
 from ident.diagnosis.search.steps import Discovery
 from ident.diagnosis.unknown.find import find_unknown
 from ident.effects.registry import built_in
 from ident.fit import Fit
-from ident.fit.linear.start_model import start_model
-from ident.model import Model
 
 from .campaigns import campaign_of, poor_case, rounded, sigma_ratios
 from .circumstances import CIRCUMSTANCES, can_show
@@ -147,7 +144,8 @@ def run(task: Task) -> dict[str, Any]:
     case = task.draw()
     campaign = campaign_of(case)
     began = time.process_time(), time.perf_counter()
-    found = discover(start_model(campaign), campaign, built_in())
+    said = discover(campaign)
+    found = said.discovery
     spent = time.process_time() - began[0], time.perf_counter() - began[1]
     row: dict[str, Any] = {
         "key": task.key,
@@ -155,6 +153,7 @@ def run(task: Task) -> dict[str, Any]:
         "true_size": case.truth["size"],
         "laws": case.truth["laws"],
         "verdict": found.verdict,
+        "suspects": [f"{one.file} {one.kind}" for one in said.suspects],
         "steps": [
             {"added": s.added, "role": s.role, "predicted": round(s.predicted_gain, 5),
              "confirmed": round(s.confirmed_gain, 5), "ties": list(s.tie_set[1:]),
@@ -192,7 +191,7 @@ def _measured_next(case: Case, found: Discovery) -> dict[str, Any] | None:
     fine = np.linspace(best.time[0], best.time[-1], _FINER * (len(best.time) - 1) + 1)
     taken = measure_again(case, "next", Played(fine, best.waveform.voltage(fine)), best.time)
     campaign = campaign_of(replace(case, records=[*case.records, taken]))
-    after = discover(Model(campaign.device), campaign, built_in())
+    after = discover(campaign).discovery
     names = [name for s in after.steps if s.role == "effect" for name in s.tie_set]
     return {"record": best.record, "named": names, "expected": round(best.expected_delta_chi2, 1)}
 

@@ -25,10 +25,8 @@ from ident import runtime
 runtime.configure()
 
 from ident.campaign import read_campaign  # noqa: E402  (JAX must be configured first)
-from ident.diagnosis.search.discover import discover  # noqa: E402
+from ident.diagnosis.diagnose import discover  # noqa: E402
 from ident.diagnosis.search.steps import Discovery  # noqa: E402
-from ident.effects.registry import built_in  # noqa: E402
-from ident.fit.linear.start_model import start_model  # noqa: E402
 
 PERIODS, PER_PERIOD = 60, 24
 LEVELS = (1.0, 0.55, 0.8)  # of the largest displacement; the last is held out
@@ -102,7 +100,7 @@ def found_in(case: Case) -> Discovery:
     with tempfile.TemporaryDirectory() as folder:
         write(case, Path(folder))
         campaign = read_campaign(folder)
-        return discover(start_model(campaign), campaign, built_in())
+        return discover(campaign).discovery
 
 
 def main() -> None:

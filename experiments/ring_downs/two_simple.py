@@ -25,9 +25,10 @@ from ident import runtime
 runtime.configure()
 
 from ident.campaign import read_campaign  # noqa: E402  (JAX must be configured first)
-from ident.diagnosis.search.discover import discover  # noqa: E402
+from ident.diagnosis.diagnose import diagnose  # noqa: E402
 from ident.diagnosis.search.steps import Discovery  # noqa: E402
-from ident.effects.registry import Registry, built_in  # noqa: E402
+from ident.effects.registry import Registry  # noqa: E402
+from ident.fit import fit  # noqa: E402
 from ident.fit.linear.start_model import start_model  # noqa: E402
 
 PER_PERIOD = 20
@@ -77,7 +78,7 @@ def found_in(
     with tempfile.TemporaryDirectory() as folder:
         write(case, Path(folder), levels, periods)
         campaign = read_campaign(folder)
-        return discover(start_model(campaign), campaign, library or built_in())
+        return diagnose(fit(start_model(campaign), campaign), library).discovery
 
 
 def main() -> None:

@@ -6,9 +6,10 @@ import pytest
 
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
-from ident.diagnosis.search.discover import discover
+from ident.diagnosis.diagnose import diagnose
 from ident.diagnosis.search.steps import Discovery
 from ident.effects.registry import built_in
+from ident.fit import fit
 from ident.model import Model
 
 # A few rivals instead of the whole library: each costs a compilation.
@@ -18,7 +19,7 @@ RIVALS = ("quadratic-stiffness", "quadratic-damping", "cubic-damping", "electros
 def discovered(seed: int, *effects: str, kind: str = "white") -> Discovery:
     case = draw(seed, effects, size=0.03, noise=0.003, noise_kind=kind, device="oscillator", records=4, length=800)  # type: ignore[arg-type]
     campaign = campaign_of(case)
-    return discover(Model(campaign.device), campaign, {name: built_in()[name] for name in RIVALS})
+    return diagnose(fit(Model(campaign.device), campaign), {name: built_in()[name] for name in RIVALS}).discovery
 
 
 @pytest.mark.parametrize("effect", ["quadratic-damping", "electrostriction", "sensor-crosstalk"])

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from experiments.hidden_effects.campaigns import campaign_of, poor_case
-from ident.diagnosis.diagnose import measure_next
+from ident.diagnosis.diagnose import diagnose, measure_next
 from ident.diagnosis.linearised.regression import prepare
 from ident.diagnosis.ranking.score import score
-from ident.diagnosis.search.discover import discover
 from ident.diagnosis.search.steps import Discovery
 from ident.effects.registry import built_in
 from ident.fit import fit
@@ -16,7 +15,7 @@ from ident.model import Model
 def found(seed: int, *effects: str) -> Discovery:
     """What the loop says of the end of one sine's record, from a device with these effects of 8 % under 0.3 % noise."""
     campaign = campaign_of(poor_case(seed, effects, 0.08, 0.003))
-    return discover(Model(campaign.device), campaign, built_in())
+    return diagnose(fit(Model(campaign.device), campaign)).discovery
 
 
 def test_a_held_quality_factor_that_is_wrong_is_no_effect():

@@ -10,15 +10,15 @@ from experiments.hidden_effects.generator import draw
 from experiments.ring_downs.two_simple import LEVELS, found_in
 from experiments.ring_downs.two_simple import draw as draw_pendulum
 from ident.campaign.device import Oscillator, Platform
-from ident.diagnosis.diagnose import measure_next
+from ident.diagnosis.diagnose import diagnose, measure_next
 from ident.diagnosis.ranking.confirm import is_possible
-from ident.diagnosis.search.discover import discover
 from ident.effects.effect import AbstractEffect, shape
 from ident.effects.library.coulomb_friction import CoulombFriction
 from ident.effects.library.end_stop import EndStop
 from ident.effects.library.quadratic_stiffness import QuadraticStiffness
 from ident.effects.library.residual_stress import ResidualStress
 from ident.effects.registry import built_in
+from ident.fit import fit
 from ident.fit.linear.guess import DataScales
 from ident.model import Model
 
@@ -35,14 +35,14 @@ STIFFNESSES = ("residual-stress", "cubic-stiffness", "quadratic-stiffness", "vol
 )
 def test_what_is_named_is_what_is_there(seed: int, hidden: tuple[str, ...]) -> None:
     campaign = campaign_of(draw(seed, hidden, size=0.02, noise=0.003))
-    found = discover(Model(campaign.device), campaign, {name: built_in()[name] for name in STIFFNESSES})
+    found = diagnose(fit(Model(campaign.device), campaign), {name: built_in()[name] for name in STIFFNESSES}).discovery
     assert {step.added for step in found.steps if step.role == "effect"} == set(hidden)
 
 
 def test_where_one_name_does_as_well_as_two_both_answers_are_given() -> None:
     hidden = {"cubic-stiffness", "voltage-stiffness"}
     campaign = campaign_of(draw(5013, tuple(hidden), size=0.02, noise=0.003))
-    found = discover(Model(campaign.device), campaign, {name: built_in()[name] for name in STIFFNESSES})
+    found = diagnose(fit(Model(campaign.device), campaign), {name: built_in()[name] for name in STIFFNESSES}).discovery
     (step,) = found.steps
     assert found.verdict == "ambiguous" and hidden < set(step.tie_set)
     assert "together" in step.reasons[-1] and all(name in step.reasons[-1] for name in hidden)

@@ -8,8 +8,8 @@ import pytest
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.diagnosis.diagnose import diagnose
 from ident.diagnosis.linearised.regression import prepare
-from ident.diagnosis.search.discover import discover
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.model import Model
@@ -50,7 +50,7 @@ def test_the_fit_bends_and_the_bench_knows(campaign: Campaign) -> None:
 
 
 def test_the_hysteresis_is_named_first_and_carries_over(campaign: Campaign) -> None:
-    found = discover(Model(campaign.device), campaign, {name: built_in()[name] for name in RIVALS}, most=1)
+    found = diagnose(fit(Model(campaign.device), campaign), {name: built_in()[name] for name in RIVALS}).discovery
     assert found.steps[0].added == "prandtl-ishlinskii"
     assert found.start.holdout is not None and found.final.holdout is not None
     assert found.final.holdout.error_over_noise < 0.5 * found.start.holdout.error_over_noise

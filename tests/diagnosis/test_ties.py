@@ -13,11 +13,11 @@ from experiments.hidden_effects.generator import draw
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
+from ident.diagnosis.diagnose import diagnose
 from ident.diagnosis.evidence.equivalences import EQUIVALENCES, equivalence, what_separates
 from ident.diagnosis.evidence.family import is_family_of
 from ident.diagnosis.linearised.regression import Regression, prepare
 from ident.diagnosis.ranking.score import Candidate, score
-from ident.diagnosis.search.discover import discover
 from ident.diagnosis.search.ties import independent_of, tie_set, unseen
 from ident.effects.registry import built_in
 from ident.fit import fit
@@ -97,7 +97,7 @@ def test_a_law_that_contains_another_is_that_one_where_its_further_numbers_say_n
     case = draw(9976, (hidden,), size=0.02, noise=0.01, length=1200)
     campaign = campaign_of(case)
     library = {name: LIBRARY[name] for name in ("electrostriction", "electrostatic-force", "coulomb-friction")}
-    found = discover(Model(campaign.device), campaign, library)
+    found = diagnose(fit(Model(campaign.device), campaign), library).discovery
     assert [step.tie_set for step in found.steps] == [(hidden,)] and found.verdict == "identified"
 
 
@@ -108,7 +108,7 @@ def test_a_family_is_called_by_its_member_where_it_is_one(hidden: str, law: Lite
     case = draw(7300, (hidden,), size=0.02, noise=0.01, detail=law)
     campaign = campaign_of(case)
     library = {name: LIBRARY[name] for name in ("quadratic-damping", "cubic-damping", "power-law-damping")}
-    found = discover(Model(campaign.device), campaign, library)
+    found = diagnose(fit(Model(campaign.device), campaign), library).discovery
     assert [step.tie_set for step in found.steps] == [(hidden,)] and found.verdict == "identified"
     if hidden == "power-law-damping":
         assert found.final["exponent"].value == pytest.approx(1.5, abs=4 * (found.final["exponent"].error or 0.0))

@@ -10,12 +10,13 @@ import pytest
 
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
+from ident.diagnosis.diagnose import diagnose
 from ident.diagnosis.ranking.pairs import best_pair
 from ident.diagnosis.ranking.score import Candidate
 from ident.diagnosis.search import together
-from ident.diagnosis.search.discover import discover
 from ident.diagnosis.search.together import hidden_by_each_other
 from ident.effects.registry import built_in
+from ident.fit import fit
 from ident.model import Model
 
 
@@ -114,6 +115,6 @@ def test_a_pair_whose_refits_keep_little_of_what_is_left_is_no_pair(
 def test_effects_that_hide_each_other_are_found(seed: int, hidden: tuple[str, ...], records: int, length: int) -> None:
     case = draw(seed, hidden, size=0.03, noise=0.003, records=records, length=length, starts="mixed")
     campaign = campaign_of(case)
-    found = discover(Model(campaign.device), campaign, built_in())
+    found = diagnose(fit(Model(campaign.device), campaign)).discovery
     assert {step.added for step in found.steps if step.role == "effect"} == set(hidden)
     assert found.final.fitted.error_over_noise < 1.1

@@ -13,11 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...campaign.campaign import Campaign
 from ...effects.registry import Registry
-from ...fit import Fit, fit
+from ...fit import Fit
 from ...fit.start_score import taken_by_starts
-from ...model import Model
 from ...pulse import Report
 from ..evidence.coloured_noise import behind_in_colour
 from ..evidence.criterion import VERY_STRONG, behind, criteria
@@ -31,7 +29,6 @@ from ..ranking.confirm import Confirmed, accept
 from ..ranking.look import Look, best_drop, first_look
 from ..ranking.score import kept_more_than_chance
 from ..side_by_side import at_once
-from .conclude import concluded
 from .constant import with_its_constant
 from .drive import other_drive
 from .fewer_modes import without_a_mode, without_its_mode
@@ -39,32 +36,22 @@ from .further_mode import with_its_mode
 from .once_more import begun_with, drive_beside, lower_start, with_other_starts
 from .other_form import in_another_form, steps_in_another_form
 from .rivals import rivals_of
-from .steps import Discovery, Ended, Step, Walked
+from .steps import Ended, Step, Walked
 from .ties import weighed_ties
 from .together import both, hidden_by_each_other
 
 Keep = Callable[[Walked], None]
 """Called with the walk so far after each of its steps, so that one that is stopped has left them."""
 
-MOST_TERMS = 6  # that a walk adds
+_MOST_TERMS = 6  # that a walk adds
 _DRIVES = 3  # that a walk goes on to, one of them before any effect, after the one that the start model chose
 _SHORTLIST = 3  # refits to excerpts, of which those on all samples decide
-
-
-def discover(
-    model: Model, campaign: Campaign, library: Registry, report: Report = lambda _: None, most: int = MOST_TERMS
-) -> Discovery:
-    """Walk from a model to one that the records do not contradict, as far as the library reaches."""
-    report(f"fitting {', '.join(model.names) or 'the linear model'}")
-    start = fit(model, campaign)
-    return concluded(walk_on(Walked(start), library, report, most))
 
 
 def walk_on(
     walked: Walked,
     library: Registry,
     report: Report = lambda _: None,
-    most: int = MOST_TERMS,
     keep: Keep = lambda _: None,
     look: Look | None = None,
     revised: int = _DRIVES,
@@ -78,7 +65,7 @@ def walk_on(
     steps, look = _gone_before(walked, look)
 
     def once_more(start: Fit) -> Ended:
-        return walk_on(Walked(start), library, report, most, keep, revised=revised - 1)
+        return walk_on(Walked(start), library, report, keep, revised=revised - 1)
 
     asked = revised and not steps and look.worth_it and look.real
     if asked and (other := other_drive(start, look.regression, report, look)) is not None:
@@ -86,7 +73,7 @@ def walk_on(
     if asked and (form := in_another_form(start, look.regression, library, report)) is not None:
         return once_more(form.fit)
     current, questioned = walked.final, None
-    while look.worth_it and look.real and len(steps) < most:
+    while look.worth_it and look.real and len(steps) < _MOST_TERMS:
         alone = not_worth_adding(look.regression, look.promise, first)
         if alone and not hidden_by_each_other(look.regression, look.candidates, None, first, library):
             break
@@ -114,7 +101,7 @@ def walk_on(
         if len(steps) == len(more):
             questioned, fewer = current, without_a_mode(start, current, library, first, report)
             if fewer is not None:
-                return walk_on(Walked(fewer), library, report, most, keep, revised=revised)
+                return walk_on(Walked(fewer), library, report, keep, revised=revised)
         keep(Walked(start, tuple(steps), gains))
     if revised and steps and (lower := lower_start(start, current, report)) is not None:
         return once_more(lower)
@@ -124,7 +111,7 @@ def walk_on(
         and current is not questioned
         and (fewer := without_a_mode(start, current, library, first, report)) is not None
     ):
-        return walk_on(Walked(fewer), library, report, most, keep, revised=revised)
+        return walk_on(Walked(fewer), library, report, keep, revised=revised)
     return Ended(Walked(start, tuple(steps), gains), look, at_best, ranking)
 
 
