@@ -27,6 +27,7 @@ import jax
 
 from ..campaign.device import Device, Platform
 from ..campaign.record import Trace
+from .likeness import Likeness
 from .parameter import Choice as Choice  # an effect file takes its words from here
 from .parameter import Expected as Expected
 from .parameter import Parameter as Parameter
@@ -93,12 +94,18 @@ class AbstractEffect:
     follow an effect all along, or, if it has a kink, in the steady motions of sweeps, whose steps are all alike. One
     whose law implies simpler effects names them in `contains`: they are tried in its place. `form_of`: the effect of
     which it is another form, the same on a device that is linear otherwise; it is looked for in its place only.
+
+    `alike`: the likenesses that it shares with others, the closest first. Of two that share one less is asked before
+    both are named, and what separates them is told. `mistaken_for` names single effects, on one side or on both: the
+    best of them is refitted in its place once all the others are in. It says what to try, and `alike` what to doubt:
+    in a likeness all pass for one another at some frequency or level, too many to refit.
     """
 
     name: ClassVar[str] = ""
     equation: ClassVar[str] = ""
     source: ClassVar[str] = ""
     mistaken_for: ClassVar[tuple[str, ...]] = ()
+    alike: ClassVar[tuple[Likeness, ...]] = ()
     hidden_units: ClassVar[tuple[str, ...]] = ()
     platform_only: ClassVar[bool] = False
     contains: ClassVar[tuple[str, ...]] = ()
