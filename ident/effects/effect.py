@@ -99,6 +99,11 @@ class AbstractEffect:
     both are named, and what separates them is told. `mistaken_for` names single effects, on one side or on both: the
     best of them is refitted in its place once all the others are in. It says what to try, and `alike` what to doubt:
     in a likeness all pass for one another at some frequency or level, too many to refit.
+
+    Some belong to a linear device as well, and a model starts with them where its records ask for that: one whose only
+    number is a constant force or reading says `is_constant`, and one that is another mode which of them, the second one
+    `further_mode = 2`. `gains` are parameters through which the drive moves hidden states: where nothing is driven they
+    only scale the motion that goes on in those, and keep the values that they start with.
     """
 
     name: ClassVar[str] = ""
@@ -111,6 +116,9 @@ class AbstractEffect:
     contains: ClassVar[tuple[str, ...]] = ()
     needs: ClassVar[str] = ""
     form_of: ClassVar[str] = ""
+    is_constant: ClassVar[bool] = False
+    further_mode: ClassVar[int] = 0
+    gains: ClassVar[tuple[str, ...]] = ()
     steps_per_period: ClassVar[int] = 0
     has_kink: ClassVar[bool] = False
     acts_on: ClassVar[str] = ""

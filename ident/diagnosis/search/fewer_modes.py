@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from ...effects.registry import Registry
 from ...fit import Fit
-from ...fit.linear.start_model import FURTHER, linear_choice
+from ...fit.linear.start_model import linear_choice, modes_of
 from ...pulse import Report
 from ..evidence.criterion import behind
 from ..evidence.enough import superfluous
@@ -28,7 +28,7 @@ def without_a_mode(start: Fit, last: Fit, library: Registry, first: Regression, 
     without, or with an effect in its place: the walk then begins again from there."""
     campaign = start.campaign
     choice = linear_choice(campaign)
-    further = FURTHER[: len(choice.chosen.further)] if choice is not None and campaign.modes is None else ()
+    further = modes_of(campaign)[: len(choice.chosen.further)] if choice is not None and campaign.modes is None else ()
     chosen = [one for one in start.model.names if one in further and one not in campaign.effects]
     if not chosen or is_long(campaign):  # excerpts hold nothing out
         return None

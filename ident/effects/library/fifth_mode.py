@@ -14,3 +14,4 @@ class FifthMode(SecondMode):
     needs = "fourth-mode"
     mistaken_for = ()
     alike = ()
+    further_mode = 5

@@ -14,3 +14,4 @@ class FourthMode(SecondMode):
     needs = "third-mode"
     mistaken_for = ()
     alike = ()
+    further_mode = 4

@@ -23,6 +23,8 @@ class SecondMode(AbstractEffect):
     source = "D. J. Ewins, Modal Testing, 2000, ch. 2 (modal superposition)"
     mistaken_for = ("sensor-crosstalk", "drive-lag", "sensor-lag", "attached-mass")
     alike = (FOLLOWS_AT_ONCE, SHIFT_OF_PHASE)
+    further_mode = 2
+    gains = ("travel",)
     steps_per_period = 120
     hidden_units = ("V", "V/s")
 

@@ -12,6 +12,7 @@ class SensorOffset(AbstractEffect):
     source = "JCGM 200:2012, International vocabulary of metrology, §4.28 (zero error)"
     mistaken_for = ("static-force", "sensor-drift")
     alike = (CONSTANT, NEARLY_CONSTANT)
+    is_constant = True
 
     offset = amplitude("m", "offset")
 

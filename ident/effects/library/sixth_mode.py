@@ -14,3 +14,4 @@ class SixthMode(SecondMode):
     needs = "fifth-mode"
     mistaken_for = ()
     alike = ()
+    further_mode = 6

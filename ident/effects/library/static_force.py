@@ -15,6 +15,7 @@ class StaticForce(AbstractEffect):
     source = "statics"
     mistaken_for = ("sensor-offset", "sensor-drift", "electrostriction")
     alike = (CONSTANT, NEARLY_CONSTANT)
+    is_constant = True
 
     force0 = amplitude("N", "constant force")
 

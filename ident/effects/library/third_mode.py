@@ -14,3 +14,4 @@ class ThirdMode(SecondMode):
     needs = "second-mode"
     mistaken_for = ()
     alike = ()
+    further_mode = 3
