@@ -8,7 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from ident.diagnosis.evidence.equivalences import equivalence, mistaken
 from ident.effects import Drive, State
+from ident.effects.likeness import SAME_LOSS
 from ident.effects.registry import built_in, registry
 
 ROOT = Path(__file__).parent.parent
@@ -34,6 +36,15 @@ def test_the_effects_of_the_guide_load_and_vanish_at_zero(tmp_path, number, name
     assert float(off.force(state, DRIVE, 0.0)) == 0.0
     assert float(on.force(state, DRIVE, 0.0)) < 0.0
     assert len(on.rate(state, DRIVE, 0.0)) == len(on.state0()) == len(effect_class.hidden_units)
+
+
+def test_the_effect_of_the_guide_passes_for_the_library_effects_that_it_is_alike(tmp_path):
+    file = tmp_path / "my_effect.py"
+    file.write_text(_fences("docs/add-an-effect.md", "python")[0], encoding="utf-8")
+    known = registry([file])
+    assert equivalence(known["gas-drag"], known["coulomb-friction"]) == SAME_LOSS
+    assert equivalence(known["gas-drag"], known["cubic-stiffness"]) is None
+    assert "gas-drag" in mistaken(known["quadratic-damping"], known)
 
 
 def test_the_effect_of_the_contributing_page_is_the_one_of_the_library():

@@ -37,9 +37,9 @@ def command(name: str | None, files: tuple[str, ...], as_json: bool) -> None:
     known = registry([Path(file) for file in files])
     chosen = [find(name, known)] if name else list(known.values())
     if as_json:
-        say_json({"format": 1, "effects": [_as_dict(effect) for effect in chosen]})
+        say_json({"format": 1, "effects": [_as_dict(effect, known) for effect in chosen]})
     elif name:
-        _explain(chosen[0])
+        _explain(chosen[0], known)
     else:
         _list(known)
 
@@ -60,7 +60,7 @@ def _list(known: Registry) -> None:
     say("ident effects NAME explains one; docs/add-an-effect.md tells how to write your own.")
 
 
-def _explain(effect: type[AbstractEffect]) -> None:
+def _explain(effect: type[AbstractEffect], known: Registry) -> None:
     import inspect
 
     from ident.report.words.sheet import Column, Sheet
@@ -74,6 +74,8 @@ def _explain(effect: type[AbstractEffect]) -> None:
         say(f"setting        {choice.name} = " + " | ".join(f'"{word}"' for word in choice.words))
     for word, text in _facts(effect):
         say(f"{word:<14} {text}")
+    for likeness in _likenesses(effect, known):
+        say(f"{'alike':<14} {', '.join(likeness['effects'])}: {likeness['why']}; apart by: {likeness['separate']}")
 
 
 def _in_a_fit(parameter: Any) -> str:
@@ -94,7 +96,16 @@ def _facts(effect: type[AbstractEffect]) -> list[tuple[str, str]]:
     return [(word, text) for word, text in facts if text]
 
 
-def _as_dict(effect: type[AbstractEffect]) -> dict[str, Any]:
+def _likenesses(effect: type[AbstractEffect], known: Registry) -> list[dict[str, Any]]:
+    """What it shares with others that are known, the closest first."""
+    found = []
+    for likeness in effect.alike:
+        others = [name for name, other in known.items() if likeness in other.alike and name != effect.name]
+        found.append({"effects": sorted(others), "why": likeness.why, "separate": likeness.separate})
+    return [one for one in found if one["effects"]]
+
+
+def _as_dict(effect: type[AbstractEffect], known: Registry) -> dict[str, Any]:
     return {
         "name": effect.name,
         "equation": effect.equation,
@@ -114,5 +125,6 @@ def _as_dict(effect: type[AbstractEffect]) -> dict[str, Any]:
         "needs": effect.needs or None,
         "platform_only": effect.platform_only,
         "mistaken_for": list(effect.mistaken_for),
+        "alike": _likenesses(effect, known),
         "source": effect.source,
     }

@@ -14,7 +14,6 @@ import numpy as np
 
 from ..campaign.apart import Kind
 from ..fit import Fit, fit
-from ..fit.linear.start_model import FURTHER
 from ..pulse import Report
 from .evidence.criterion import VERY_STRONG, Left, behind, criteria
 from .evidence.enough import MOST_OF_IT, adequate
@@ -114,7 +113,8 @@ def _of_one_mode(look: Look) -> Look:
     """The look at the model without the further modes that the records have asked for: where records differ, modes
     follow one after the other."""
     fitted = look.regression.fit
-    further = [name for name in fitted.model.names if name in FURTHER and name not in fitted.campaign.effects]
+    named = fitted.campaign.effects
+    further = [e.name for e in fitted.model.effects if e.further_mode and e.name not in named]
     if not further or fitted.campaign.modes is not None:
         return look
     try:

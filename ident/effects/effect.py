@@ -27,6 +27,7 @@ import jax
 
 from ..campaign.device import Device, Platform
 from ..campaign.record import Trace
+from .likeness import Likeness
 from .parameter import Choice as Choice  # an effect file takes its words from here
 from .parameter import Expected as Expected
 from .parameter import Parameter as Parameter
@@ -93,17 +94,31 @@ class AbstractEffect:
     follow an effect all along, or, if it has a kink, in the steady motions of sweeps, whose steps are all alike. One
     whose law implies simpler effects names them in `contains`: they are tried in its place. `form_of`: the effect of
     which it is another form, the same on a device that is linear otherwise; it is looked for in its place only.
+
+    `alike`: the likenesses that it shares with others, the closest first. Of two that share one less is asked before
+    both are named, and what separates them is told. `mistaken_for` names single effects, on one side or on both: the
+    best of them is refitted in its place once all the others are in. It says what to try, and `alike` what to doubt:
+    in a likeness all pass for one another at some frequency or level, too many to refit.
+
+    Some belong to a linear device as well, and a model starts with them where its records ask for that: one whose only
+    number is a constant force or reading says `is_constant`, and one that is another mode which of them, the second one
+    `further_mode = 2`. `gains` are parameters through which the drive moves hidden states: where nothing is driven they
+    only scale the motion that goes on in those, and keep the values that they start with.
     """
 
     name: ClassVar[str] = ""
     equation: ClassVar[str] = ""
     source: ClassVar[str] = ""
     mistaken_for: ClassVar[tuple[str, ...]] = ()
+    alike: ClassVar[tuple[Likeness, ...]] = ()
     hidden_units: ClassVar[tuple[str, ...]] = ()
     platform_only: ClassVar[bool] = False
     contains: ClassVar[tuple[str, ...]] = ()
     needs: ClassVar[str] = ""
     form_of: ClassVar[str] = ""
+    is_constant: ClassVar[bool] = False
+    further_mode: ClassVar[int] = 0
+    gains: ClassVar[tuple[str, ...]] = ()
     steps_per_period: ClassVar[int] = 0
     has_kink: ClassVar[bool] = False
     acts_on: ClassVar[str] = ""

@@ -9,6 +9,8 @@ from types import FunctionType
 
 from ..errors import UserError
 from .effect import AbstractEffect
+from .likeness import Likeness
+from .linear_side import MODE
 from .mistakes import place_of_method
 
 LAWS = ("force", "drive", "sensor")
@@ -42,6 +44,27 @@ def check_written(effect: type[AbstractEffect]) -> None:
         what = f"{effect.__name__} declares no amplitude, so nothing could switch it off"
         do = 'declare the number that makes it zero, as in `k = amplitude("N/m", "stiffness")`'
         raise UserError(what, do=do)
+    _check_told(effect)
+
+
+def _check_told(effect: type[AbstractEffect]) -> None:
+    """Whether what it says of itself is what others read: one word in brackets is no tuple, and would be read letter
+    by letter."""
+    for name, kind, said in (("mistaken_for", str, '("cubic-stiffness",)'), ("alike", Likeness, "(SAME_LOSS,)")):
+        told = getattr(effect, name)
+        if type(told) not in (tuple, list) or not all(isinstance(one, kind) for one in told):
+            what = f"{effect.__name__}.{name} is no tuple of {'names' if kind is str else 'likenesses'}"
+            raise UserError(what, do=f"write `{name} = {said}`, with the comma")
+    names = {p.name for p in effect.parameters}
+    if effect.further_mode and names != {*MODE}:
+        what = f"{effect.__name__} is a further mode with other parameters than {', '.join(MODE)}"
+        raise UserError(what, do="give it those, as second-mode has them, or further_mode = 0")
+    if effect.is_constant and len(names) != 1:
+        what = f"{effect.__name__} is a constant of {len(names)} numbers"
+        raise UserError(what, do="give it one, or is_constant = False")
+    if missing := {*effect.gains} - names:
+        what = f"{effect.__name__}.gains names {', '.join(sorted(missing))}, which it does not have"
+        raise UserError(what, do='write a tuple of names of its parameters, as in `gains = ("travel",)`')
 
 
 def _acts(effect: type[AbstractEffect]) -> bool:

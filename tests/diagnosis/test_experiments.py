@@ -13,6 +13,8 @@ from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.diagnosis.next_record.experiments import SEPARATED, NextExperiment, grouped, rank_experiments
 from ident.diagnosis.next_record.waveforms import Limits, limits_of, proposals
 from ident.effects.library.cubic_stiffness import CubicStiffness
+from ident.effects.library.drive_lag import DriveLag
+from ident.effects.library.sensor_lag import SensorLag
 from ident.effects.library.sensor_nonlinearity import SensorNonlinearity
 from ident.fit import Fit, fit
 from ident.fit.reading import read
@@ -95,7 +97,8 @@ def test_proposals_are_ranked_and_different(ranked: list[NextExperiment]) -> Non
 
 
 def test_no_record_is_proposed_for_what_none_can_separate(rivals: dict[str, Fit]) -> None:
-    lags = dict(zip(("drive-lag", "sensor-lag"), rivals.values(), strict=True))
+    first = next(iter(rivals.values()))
+    lags = {e.name: replace(first, model=Model(first.model.device) + e) for e in (DriveLag(), SensorLag())}
     assert rank_experiments(lags) == []
     assert rank_experiments({"drive-lag": lags["drive-lag"]}) == []
 

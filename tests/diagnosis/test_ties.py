@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import combinations
 from typing import Literal
 
 import numpy as np
@@ -14,11 +15,13 @@ from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.diagnosis.diagnose import diagnose
-from ident.diagnosis.evidence.equivalences import EQUIVALENCES, equivalence, what_separates
+from ident.diagnosis.evidence.equivalences import equivalence, exact_partners, mistaken, what_separates
 from ident.diagnosis.evidence.family import is_family_of
 from ident.diagnosis.linearised.regression import Regression, prepare
 from ident.diagnosis.ranking.score import Candidate, score
 from ident.diagnosis.search.ties import independent_of, tie_set, unseen
+from ident.effects import AbstractEffect, amplitude
+from ident.effects.likeness import SAME_LOSS, Likeness
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.fit.reading import read
@@ -143,8 +146,43 @@ def test_an_effect_without_a_score_is_reported_as_unseen(
     assert "residual-stress" not in names  # it has no meaning on an oscillator, rather than no trace
 
 
-def test_the_table_names_effects_that_exist() -> None:
-    assert set().union(*(e.names for e in EQUIVALENCES)) <= set(LIBRARY)
-    closest = equivalence("drive-lag", "sensor-lag")
+def test_two_effects_are_told_their_closest_likeness() -> None:
+    for one, other in combinations(LIBRARY.values(), 2):
+        assert equivalence(one, other) is equivalence(other, one), "both order their likenesses the same way"
+    closest = equivalence(LIBRARY["drive-lag"], LIBRARY["sensor-lag"])
     assert closest is not None and closest.linear_exact
     assert "amplifies" in what_separates(LIBRARY["coulomb-friction"], LIBRARY["sensor-drift"])
+    assert exact_partners(LIBRARY["static-force"], LIBRARY, True, True) == ["sensor-drift", "sensor-offset"]
+    assert exact_partners(LIBRARY["static-force"], LIBRARY, False, False) == []
+
+
+def test_no_likeness_is_one_effect_alone() -> None:
+    shared = [likeness for effect in LIBRARY.values() for likeness in effect.alike]
+    assert [likeness for likeness in shared if shared.count(likeness) < 2] == []
+
+
+class Drag(AbstractEffect):
+    """An effect of somebody's own, which has two likenesses with those of the library, one of them its own."""
+
+    name = "drag"
+    mistaken_for = ("quadratic-damping",)
+    alike = (Likeness("both are drag", "other gas", in_motion=True), SAME_LOSS)
+    c = amplitude("N s/m", "coefficient")
+
+
+class OtherDrag(Drag):
+    """A second one."""
+
+    name = "other-drag"
+
+
+def test_effects_of_ones_own_take_part(regression: Regression, lines: tuple[np.ndarray, np.ndarray]) -> None:
+    known = {**LIBRARY, "drag": Drag, "other-drag": OtherDrag}
+    assert what_separates(Drag, OtherDrag) == "other gas"
+    assert exact_partners(Drag, known, True, True) == ["other-drag"] and not exact_partners(Drag, known, True, False)
+    assert mistaken(LIBRARY["quadratic-damping"], known) >= {"drag", "cubic-damping"}
+    disturbed = with_misfit(regression, 2.0 * lines[0])
+    best = candidate(disturbed, "quadratic-damping", lines[0])
+    other = candidate(disturbed, "drag", lines[0])
+    (tie,) = tie_set(disturbed, best, [best, other], known).ties
+    assert (tie.name, tie.why, tie.separate) == ("drag", SAME_LOSS.why, SAME_LOSS.separate)

@@ -157,6 +157,34 @@ def test_an_effect_declares_what_switches_it_off(tmp_path):
     assert error.where.endswith(f"line {line_of(SPRING, 'class Spring')}")
 
 
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        ('mistaken_for = ("cubic-stiffness")', "Spring.mistaken_for is no tuple of names"),
+        ("alike = SAME_LOSS", "Spring.alike is no tuple of likenesses"),
+        ('alike = ("same loss",)', "Spring.alike is no tuple of likenesses"),
+    ],
+)
+def test_one_word_in_brackets_is_told_to_need_its_comma(tmp_path, line, says):
+    text = SPRING.replace("    k = ", f"    {line}\n    k = ", 1)
+    text = text.replace("import math\n", "import math\nfrom ident.effects.likeness import SAME_LOSS\n")
+    error = answer(tmp_path, text)
+    assert error.what == says and "with the comma" in error.do
+    assert "my-spring" in registry([write(tmp_path, text.replace(line, 'mistaken_for = ["cubic-stiffness"]'))])
+
+
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        ("further_mode = 7", "Spring is a further mode with other parameters than travel, period, quality"),
+        ("is_constant = True", "Spring is a constant of 2 numbers"),
+        ('gains = ("travel",)', "Spring.gains names travel, which it does not have"),
+    ],
+)
+def test_what_it_says_that_it_is_fits_its_parameters(tmp_path, line, says):
+    assert answer(tmp_path, SPRING.replace("    k = ", f"    {line}\n    k = ", 1)).what == says
+
+
 def test_wrong_arguments_are_told_the_right_ones(tmp_path):
     error = answer(tmp_path, SPRING.replace("force(self, state, drive, t)", "force(self, state)"))
     assert "def force(self, state, drive, t):" in error.do

@@ -41,6 +41,7 @@ def test_effects_lists_the_library_and_explains_each():
     explained = ident("effects", "cubic-stiffness").out
     for words in ("cubic-stiffness.k3", "N/m^3", "force on the stage", "mistaken for", "source"):
         assert words in explained
+    assert "alike          end-stop, residual-stress: a stop that is touched gently" in explained
 
 
 def test_a_new_campaign_is_fitted_as_it_is_and_never_overwritten(tmp_path):

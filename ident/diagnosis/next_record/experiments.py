@@ -135,9 +135,11 @@ def grouped(names: Iterable[str], apart: Sequence[tuple[str, str]]) -> tuple[tup
 
 def _never_apart(one: str, other: str, rivals: Mapping[str, Fit]) -> bool:
     """Whether physics forbids any record to tell two effects apart: what differs is how their laws are approximated."""
-    known = equivalence(one, other)
-    alone = all(len(rivals[name].model.effects) == 1 for name in (one, other))
-    return known is not None and known.linear_exact and alone
+    effects = rivals[one].model.effects, rivals[other].model.effects
+    if any(len(own) != 1 for own in effects):
+        return False
+    known = equivalence(*(type(own[0]) for own in effects))
+    return known is not None and known.linear_exact
 
 
 def _alike(one: Waveform, other: Waveform) -> bool:

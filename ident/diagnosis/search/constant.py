@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from ...campaign.device import Oscillator
+from ...effects.linear_side import constant_on
 from ...effects.registry import Registry
 from ...fit import Fit
-from ...fit.linear.choice import LEVELS
+from ...fit.linear.choice import side_of_constant
 from ...pulse import Report
 from ..evidence.criterion import behind
 from ..linearised.regression import Regression, prepare
@@ -22,16 +23,18 @@ def with_its_constant(fitted: Fit, regression: Regression, library: Registry, re
     n ln χ² + k ln n with the independent samples in what is left: it is no effect, and need not be worth a name. A
     platform's linear part is known, and decays are counted from where they come to rest.
     """
-    model, name = fitted.model, LEVELS[fitted.model.form]
+    model = fitted.model
+    constant = constant_on(side_of_constant(model.form), library)
     asked = isinstance(model.device, Oscillator) and any(record.driven for record in fitted.campaign.fitted)
-    if not asked or name not in library or {*LEVELS.values()} & {*model.names}:
+    if not asked or constant is None or any(effect.is_constant for effect in model.effects):
         return fitted, regression
-    candidates = score(regression, {name: library[name]})
+    candidates = score(regression, {constant.name: constant})
     try:
-        if not candidates or behind(found := confirm(regression, library[name], candidates[0]), regression) >= 0:
+        if not candidates or behind(found := confirm(regression, constant, candidates[0]), regression) >= 0:
             return fitted, regression
         with_it = accept(found, fitted)
-        report(f"beside it the records need a constant, {name}: error over noise {with_it.fitted.error_over_noise:.3g}")
+        left = with_it.fitted.error_over_noise
+        report(f"beside it the records need a constant, {constant.name}: error over noise {left:.3g}")
         return with_it, prepare(working(with_it))
     except Diverged:
         return fitted, regression

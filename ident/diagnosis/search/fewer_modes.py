@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from ...effects.registry import Registry
 from ...fit import Fit
-from ...fit.linear.start_model import FURTHER, linear_choice
+from ...fit.linear.start_model import linear_choice, modes_of
 from ...pulse import Report
 from ..evidence.criterion import behind
 from ..evidence.enough import superfluous
@@ -30,7 +30,7 @@ def without_a_mode(start: Fit, last: Fit, library: Registry, first: Regression, 
     without, or with an effect in its place: the walk then begins again from there."""
     campaign = start.campaign
     choice = linear_choice(campaign)
-    further = FURTHER[: len(choice.chosen.further)] if choice is not None and campaign.modes is None else ()
+    further = modes_of(campaign)[: len(choice.chosen.further)] if choice is not None and campaign.modes is None else ()
     chosen = [one for one in start.model.names if one in further and one not in campaign.effects]
     if not chosen or is_long(campaign):  # excerpts hold nothing out
         return None
@@ -52,7 +52,7 @@ def without_its_mode(
     """A fit without that mode which it needs least of those that joined its model on the walk, and the regression, if
     that does as well; `added`: the effects of the walk's steps."""
     known = {*start.model.names, *added}
-    joined = [one for one in fitted.model.names if one in FURTHER and one not in known]
+    joined = [one for one in fitted.model.names if one in modes_of(fitted.campaign) and one not in known]
     found = None if is_long(fitted.campaign) else without_one(fitted, joined, start)
     if found is None:
         return None

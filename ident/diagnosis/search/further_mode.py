@@ -13,9 +13,10 @@ from dataclasses import replace
 import numpy as np
 
 from ...campaign.device import Oscillator
+from ...effects.linear_side import MODE
 from ...fit import Fit, fit
 from ...fit.linear.free_modes import amplitudes, next_line
-from ...fit.linear.start_model import FURTHER
+from ...fit.linear.start_model import modes_of
 from ...fit.linear.stretches import stretch_of
 from ...model import FREQUENCY, QUALITY, make_effect
 from ...pulse import Report
@@ -31,9 +32,12 @@ _HALVES = 8  # of a period, over which a frequency is taken
 def with_its_mode(fitted: Fit, regression: Regression, report: Report) -> tuple[Fit, Regression]:
     """A fit of decays with one mode more, if the records ask for it by now, and the regression; else what was given."""
     model, campaign = fitted.model, fitted.campaign
-    name = next((one for one in FURTHER if one not in model.names), "")
     decays = isinstance(model.device, Oscillator) and campaign.fitted and not any(r.driven for r in campaign.fitted)
-    if not (decays and name and model.form == "oscillator"):
+    if not (decays and model.form == "oscillator"):
+        return fitted, regression
+    modes = modes_of(campaign)
+    name = next((one for one in modes if one not in model.names), None)
+    if name is None:
         return fitted, regression
     pairs = zip(campaign.traces, fitted.readings, strict=True)
     left = [replace(r, response=r.across(r.response - told)) for r, told in pairs if not r.holdout]
@@ -42,15 +46,16 @@ def with_its_mode(fitted: Fit, regression: Regression, report: Report) -> tuple[
     if line is None:
         return fitted, regression
     frequency, quality = map(float, np.exp(line))
-    moves = _moves_through(fitted) if name == FURTHER[0] else []  # with two in what is read, zeros tell of neither
+    moves = _moves_through(fitted) if name == modes[0] else []  # with two in what is read, zeros tell of neither
     if _same_line(fitted, frequency, quality, moves):
         return fitted, regression
     travel = float(amplitudes(stretches, line[None])[0]) / (2 * np.pi * frequency) ** left[0].order
     more = model + make_effect(campaign, name)
-    begin = [*((f"{name}.travel", travel), (f"{name}.period", 1 / frequency), (f"{name}.quality", quality))]
+    begin = [(f"{name}.{key}", value) for key, value in zip(MODE, (travel, 1 / frequency, quality), strict=True)]
     more = replace(more, start=(*more.start, *begin))
+    values = np.append(fitted.values, [p.value for p in more.parameters[len(fitted.values) :]])
     try:
-        found = fit(more, campaign, initial=np.append(fitted.values, [value for _, value in begin]), most=CRAWLS)
+        found = fit(more, campaign, initial=values, most=CRAWLS)
         after = prepare(working(found))
     except Diverged:
         return fitted, regression

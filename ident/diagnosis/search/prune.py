@@ -14,6 +14,7 @@ from ...fit.rebuild import fit_at
 from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG, behind, criteria
 from ..evidence.enough import ANOTHER_LAW, SAME_SHAPE, laws_differ_by, superfluous
+from ..evidence.equivalences import mistaken
 from ..evidence.family import is_that_member
 from ..evidence.held_out import hurts, hurts_more
 from ..linearised.regression import Regression, prepare
@@ -47,8 +48,8 @@ def rivals(name: str, regression: Regression, library: Registry) -> list[Candida
     candidates = [c for c in scored if c.drop > enough]
     near = [c for c in candidates if c.drop > _NEARLY * candidates[0].drop][:_TRIED]
     better = [c for c in near if c.name != name]
-    mistaken = library[name].mistaken_for if name in library else ()
-    alike = [c for c in candidates if c.name in mistaken and c.name not in {b.name for b in better}]
+    others = mistaken(library[name], library) if name in library else ()
+    alike = [c for c in candidates if c.name in others and c.name not in {b.name for b in better}]
     return [*better, *alike[:1]]
 
 

@@ -99,7 +99,7 @@ def tie_set(
         behind = n * float(np.log(left / least)) + price * (other.dof - best.dof)
         as_much = left - least < max(VERY_STRONG, (1.0 - _AS_MUCH) * (regression.excess + regression.n - least))
         alike = reproduced(regression, best, other)
-        enough = _KNOWN if equivalence(best.name, other.name) else _TIED
+        enough = _KNOWN if equivalence(library[best.name], library[other.name]) else _TIED
         shape = ANOTHER_LAW * regression.excess
         as_simple = both and refits[other.name].model.numbers <= refits[best.name].model.numbers + 1
         near = as_simple and not wider and left - least < shape
@@ -112,7 +112,7 @@ def tie_set(
             found.append(_tie(best, other, behind, alike, library))
     named = {tie.name for tie in found}
     in_motion = all(record.start != "rest" for record in regression.fit.campaign.fitted)
-    exact = exact_partners(best.name, library, _is_linear(regression), in_motion)
+    exact = exact_partners(library[best.name], library, _is_linear(regression), in_motion)
     for other in candidates:
         # Where both were refitted, transients may have told them apart: a force rings where a reading does not.
         judged = best.name in refits and other.name in refits
@@ -162,7 +162,8 @@ def _is_linear(regression: Regression) -> bool:
 
 
 def _tie(best: Candidate, other: Candidate, behind: float, alike: float, library: Registry) -> Tie:
-    known = equivalence(best.name, other.name)
+    one, another = library[best.name], library[other.name]
+    known = equivalence(one, another)
     if known is not None:
         why = known.why
     elif behind >= VERY_STRONG:
@@ -171,7 +172,7 @@ def _tie(best: Candidate, other: Candidate, behind: float, alike: float, library
         why = f"on these records it reproduces {100 * alike:.3g} % of the same trace"
     else:
         why = "it explains the misfit as well within the noise"
-    return Tie(other.name, behind, alike, why, what_separates(library[best.name], library[other.name]))
+    return Tie(other.name, behind, alike, why, what_separates(one, another))
 
 
 class Unseen(NamedTuple):

@@ -1,6 +1,7 @@
 """The sensor passes no constant."""
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude
+from ..likeness import LEAKS, SHIFT_OF_PHASE
 
 
 class AcCoupling(AbstractEffect):
@@ -16,6 +17,7 @@ class AcCoupling(AbstractEffect):
     equation = "reading = z − r q, q̇ = z − r q"
     source = "Horowitz & Hill, The Art of Electronics, 2015, §1.7.1"
     mistaken_for = ("sensor-lag",)
+    alike = (LEAKS, SHIFT_OF_PHASE)
     hidden_units = ("m*s",)
 
     corner = amplitude("1/s", "rate at which a constant dies out, r", positive=True)

@@ -6,6 +6,7 @@ from ...mechanics import Scalar, axial_forces
 from ...mechanics import arch_force as arch
 from ...mechanics.frame import FrameLaw
 from ..effect import AbstractEffect, Drive, State, amplitude
+from ..likeness import QUADRATIC_FORCE, SAME_HARMONICS
 
 
 class ArchForce(AbstractEffect):
@@ -19,6 +20,7 @@ class ArchForce(AbstractEffect):
     equation = "F = −4 a Σ N_i z0_i s_i/l_i"
     source = "Sensors 2020, 20, 3959, Fig. 14; shallow-arch statics"
     mistaken_for = ("quadratic-stiffness", "residual-stress")
+    alike = (QUADRATIC_FORCE, SAME_HARMONICS)
     platform_only = True
     needs = "residual-stress"
 

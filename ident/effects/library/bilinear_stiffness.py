@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude
+from ..likeness import EVEN_HARMONICS, SAME_HARMONICS
 
 
 class BilinearStiffness(AbstractEffect):
@@ -17,6 +18,7 @@ class BilinearStiffness(AbstractEffect):
     equation = "F = −k_b |z|"
     source = "S. W. Shaw, P. J. Holmes, A periodically forced piecewise linear oscillator, 1983, J. Sound Vib. 90, 129"
     mistaken_for = ("quadratic-stiffness",)
+    alike = (EVEN_HARMONICS, SAME_HARMONICS)
     has_kink = True
 
     stiffness = amplitude("N/m", "half the difference between the stiffnesses above and below rest, k_b")

@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+from ..likeness import SAME_LOSS, SHIFT_OF_PHASE
 from ..memory import slip, stiffened, within
 
 
@@ -27,6 +28,7 @@ class BoucWen(AbstractEffect):
         "Arch. Comput. Methods Eng. 16, 161, §2"
     )
     mistaken_for = ("coulomb-friction", "stribeck-friction", "viscoelastic-support", "bouc-wen-drive")
+    alike = (SAME_LOSS, SHIFT_OF_PHASE)
     steps_per_period = 120
     hidden_units = ("1",)
 

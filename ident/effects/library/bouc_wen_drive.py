@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+from ..likeness import LOOP_OF_THE_DRIVE, SHIFT_OF_PHASE
 from ..memory import slip, within
 
 
@@ -21,6 +22,7 @@ class BoucWenDrive(AbstractEffect):
         "J. Microelectromech. Syst. 4, 230"
     )
     mistaken_for = ("prandtl-ishlinskii", "pzt-hysteresis", "bouc-wen", "drive-lag")
+    alike = (LOOP_OF_THE_DRIVE, SHIFT_OF_PHASE)
     steps_per_period = 80
     hidden_units = ("1",)
 

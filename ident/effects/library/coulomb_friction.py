@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+from ..likeness import CONSTANT_FRICTION, SAME_LOSS
 
 
 class CoulombFriction(AbstractEffect):
@@ -17,6 +18,7 @@ class CoulombFriction(AbstractEffect):
         "Olsson, Åström, Canudas de Wit, Gäfvert, Lischinsky, Friction models and compensation, 1998, Eur. J. Control 4"
     )
     mistaken_for = ("bouc-wen", "quadratic-damping", "stribeck-friction")
+    alike = (CONSTANT_FRICTION, SAME_LOSS)
     steps_per_period = 250
     has_kink = True
 

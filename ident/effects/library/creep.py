@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+from ..likeness import LEAKS, RELAXES, SHIFT_OF_PHASE, SLOW_CHANGE
 
 
 class Creep(AbstractEffect):
@@ -21,6 +22,7 @@ class Creep(AbstractEffect):
         "Adriaens, de Koning, Banning, Modeling piezoelectric actuators, 2000, IEEE/ASME Trans. Mechatron. 5, 331"
     )
     mistaken_for = ("drive-lag", "viscoelastic-support", "stiffness-drift", "damping-drift", "prandtl-ishlinskii")
+    alike = (RELAXES, LEAKS, SLOW_CHANGE, SHIFT_OF_PHASE)
     hidden_units = ("V", "V", "V")
 
     late = amplitude("1", "part of the drive that comes late, m")

@@ -2,6 +2,7 @@
 
 from ..drifting import Drifting
 from ..effect import Drive, Scalar, State, amplitude, shape
+from ..likeness import SLOW_CHANGE
 from ..memory import relaxing
 
 
@@ -18,6 +19,7 @@ class DampingDrift(Drifting):
     equation = "F = −ċ τ (1 − e^(−t/τ)) ż"
     source = "Incropera & DeWitt, Fundamentals of Heat and Mass Transfer, 2007, §5.1 (lumped capacitance)"
     mistaken_for = ("stiffness-drift", "creep")
+    alike = (SLOW_CHANGE,)
 
     rate0 = amplitude("N*s/m/s", "damping per second when switched on, ċ")
     time = shape("s", "time in which the drift dies out, τ", grid=(0.1, 0.3, 1.0, 10.0), scale="duration")

@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, amplitude
+from ..likeness import LAG_ON_EITHER_SIDE, SHIFT_OF_PHASE
 
 _FORGOTTEN = 50.0  # time constants after which nothing is left of a memory
 
@@ -23,6 +24,7 @@ class DriveLag(AbstractEffect):
         "sensor-lag", "second-mode", "creep", "viscoelastic-support", "sensor-crosstalk", "pzt-hysteresis",
         "prandtl-ishlinskii", "bouc-wen-drive",
     )  # fmt: skip
+    alike = (LAG_ON_EITHER_SIDE, SHIFT_OF_PHASE)
     hidden_units = ("V/s",)  # (V_τ − V)/τ
 
     time = amplitude("s", "time constant, τ")

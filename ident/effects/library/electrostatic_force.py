@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+from ..likeness import SECOND_ORDER, SQUARE_OF_THE_VOLTAGE
 
 _CLOSEST = 0.1  # of the gap: a trial simulation may be pulled in, and must stay finite there
 
@@ -19,6 +20,7 @@ class ElectrostaticForce(AbstractEffect):
     equation = "F = sgn(g) k V² / (1 − z/g)²"
     source = "Senturia, Microsystem Design, 2001, Kluwer, §6.4 (parallel-plate electrostatic actuator)"
     mistaken_for = ("electrostriction", "voltage-stiffness", "quadratic-stiffness")
+    alike = (SQUARE_OF_THE_VOLTAGE, SECOND_ORDER)
     contains = ("electrostriction",)  # a plate so far away that its distance does not show
 
     attraction = amplitude("N/V^2", "force by the squared voltage on the stage at rest, k", one_sided=True)

@@ -1,6 +1,7 @@
 """Strain by the square of the electric field."""
 
 from ..effect import AbstractEffect, Drive, Scalar, amplitude
+from ..likeness import SAME_HARMONICS, SECOND_ORDER, SQUARE_OF_THE_VOLTAGE
 
 
 class Electrostriction(AbstractEffect):
@@ -23,6 +24,7 @@ class Electrostriction(AbstractEffect):
         "static-force",
         "electrostatic-force",
     )
+    alike = (SQUARE_OF_THE_VOLTAGE, SECOND_ORDER, SAME_HARMONICS)
 
     share = amplitude("1/V", "force by V² relative to the linear drive, e")
 

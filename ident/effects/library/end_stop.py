@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+from ..likeness import SAME_HARMONICS, STIFFENS
 
 
 class EndStop(AbstractEffect):
@@ -19,6 +20,7 @@ class EndStop(AbstractEffect):
     mistaken_for = (
         "cubic-stiffness", "quadratic-stiffness", "quintic-stiffness", "power-law-stiffness", "sensor-nonlinearity"
     )  # fmt: skip
+    alike = (STIFFENS, SAME_HARMONICS)
     steps_per_period = 120
     has_kink = True
 

@@ -13,3 +13,5 @@ class FifthMode(SecondMode):
     equation = "reading = z + a x, ẍ + (ω₅/Q₅) ẋ + ω₅² x = ω₅² V, ω₅ = 2π/T₅"
     needs = "fourth-mode"
     mistaken_for = ()
+    alike = ()
+    further_mode = 5

@@ -13,3 +13,5 @@ class FourthMode(SecondMode):
     equation = "reading = z + a x, ẍ + (ω₄/Q₄) ẋ + ω₄² x = ω₄² V, ω₄ = 2π/T₄"
     needs = "third-mode"
     mistaken_for = ()
+    alike = ()
+    further_mode = 4

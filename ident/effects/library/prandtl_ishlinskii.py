@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, amplitude, shape
+from ..likeness import LOOP_OF_THE_DRIVE, SHIFT_OF_PHASE
 from ..memory import played, pushed, within
 
 _PLAYS = 6
@@ -28,6 +29,7 @@ class PrandtlIshlinskii(AbstractEffect):
         "Prandtl-Ishlinskii approach, 2003, Eur. J. Control 9, 407, §2"
     )
     mistaken_for = ("bouc-wen-drive", "pzt-hysteresis", "drive-lag", "creep")
+    alike = (LOOP_OF_THE_DRIVE, SHIFT_OF_PHASE)
     hidden_units = ("V",) * _PLAYS
 
     weight = amplitude("1", "mean weight of the plays, w")

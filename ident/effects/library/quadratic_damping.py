@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude
+from ..likeness import SAME_LOSS
 
 
 class QuadraticDamping(AbstractEffect):
@@ -12,6 +13,7 @@ class QuadraticDamping(AbstractEffect):
     equation = "F = −c2 ż|ż|"
     source = "Nayfeh & Mook, Nonlinear Oscillations, 1979, ch. 3"
     mistaken_for = ("cubic-damping", "squeeze-film-damping", "coulomb-friction")
+    alike = (SAME_LOSS,)
 
     c2 = amplitude("N*s^2/m^2", "quadratic damping", one_sided=True)
 

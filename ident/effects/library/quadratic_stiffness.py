@@ -1,6 +1,7 @@
 """Quadratic stiffness: the spring is stiffer on one side."""
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude
+from ..likeness import BENT_RESONANCE, EVEN_HARMONICS, QUADRATIC_FORCE, SAME_HARMONICS, SECOND_ORDER
 
 
 class QuadraticStiffness(AbstractEffect):
@@ -13,6 +14,7 @@ class QuadraticStiffness(AbstractEffect):
         "residual-stress", "arch-force", "voltage-stiffness", "electrostriction", "electrostatic-force", "end-stop",
         "sensor-nonlinearity", "bilinear-stiffness",
     )  # fmt: skip
+    alike = (QUADRATIC_FORCE, BENT_RESONANCE, EVEN_HARMONICS, SECOND_ORDER, SAME_HARMONICS)
 
     k2 = amplitude("N/m^2", "quadratic stiffness")
 

@@ -5,6 +5,7 @@ import math
 import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+from ..likeness import FOLLOWS_AT_ONCE, SHIFT_OF_PHASE
 
 
 class SecondMode(AbstractEffect):
@@ -21,6 +22,9 @@ class SecondMode(AbstractEffect):
     equation = "reading = z + a x, ẍ + (ω₂/Q₂) ẋ + ω₂² x = ω₂² V, ω₂ = 2π/T₂"
     source = "D. J. Ewins, Modal Testing, 2000, ch. 2 (modal superposition)"
     mistaken_for = ("sensor-crosstalk", "drive-lag", "sensor-lag", "attached-mass")
+    alike = (FOLLOWS_AT_ONCE, SHIFT_OF_PHASE)
+    further_mode = 2
+    gains = ("travel",)
     steps_per_period = 120
     hidden_units = ("V", "V/s")
 

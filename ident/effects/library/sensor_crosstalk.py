@@ -1,6 +1,7 @@
 """The drive voltage leaks into the sensor."""
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude
+from ..likeness import FOLLOWS_AT_ONCE, SHIFT_OF_PHASE
 
 
 class SensorCrosstalk(AbstractEffect):
@@ -17,6 +18,7 @@ class SensorCrosstalk(AbstractEffect):
         "electrostatic microresonators, 2009, Sens. Actuators A 156, 36"
     )
     mistaken_for = ("second-mode", "sensor-lag", "drive-lag")
+    alike = (FOLLOWS_AT_ONCE, SHIFT_OF_PHASE)
 
     leak = amplitude("m/V", "reading per volt, a")
     capacitive = amplitude("m*s/V", "reading per rate of the voltage, b")

@@ -2,6 +2,7 @@
 
 from ..drifting import Drifting
 from ..effect import Drive, Scalar, State, amplitude, shape
+from ..likeness import NEARLY_CONSTANT, SLOW_CHANGE
 from ..memory import relaxing
 
 
@@ -17,6 +18,7 @@ class SensorDrift(Drifting):
     equation = "reading = z + d τ (1 − e^(−t/τ))"
     source = "J. Fraden, Handbook of Modern Sensors, 2010, ch. 2 (warm-up and drift)"
     mistaken_for = ("sensor-offset", "static-force", "stiffness-drift")
+    alike = (NEARLY_CONSTANT, SLOW_CHANGE)
 
     rate0 = amplitude("m/s", "drift per second when switched on, d")
     time = shape("s", "time in which the drift dies out, τ", grid=(0.1, 0.3, 1.0, 10.0), scale="duration")

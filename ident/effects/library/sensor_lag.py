@@ -1,6 +1,7 @@
 """The sensor follows the motion late."""
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+from ..likeness import LAG_ON_EITHER_SIDE, SHIFT_OF_PHASE
 
 
 class SensorLag(AbstractEffect):
@@ -20,6 +21,7 @@ class SensorLag(AbstractEffect):
     equation = "reading = z_τ, τ ż_τ = z − z_τ"
     source = "Oppenheim & Willsky, Signals and Systems, 1997, §6.5.1"
     mistaken_for = ("drive-lag", "sensor-crosstalk", "second-mode", "viscoelastic-support", "ac-coupling")
+    alike = (LAG_ON_EITHER_SIDE, SHIFT_OF_PHASE)
     hidden_units = ("m",)
 
     time = amplitude("s", "time constant, τ")

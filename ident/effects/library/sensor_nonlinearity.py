@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+from ..likeness import SAME_HARMONICS
 
 
 class SensorNonlinearity(AbstractEffect):
@@ -17,6 +18,7 @@ class SensorNonlinearity(AbstractEffect):
     equation = "reading = z + b z² − c z³/(1 + s |c| z²)"
     source = "J. Fraden, Handbook of Modern Sensors, 2010, ch. 2 (nonlinearity, saturation)"
     mistaken_for = ("cubic-stiffness", "quadratic-stiffness", "end-stop", "electrostriction")
+    alike = (SAME_HARMONICS,)
 
     quadratic = amplitude("1/m", "quadratic term, b")
     cubic = amplitude("1/m^2", "cubic saturation, c")

@@ -1,6 +1,7 @@
 """A constant offset of the sensor."""
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude
+from ..likeness import CONSTANT, NEARLY_CONSTANT
 
 
 class SensorOffset(AbstractEffect):
@@ -10,6 +11,8 @@ class SensorOffset(AbstractEffect):
     equation = "reading = z + z_s"
     source = "JCGM 200:2012, International vocabulary of metrology, §4.28 (zero error)"
     mistaken_for = ("static-force", "sensor-drift")
+    alike = (CONSTANT, NEARLY_CONSTANT)
+    is_constant = True
 
     offset = amplitude("m", "offset")
 

@@ -13,3 +13,5 @@ class SixthMode(SecondMode):
     equation = "reading = z + a x, ẍ + (ω₆/Q₆) ẋ + ω₆² x = ω₆² V, ω₆ = 2π/T₆"
     needs = "fifth-mode"
     mistaken_for = ()
+    alike = ()
+    further_mode = 6

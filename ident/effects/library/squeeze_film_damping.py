@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+from ..likeness import CUBIC_LOSS, SAME_LOSS
 
 _CLOSEST = 0.1  # of the gap: a trial simulation may cross the wall, and must stay finite there
 
@@ -19,6 +20,7 @@ class SqueezeFilmDamping(AbstractEffect):
     equation = "F = −c [(1 − z/g)⁻³ − 1] ż"
     source = "Bao & Yang, Squeeze film air damping in MEMS, 2007, Sens. Actuators A 136, 3, §2"
     mistaken_for = ("cubic-damping", "quadratic-damping", "power-law-damping")
+    alike = (CUBIC_LOSS, SAME_LOSS)
 
     damping = amplitude("N*s/m", "damping by the film in the open gap, c", one_sided=True)
     gap = shape(

@@ -1,6 +1,7 @@
 """A constant force on the stage."""
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude
+from ..likeness import CONSTANT, NEARLY_CONSTANT
 
 
 class StaticForce(AbstractEffect):
@@ -13,6 +14,8 @@ class StaticForce(AbstractEffect):
     equation = "F = F0"
     source = "statics"
     mistaken_for = ("sensor-offset", "sensor-drift", "electrostriction")
+    alike = (CONSTANT, NEARLY_CONSTANT)
+    is_constant = True
 
     force0 = amplitude("N", "constant force")
 

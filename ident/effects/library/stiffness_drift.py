@@ -2,6 +2,7 @@
 
 from ..drifting import Drifting
 from ..effect import Drive, Scalar, State, amplitude, shape
+from ..likeness import SLOW_CHANGE
 from ..memory import relaxing
 
 
@@ -19,6 +20,7 @@ class StiffnessDrift(Drifting):
     equation = "F = −k̇ τ (1 − e^(−t/τ)) z"
     source = "Incropera & DeWitt, Fundamentals of Heat and Mass Transfer, 2007, §5.1 (lumped capacitance)"
     mistaken_for = ("creep", "damping-drift", "sensor-drift")
+    alike = (SLOW_CHANGE,)
 
     rate0 = amplitude("N/m/s", "stiffness per second when switched on, k̇")
     time = shape("s", "time in which the drift dies out, τ", grid=(0.1, 0.3, 1.0, 10.0), scale="duration")

@@ -3,6 +3,7 @@
 import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+from ..likeness import CONSTANT_FRICTION, SAME_LOSS
 
 
 class StribeckFriction(AbstractEffect):
@@ -21,6 +22,7 @@ class StribeckFriction(AbstractEffect):
         "the control of machines with friction, 1994, Automatica 30, 1083, §2.1"
     )
     mistaken_for = ("coulomb-friction", "bouc-wen")
+    alike = (CONSTANT_FRICTION, SAME_LOSS)
     contains = ("coulomb-friction",)
     steps_per_period = 250
     has_kink = True

@@ -13,3 +13,5 @@ class ThirdMode(SecondMode):
     equation = "reading = z + a x, ẍ + (ω₃/Q₃) ẋ + ω₃² x = ω₃² V, ω₃ = 2π/T₃"
     needs = "second-mode"
     mistaken_for = ()
+    alike = ()
+    further_mode = 3

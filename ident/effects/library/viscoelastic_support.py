@@ -1,6 +1,7 @@
 """A support that gives way slowly."""
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
+from ..likeness import RELAXES, SHIFT_OF_PHASE
 
 
 class ViscoelasticSupport(AbstractEffect):
@@ -16,6 +17,7 @@ class ViscoelasticSupport(AbstractEffect):
     equation = "F = −(k_v/2) [(z − q₁) + (z − q₂)], τ_j q̇_j = z − q_j, τ_j = τ/√s, τ √s"
     source = "R. Lakes, Viscoelastic Materials, 2009, ch. 2 (standard linear solid; generalised Maxwell model)"
     mistaken_for = ("creep", "drive-lag", "sensor-lag", "bouc-wen")
+    alike = (RELAXES, SHIFT_OF_PHASE)
     hidden_units = ("m", "m")
 
     stiffness = amplitude("N/m", "stiffness that relaxes, k_v", one_sided=True)

@@ -1,6 +1,7 @@
 """Stiffness that follows the drive voltage."""
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude
+from ..likeness import SECOND_ORDER
 
 
 class VoltageStiffness(AbstractEffect):
@@ -18,6 +19,7 @@ class VoltageStiffness(AbstractEffect):
         "J. Dyn. Syst. Meas. Control 132, 034001; Nayfeh & Mook, Nonlinear Oscillations, 1979, ch. 5"
     )
     mistaken_for = ("quadratic-stiffness", "residual-stress", "electrostriction", "electrostatic-force")
+    alike = (SECOND_ORDER,)
 
     per_volt = amplitude("N/m/V", "stiffness per volt, k_V")
     per_volt2 = amplitude("N/m/V^2", "stiffness per squared volt, k_VV")

@@ -14,7 +14,7 @@ class Candidate(NamedTuple):
     **Arguments:** `form`: its name, also "constant" and "quasi-static"; `level`: whether with a constant; `left`: rms
     of what it leaves over that of the signal; `numbers`: how many are fitted beside the initial states; `criterion`;
     `first`, `second`: frequency (Hz) and quality, or a time scale (Hz) and the decay time (s) without a spring; `gain`
-    ((m/s²)/V) and `constant` (SI, of the effect in `LEVELS`); `further` modes of an oscillator; `edge` of a drive that
+    ((m/s²)/V) and `constant` (N, or m in the reading); `further` modes of an oscillator; `edge` of a drive that
     is held, None of a smooth one (see `Trace`).
     """
 

@@ -38,12 +38,14 @@ from .stretches import Stretch, highest_content, stretch_of
 FormName = Literal["oscillator", "overdamped", "base", "shaken", "no-spring", "quasi-static"]
 _ON_BASE = ("base", "shaken")
 Told = Literal["auto", "oscillator", "no-spring", "quasi-static"]
-LEVELS = {"no-spring": "static-force", **dict.fromkeys(("oscillator", "overdamped", *_ON_BASE, "quasi-static"),
-                                                       "sensor-offset")}  # fmt: skip
-"""The effect that a constant is beside each form: without a spring it is a force, for a level is where it starts."""
 _FEWEST = 20.0  # independent samples in what is left: a single line has four, which buy nothing
 _GREATER_PART = math.sqrt(2.0)  # half of the power
 _SURE = 5.0  # standard deviations: one of two million samples of noise lies that far off
+
+
+def side_of_constant(form: str) -> Literal["force", "sensor"]:
+    """Where the constant of a form acts: without a spring it is a force, for a level is where it starts."""
+    return "force" if form == "no-spring" else "sensor"
 
 
 @dataclass(frozen=True)
@@ -93,7 +95,7 @@ def choose_linear(
         def every(constant: bool, among: Sequence[Form]) -> list[Candidate]:
             return [searched(stretches, Kind(form.name, constant, form), starts.get(form.name)) for form in among]
 
-        forced = [form for form in forms if LEVELS[form.name] == "static-force"]
+        forced = [form for form in forms if side_of_constant(form.name) == "force"]
         found = [fitted(stretches, Kind("constant", True))]
         found += [_static(records, stretches)] if driven else []
         found += every(False, forms)

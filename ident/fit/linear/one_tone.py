@@ -13,7 +13,6 @@ import numpy as np
 
 from ...campaign.drive import drive_frequency
 from ...campaign.record import Trace
-from ...effects.library.second_mode import SecondMode
 from ...model import FREQUENCY, QUALITY, Model
 
 _SAME = 2e-3  # relative difference of frequencies that count as one
@@ -47,13 +46,13 @@ def hold_gain(model: Model, records: Sequence[Trace]) -> Model:
     A further mode then keeps the travel that it starts with, in units of which its history is fitted.
     """
     name = gain_of(model)
-    travels = {f"{effect.name}.travel" for effect in model.effects if isinstance(effect, SecondMode)}
+    gains = {f"{effect.name}.{gain}" for effect in model.effects for gain in effect.gains}
     if any(record.driven for record in records):
-        return replace(model, undetermined=model.undetermined - {name} - travels)
+        return replace(model, undetermined=model.undetermined - {name} - gains)
     if name in model.freed | model.held:
         return model
     start = (*((known, value) for known, value in model.start if known != name), (name, 0.0))
-    return replace(model, start=start, undetermined=model.undetermined | {name} | (travels - model.freed - model.held))
+    return replace(model, start=start, undetermined=model.undetermined | {name} | (gains - model.freed - model.held))
 
 
 def hold_dragged(model: Model, values: np.ndarray, records: Sequence[Trace]) -> Model:

@@ -9,13 +9,13 @@ from functools import lru_cache
 
 from ...campaign.campaign import Campaign
 from ...campaign.device import Oscillator
+from ...effects.linear_side import MODE, constant_on, further_modes
+from ...effects.registry import registry
 from ...errors import UserError
 from ...model import Model, build_model, make_effect
 from ...pulse import Report
-from .choice import LEVELS, LinearChoice, choose_linear
+from .choice import LinearChoice, choose_linear, side_of_constant
 
-FURTHER = ("second-mode", "third-mode", "fourth-mode", "fifth-mode", "sixth-mode")
-"""The effects that the further modes of an oscillator are."""
 _ENOUGH = 100_000  # samples that compare linear models: of many records a part tells it, and the fit then sees all
 
 
@@ -27,11 +27,21 @@ def linear_choice(campaign: Campaign) -> LinearChoice | None:
         return None
     records = campaign.fitted
     every = math.ceil(sum(len(record.time) for record in records) / _ENOUGH)
-    told = 1 if {*FURTHER} & {*campaign.effects} else campaign.modes
+    told = 1 if _names_a_mode(campaign) else campaign.modes
     try:
         return choose_linear(records[::every], campaign.linear, modes=told, base=not campaign.sweeps)
     except UserError as error:
         raise UserError(error.what, where=_place(campaign), do=error.do) from None
+
+
+def modes_of(campaign: Campaign) -> tuple[str, ...]:
+    """The effects that the further modes of an oscillator are, the second mode first."""
+    return further_modes(registry(campaign.effect_files))
+
+
+def _names_a_mode(campaign: Campaign) -> bool:
+    known = registry(campaign.effect_files) if campaign.effects else {}
+    return any(known[name].further_mode for name in campaign.effects if name in known)
 
 
 def with_drives(campaign: Campaign) -> Campaign:
@@ -74,14 +84,16 @@ def start_model(campaign: Campaign, effects: Sequence[str] | None = None, report
     first, second, gain = (p.name for p in model.parameters[:3])
     found = [(first, chosen.first), (second, chosen.second)]
     found += [(gain, chosen.gain * model.linear.mass / model.linear.force_per_gain)] if chosen.gain else []
-    if chosen.level and not {*LEVELS.values()} & set(model.names):
-        model = model + make_effect(campaign, LEVELS[chosen.form])
+    known = registry(campaign.effect_files)
+    constant = constant_on(side_of_constant(chosen.form), known)
+    if chosen.level and constant and not any(effect.is_constant for effect in model.effects):
+        model = model + make_effect(campaign, constant.name, known)
         found.append((model.parameters[-1].name, chosen.constant))
-    if not {*FURTHER} & set(model.names):
-        for name, mode in zip(FURTHER, chosen.further, strict=False):
-            model = model + make_effect(campaign, name)
+    if not any(effect.further_mode for effect in model.effects):
+        for name, mode in zip(further_modes(known), chosen.further, strict=False):
+            model = model + make_effect(campaign, name, known)
             travel = mode.gain / (2 * math.pi * mode.frequency) ** 2
-            values = {"travel": travel, "period": 1 / mode.frequency, "quality": mode.quality}
-            found += [(f"{name}.{key}", value) for key, value in values.items()]
-    known = {name for name, _ in model.start}
-    return replace(model, start=(*model.start, *((name, value) for name, value in found if name not in known)))
+            values = zip(MODE, (travel, 1 / mode.frequency, mode.quality), strict=True)
+            found += [(f"{name}.{key}", value) for key, value in values]
+    told = {name for name, _ in model.start}
+    return replace(model, start=(*model.start, *((name, value) for name, value in found if name not in told)))
