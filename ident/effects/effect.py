@@ -263,6 +263,11 @@ class AbstractEffect:
         drives that they were fitted to go from `lowest` to `highest` Hz."""
         return "", False
 
+    def can_be(self, stiffness: float, damping: float) -> bool:
+        """Whether its numbers can be beside a linear part of that stiffness, N/m, and damping, N s/m: a refit that ends
+        where they cannot bends the law to mimic another, and has not found this one."""
+        return True
+
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         return 0.0
 

@@ -15,7 +15,7 @@ from .mistakes import place_of_method
 
 LAWS = ("force", "drive", "sensor")
 """Where an effect can act; one of them it must."""
-HOOKS = (*LAWS, "rate", "follow", "state0", "begun", "settled", "prepare")
+HOOKS = (*LAWS, "rate", "follow", "state0", "begun", "settled", "prepare", "can_be")
 _CLOSE = 0.75  # of `difflib`: a letter too many, too few or exchanged, or another case
 
 

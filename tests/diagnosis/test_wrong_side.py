@@ -45,3 +45,15 @@ def test_where_a_driving_film_fits_best_the_starts_that_brake_run_again(monkeypa
     found = confirming._refitted(regression, SqueezeFilmDamping, candidate, 60, None)
     assert races == [[(0.0, -3.0), (2e-3, 3.0), (0.0, -8.0)], [(2e-3, 3.0)]]
     assert found.possible and found.values[-1] > 0
+
+
+def test_a_film_that_brakes_far_more_than_all_of_the_stage_is_another_law() -> None:
+    """Sweeps of a resonator that softens, with z²ż: one film of 2250 times the stage's damping, in a gap of 56 times
+    the travel, did for both, and was the name. Above or below the stage, and without a spring, the same is asked."""
+    stage = 2 * np.pi * BESIDE[0] / BESIDE[1]
+    for form, first, own in (("oscillator", BESIDE[:3], stage), ("no-spring", [1.0, 0.25, 1.0], 4.0)):
+        model = Model(Oscillator(), form=form) + SqueezeFilmDamping()  # type: ignore[arg-type]
+        for size, gap in ((3.0, 3.0), (3.0, -3.0), (2250.0, 56.0), (2250.0, -56.0)):
+            film = SqueezeFilmDamping(damping=size * own, gap=gap)
+            values = np.array([*first, size * own, gap])
+            assert confirming.is_possible(model, values, film, ONE) == (size < 10)  # type: ignore[arg-type]

@@ -16,7 +16,7 @@ from ...fit.linear.guess import DataScales
 from ...fit.linear.one_tone import with_quality
 from ...fit.problem import WORST
 from ...fit.rebuild import fit_at
-from ...model import QUALITY, Model, make_effect
+from ...model import FREQUENCY, QUALITY, Model, make_effect
 from ..linearised.regression import Regression
 from ..linearised.shorten import CRAWLS, is_long
 from ..linearised.whiten import whiten
@@ -213,7 +213,8 @@ def _weighed(
 
 
 def is_possible(model: Model, values: np.ndarray, effect: AbstractEffect, scales: DataScales) -> bool:
-    """Whether an effect of a model has signs that physics allows, and no value beyond its limits.
+    """Whether an effect of a model has signs that physics allows, no value beyond its limits, and can be beside the
+    linear part.
 
     A side of a stop that is about absent may have either. A stop that pulls bends the curve of another law, and a
     friction that drives makes good what another takes too much: neither is there.
@@ -224,6 +225,10 @@ def is_possible(model: Model, values: np.ndarray, effect: AbstractEffect, scales
             share = own[f"{effect.name}.{p.name}"] / getattr(scales, p.scale)
             if not p.limits[0] <= share <= p.limits[1]:
                 return False
+    spring, damper = model.spring_and_damper(values[FREQUENCY], values[QUALITY], model.linear.mass)
+    there = effect.with_values(**{p.name: own[f"{effect.name}.{p.name}"] for p in effect.parameters})
+    if not there.can_be(float(spring), float(damper)):
+        return False
     sizes = [own[f"{effect.name}.{p.name}"] for p in effect.declared() if p.one_sided]
     return not sizes or min(sizes) >= -_ABSENT * max(map(abs, sizes))
 
