@@ -116,7 +116,7 @@ def _level(where: Where) -> Statement | None:
     f0 = where.resonance
     nearness = lambda r: -abs(np.log(max(r.frequency, 1e-9) / f0))
     questions = [
-        (lambda r: r.level, lambda r: f"in records driven at {r.level:.3g} V or more"),
+        (lambda r: r.level, lambda r: f"in records driven at {r.level:.3g} {where.drive_unit} or more"),
         (nearness, lambda r: f"in records within {100 * (np.exp(-nearness(r)) - 1):.0f} % of the resonance"),
         (lambda r: -r.frequency / f0, lambda r: f"in records driven at or below {hertz(r.frequency)} Hz"),
         (lambda r: r.frequency / f0, lambda r: f"in records driven at or above {hertz(r.frequency)} Hz"),
