@@ -1,6 +1,10 @@
-"""The one exception that a user may meet: a sentence that says what is wrong, where, and what to do."""
+"""The one exception that a user may meet: a sentence that says what is wrong, where, and what to do; and what is said
+where an optional package is missing."""
 
 from __future__ import annotations
+
+import importlib
+from typing import Any
 
 
 def visible(text: str) -> str:
@@ -29,3 +33,16 @@ class UserError(Exception):
         advice = f" — {do}" if do else ""
         words = f"{place}{what}{advice}".split()
         super().__init__(visible(" ".join(word if len(word) <= _LONGEST else f"{word[:60]}…" for word in words)))
+
+
+def need(module: str, what: str, extra: str, *, where: str = "", otherwise: str = "") -> Any:
+    """An optional module, which is installed with an `extra` of ident.
+
+    **Raises:** UserError that says `what` needs it, how to install it, and what else could be done.
+    """
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        package = module.partition(".")[0].replace("_", "-")
+        do = f"in the folder of ident: pip install '.[{extra}]'" + (f" (or {otherwise})" if otherwise else "")
+        raise UserError(f"{what} needs the package {package}", where=where, do=do) from None
