@@ -148,3 +148,11 @@ def test_the_table_names_effects_that_exist() -> None:
     closest = equivalence("drive-lag", "sensor-lag")
     assert closest is not None and closest.linear_exact
     assert "amplifies" in what_separates(LIBRARY["coulomb-friction"], LIBRARY["sensor-drift"])
+
+
+def test_another_form_of_an_effect_is_scored_only_where_it_is_asked_for(regression: Regression) -> None:
+    """It would stand in the place of that effect, also where the library has nothing else."""
+    form = {"attached-mass": LIBRARY["attached-mass"]}
+    beside = replace(regression, scored={})
+    assert score(beside, form) == []
+    assert [one.name for one in score(beside, form, forms=True)] == ["attached-mass"]
