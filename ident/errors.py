@@ -3,7 +3,9 @@ where an optional package is missing."""
 
 from __future__ import annotations
 
+import difflib
 import importlib
+from collections.abc import Iterable
 from typing import Any
 
 
@@ -33,6 +35,16 @@ class UserError(Exception):
         advice = f" — {do}" if do else ""
         words = f"{place}{what}{advice}".split()
         super().__init__(visible(" ".join(word if len(word) <= _LONGEST else f"{word[:60]}…" for word in words)))
+
+
+_ALIKE = 0.5  # of `difflib`: from which on one word is taken for another
+
+
+def nearest(name: object, known: Iterable[str], otherwise: str = "", most: int = 1) -> str:
+    """Advice on a word that nobody knows: which of the known ones it may be, at most so many; `otherwise` where it is
+    like none."""
+    near = difflib.get_close_matches(str(name), sorted(known), most, _ALIKE)
+    return f"did you mean {' or '.join(map(repr, near))}?" if near else otherwise
 
 
 def need(module: str, what: str, extra: str, *, where: str = "", otherwise: str = "") -> Any:
