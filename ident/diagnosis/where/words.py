@@ -226,7 +226,7 @@ def _phase(where: Where) -> Statement | None:
     spans = []
     for first in starts:
         length = int(np.argmin(np.roll(chosen, -first)))
-        last = view.edges[first] + length * 30
+        last = view.edges[first] + length * (view.edges[1] - view.edges[0])
         spans.append(f"{view.edges[first]:.0f}–{last if last <= 360 else last - 360:.0f}°")  # 330–30°, across the zero
     return Statement("phase", f"at {' and '.join(spans)} of the drive's phase", share, p)
 
