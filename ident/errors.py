@@ -1,6 +1,12 @@
-"""The one exception that a user may meet: a sentence that says what is wrong, where, and what to do."""
+"""The one exception that a user may meet: a sentence that says what is wrong, where, and what to do; and what is said
+where an optional package is missing."""
 
 from __future__ import annotations
+
+import difflib
+import importlib
+from collections.abc import Iterable
+from typing import Any
 
 
 def visible(text: str) -> str:
@@ -29,3 +35,26 @@ class UserError(Exception):
         advice = f" — {do}" if do else ""
         words = f"{place}{what}{advice}".split()
         super().__init__(visible(" ".join(word if len(word) <= _LONGEST else f"{word[:60]}…" for word in words)))
+
+
+_ALIKE = 0.5  # of `difflib`: from which on one word is taken for another
+
+
+def nearest(name: object, known: Iterable[str], otherwise: str = "", most: int = 1) -> str:
+    """Advice on a word that nobody knows: which of the known ones it may be, at most so many; `otherwise` where it is
+    like none."""
+    near = difflib.get_close_matches(str(name), sorted(known), most, _ALIKE)
+    return f"did you mean {' or '.join(map(repr, near))}?" if near else otherwise
+
+
+def need(module: str, what: str, extra: str, *, where: str = "", otherwise: str = "") -> Any:
+    """An optional module, which is installed with an `extra` of ident.
+
+    **Raises:** UserError that says `what` needs it, how to install it, and what else could be done.
+    """
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        package = module.partition(".")[0].replace("_", "-")
+        do = f"in the folder of ident: pip install '.[{extra}]'" + (f" (or {otherwise})" if otherwise else "")
+        raise UserError(f"{what} needs the package {package}", where=where, do=do) from None

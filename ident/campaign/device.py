@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from ident.units import kept_unit
+
 
 @dataclass(frozen=True)
 class Platform:
@@ -45,3 +47,9 @@ class Oscillator:
 
 
 Device = Platform | Oscillator
+
+
+def drive_unit(device: Device) -> str:
+    """The unit in which the drives of a device are kept, "V" or, of an oscillator, that of its `input`."""
+    own = device.input if isinstance(device, Oscillator) else "V"
+    return kept_unit(own) or own

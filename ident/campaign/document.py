@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 import tomllib
 from collections.abc import Iterator, Mapping
@@ -10,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ident.errors import UserError
+from ident.errors import UserError, nearest
 from ident.units import Dimension, parse_quantity
 
 from .tables.opening import read_bytes
@@ -67,9 +66,8 @@ class Section:
         """One word out of `choices`."""
         value = self.get(key, str, "one of " + ", ".join(f'"{c}"' for c in choices), default)
         if value not in choices:
-            near = difflib.get_close_matches(value, choices, 1)
-            do = f'did you mean "{near[0]}"?' if near else "use one of these words"
-            raise self.error(key, f'"{value}" is none of ' + ", ".join(f'"{c}"' for c in choices), do)
+            what = f'"{value}" is none of ' + ", ".join(f'"{c}"' for c in choices)
+            raise self.error(key, what, nearest(value, choices, "use one of these words"))
         return value
 
     def texts(self, key: str) -> tuple[str, ...]:
@@ -107,8 +105,7 @@ class Section:
         """A `UserError` for the first key that nobody asked for."""
         for key in self.values:
             if key not in self.used:
-                near = difflib.get_close_matches(key, sorted(self.used), 1, 0.5)
-                do = f'did you mean "{near[0]}"?' if near else "the keys are " + ", ".join(sorted(self.used))
+                do = nearest(key, self.used, "the keys are " + ", ".join(sorted(self.used)))
                 raise self.error(key, "this key is not known", do)
 
 

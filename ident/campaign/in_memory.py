@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ident.errors import UserError
+from ident.errors import UserError, nearest
 
 from .tables.table import Column, Table, split_header
 
@@ -43,8 +42,7 @@ def document_of(data: Any, columns: Mapping[str, str | int] | None, told: Mappin
     held = names if held is True else [held] if isinstance(held, str) else list(held or ())
     for name in held:
         if name not in names:
-            near = difflib.get_close_matches(str(name), names, 1, 0.4)
-            do = f"did you mean {near[0]!r}?" if near else f"the records are {', '.join(names)}"
+            do = nearest(name, names, f"the records are {', '.join(names)}")
             raise UserError(f"there is no record {name!r} to hold out", do=do)
     records = [{"file": table.name, "data": table, "holdout": table.name in held} for table in tables]
     outer = {key: common.pop(key) for key in ("device", "title") if key in common}

@@ -36,7 +36,7 @@ def command(run: str, as_json: bool) -> None:
     from ident.diagnosis.judged import attribute
     from ident.report.attribution_view import attribution_dict, attribution_section, attribution_sheet
 
-    progress("asking the library what is missing, switching mechanisms on and off at draws of the posterior")
+    progress("switching mechanisms on and off at draws of the posterior, and asking the library what is missing")
     document = attribution_dict(attribute(fit, chain_file=folder / "chain.h5"), fit.model.device)
     write_json(folder / "attribution.json", document)
     progress("writing the report")

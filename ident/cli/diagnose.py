@@ -38,7 +38,7 @@ def command(run: str, target: str | None, as_json: bool) -> None:
 
     from ident.diagnosis.diagnose import diagnose
     from ident.diagnosis.document import diagnosis_dict
-    from ident.report.diagnosis_view import advice, sections
+    from ident.report.diagnosis_view import advice, sections, why_not_written
 
     from .walk import tell
 
@@ -54,6 +54,6 @@ def command(run: str, target: str | None, as_json: bool) -> None:
     if found.effect_file is not None:
         say(f"next: ident add {run} {found.effect_file}")
     elif target is not None:
-        say(f"{target} was not written: effects of the library explain these records")
+        say(f"{target} was not written: {why_not_written(found)}")
     if found.effect_file is None and found.discovery.steps:
         say(f"next: ident add {run} {found.discovery.steps[0].added}")

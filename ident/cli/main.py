@@ -6,7 +6,6 @@ command called `command`; it is imported only when it is needed, so that `ident 
 
 from __future__ import annotations
 
-import difflib
 import gc
 import importlib
 import importlib.util
@@ -21,7 +20,7 @@ from contextlib import suppress
 
 import click
 
-from ident.errors import UserError, visible
+from ident.errors import UserError, nearest, visible
 
 COMMANDS = (
     "new",
@@ -59,9 +58,8 @@ class _Commands(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         if args and not args[0].startswith("-") and self.get_command(ctx, args[0]) is None:
-            near = difflib.get_close_matches(args[0], self.list_commands(ctx), 1, 0.5)
-            hint = f" — did you mean {near[0]!r}?" if near else ""
-            raise click.UsageError(f"there is no command {args[0]!r}{hint}", ctx)
+            do = nearest(args[0], self.list_commands(ctx))
+            raise click.UsageError(f"there is no command {args[0]!r}{do and f' — {do}'}", ctx)
         return super().resolve_command(ctx, args)
 
 

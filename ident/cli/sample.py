@@ -68,7 +68,7 @@ def command(run: str, resume: bool, minutes: float | None, seed: int, force: boo
         verdict_words,
     )
 
-    progress("asking the library what is missing, finding the peak and compiling the posterior")
+    progress("finding the peak and compiling the posterior")
     seconds = None if minutes is None else 60 * minutes
     posterior = sample(fit, chain_file, resume=resume, seed=seed, seconds=seconds, report=_tell)
     document = posterior_dict(posterior)

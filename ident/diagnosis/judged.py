@@ -40,7 +40,7 @@ def sample(
     **Raises:** UserError if there is no chain to go on with, or it is another's.
     """
     return result.draw_posterior(
-        fit, chain_file, seed=seed, seconds=seconds, resume=resume, report=report, doubts=doubts(fit)
+        fit, chain_file, seed=seed, seconds=seconds, resume=resume, report=report, doubts=doubts
     )
 
 
@@ -66,4 +66,4 @@ def attribute(
     """
     if draws is None and chain_file is not None:
         draws = result.chain_draws(fit, chain_file, attribution.DRAWS)
-    return attribution.attribute(fit, draws, doubts=doubts(fit), seed=seed)
+    return attribution.attribute(fit, draws, doubts=doubts, seed=seed)

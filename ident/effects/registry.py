@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import importlib
 import linecache
 import pkgutil
@@ -13,7 +12,7 @@ from types import ModuleType
 
 from ..campaign.tables.opening import read_bytes
 from ..campaign.trust import check_trusted
-from ..errors import UserError
+from ..errors import UserError, nearest
 from .dimensions import check_units
 from .effect import AbstractEffect
 from .mistakes import answered, place_of_class
@@ -56,9 +55,8 @@ def registry(files: Iterable[Path] = ()) -> Registry:
 def find(name: str, known: Registry) -> type[AbstractEffect]:
     """The effect of that name. **Raises:** UserError with the nearest names."""
     if name not in known:
-        near = difflib.get_close_matches(name, known, n=3, cutoff=0.4)
-        hint = f"did you mean {' or '.join(near)}?" if near else "`ident effects` lists them"
-        raise UserError(f"there is no effect called {name!r}", do=hint)
+        do = nearest(name, known, "`ident effects` lists them", most=3)
+        raise UserError(f"there is no effect called {name!r}", do=do)
     return known[name]
 
 

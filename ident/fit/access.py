@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import UserError
+from ..errors import UserError, nearest
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -26,8 +25,8 @@ def position(names: Sequence[str], name: str) -> int:
     if found:
         do = f"{' or '.join(names[k] for k in found)}?"
         raise UserError(f"{name!r} is the name of {len(found)} parameters", do=do)
-    near = difflib.get_close_matches(str(name), [*names, *(one.rpartition(".")[2] for one in names)], 1, 0.4)
-    do = f"did you mean {near[0]!r}?" if near else f"the parameters are {', '.join(names)}"
+    short = (one.rpartition(".")[2] for one in names)
+    do = nearest(name, [*names, *short], f"the parameters are {', '.join(names)}")
     raise UserError(f"the model has no parameter {name!r}", do=do)
 
 

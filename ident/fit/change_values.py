@@ -14,8 +14,8 @@ from ..units import parse_quantity, unit
 from .access import position
 
 
-def changed_values(model: Model, values: np.ndarray, changes: Mapping[str, float | str], order: int = 0) -> np.ndarray:
-    """The parameter values (m,) SI with those of `changes`: SI numbers, or texts with a unit; `order`
+def changed_values(model: Model, values: np.ndarray, changes: Mapping[str, float | str], order: int) -> np.ndarray:
+    """The parameter values (m,) SI with those of `changes`: SI numbers, or texts with a unit; `order`:
     of the derivative of the displacement that is read.
 
     **Raises:** UserError for a name that the model does not have, or a value that its parameter cannot take.

@@ -78,7 +78,8 @@ def fit(
         model = hold_unseen(model, campaign)
     all_else = with_quality(model)
     search = partial(minimise, robust=robust, most=most, until=until)
-    found = search(model, campaign, starts=starts, seed=seed, initial=initial, begun=begun, report=report)
+    asked = partial(search, campaign=campaign, starts=starts, seed=seed, initial=initial, begun=begun, report=report)
+    found = asked(model)
     if model.undetermined != all_else.undetermined and found.error > _AT_THE_FLOOR:
         # What is left of the record's beginning may tell the quality factor after all.
         other = search(all_else, campaign, initial=found.values)
@@ -87,7 +88,7 @@ def fit(
     elif found.error > _AT_THE_FLOOR and not campaign.fitted_sweeps:
         held = hold_dragged(model, found.values, campaign.fitted)
         if held is not model:
-            model, found = held, search(held, campaign, initial=initial, report=report)
+            model, found = held, asked(held)
     if sigma == "fitted":
         campaign = _with_residual_noise(campaign, found)
         again = fit(model, campaign, robust=robust, initial=found.values, report=report, most=most, until=until)

@@ -32,7 +32,7 @@ class Combination(NamedTuple):
 
 
 class Identifiability(NamedTuple):
-    """`free` (p,) True where a parameter's own value is determined; `combinations` that are, of the others."""
+    """`determined` (p,) True where a parameter's own value is determined; `combinations` that are, of the others."""
 
     determined: np.ndarray
     combinations: tuple[Combination, ...]

@@ -8,7 +8,6 @@ Source: D. M. Bates, D. G. Watts, Nonlinear Regression Analysis and Its Applicat
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -23,6 +22,7 @@ from ..response import lay_out
 from ..threads import one_thread
 from ..units import format_quantity
 from . import solve
+from .access import position
 from .assemble import assemble, at_values, begin
 from .on_orbits import on_orbits
 from .problem import Data, Static, Unknowns, evaluate
@@ -104,13 +104,9 @@ class Profile:
 
 def check_profiled(model: Model, names: Sequence[str]) -> None:
     """Whether parameters can be profiled. **Raises:** UserError if one does not exist or is not fitted."""
-    known = {p.name: p for p in model.parameters}
+    known = [p.name for p in model.parameters]
     for name in names:
-        if name not in known:
-            near = difflib.get_close_matches(name, known, 1, 0.4)
-            do = f"did you mean {near[0]}?" if near else f"the parameters are {', '.join(known)}"
-            raise UserError(f"the model has no parameter {name}", do=do)
-        if not known[name].fitted:
+        if not model.parameters[position(known, name)].fitted:
             raise UserError(f"{name} is held, so it has no profile", do='add it to free = ["…"] of its effect')
 
 
@@ -127,12 +123,13 @@ class _Point(NamedTuple):
 def profile(fit: Fit, name: str, *, robust: bool = False, report: Report = lambda _: None) -> Profile:
     """Profile one fitted parameter: ±3 standard errors around the optimum, or a decade if it is undetermined.
 
-    **Arguments:** `name`: full name of the parameter; `robust`: as the fit was made; `report`: called with progress.
+    **Arguments:** `name`: as in `fit[name]`; `robust`: as the fit was made; `report`: called with progress.
 
     **Raises:** UserError if there is no such parameter, or if it is held.
     """
     check_profiled(fit.model, [name])
-    index = [p.name for p in fit.model.parameters].index(name)
+    index = position([p.name for p in fit.model.parameters], name)
+    name = fit.model.parameters[index].name
     parameter, optimum = fit.model.parameters[index], float(fit.values[index])
     logarithmic, width, inflation = _steps(fit, index)
     static, data = _problem(fit, name)

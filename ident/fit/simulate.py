@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -11,7 +10,7 @@ import numpy as np
 from ..campaign.campaign import Campaign
 from ..campaign.read import read_campaign
 from ..campaign.record import Trace
-from ..errors import UserError
+from ..errors import UserError, nearest
 from ..model import Model
 from ..pulse import Report
 from ..threads import one_thread
@@ -113,7 +112,6 @@ def wanted(traces: Sequence[Trace], names: Sequence[str]) -> list[Trace]:
     known = [trace.name for trace in traces]
     for name in names:
         if name not in known:
-            near = difflib.get_close_matches(name, known, 1, 0.5)
-            do = f"did you mean {near[0]!r}?" if near else f"the traces are {', '.join(known) or 'none'}"
+            do = nearest(name, known, f"the traces are {', '.join(known) or 'none'}")
             raise UserError(f"there is no trace called {name!r}", do=do)
     return [trace for trace in traces if trace.name in names]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -11,7 +10,7 @@ from ..campaign.device import Platform
 from ..campaign.document import read_document
 from ..effects.parameter import Choice
 from ..effects.registry import Registry
-from ..errors import UserError
+from ..errors import UserError, nearest
 from ..units import parse_quantity, to_si, unit
 from .linear import linear_part
 from .model import Model
@@ -33,10 +32,9 @@ def place_of(campaign: Campaign, *keys: str) -> str:
     return section.where(keys[-1])
 
 
-def _nearest(name: str, names: Iterable[str]) -> str:
+def _one_of(name: str, names: Iterable[str]) -> str:
     names = sorted(names)
-    near = difflib.get_close_matches(name, names, 1, 0.5)
-    return f"did you mean {near[0]!r}?" if near else f"it has: {', '.join(names) or 'none'}"
+    return nearest(name, names, f"it has: {', '.join(names) or 'none'}")
 
 
 def _linear_names(campaign: Campaign) -> tuple[str, tuple[str, ...]]:
@@ -59,7 +57,7 @@ def check_settings(campaign: Campaign, known: Registry) -> None:
         parameters = parameter_names(campaign, known, owner)
         if parameters is None:
             place = place_of(campaign, "effect", owner)
-            raise UserError(f"there is no effect called {owner!r}", where=place, do=_nearest(owner, [*known, prefix]))
+            raise UserError(f"there is no effect called {owner!r}", where=place, do=_one_of(owner, [*known, prefix]))
         choices = {} if owner == prefix else {c.name: c for c in known[owner].choices}
         for key, value in settings.items():
             try:
@@ -82,9 +80,9 @@ def _check_setting(owner: str, key: str, value: Any, parameters: Sequence[str], 
         for name in listed({key: value}, key):
             if name not in parameters:
                 what = f"[effect.{owner}] {key}: {owner} has no parameter {name!r}"
-                raise UserError(what, do=_nearest(str(name), parameters))
+                raise UserError(what, do=_one_of(str(name), parameters))
     elif key not in parameters:
-        near = _nearest(key, [*parameters, *choices, *LISTS])
+        near = _one_of(key, [*parameters, *choices, *LISTS])
         raise UserError(f"[effect.{owner}]: {owner} has no setting {key!r}", do=near)
     elif not isinstance(value, float) or isinstance(value, bool):
         do = 'write a number in SI units or a quantity ("80 MPa")'
@@ -106,8 +104,7 @@ def check_priors(campaign: Campaign, known: Registry) -> None:
             prefix, linear = _linear_names(campaign)
             every = [f"{prefix}.{one}" for one in linear]
             every += [f"{effect.name}.{p.name}" for effect in known.values() for p in effect.parameters]
-            near = difflib.get_close_matches(full, every, 1, 0.5)
-            do = f"did you mean {near[0]!r}?" if near else 'write "effect.parameter"; `ident effects` lists them'
+            do = nearest(full, every, 'write "effect.parameter"; `ident effects` lists them')
             raise UserError(
                 f"[priors]: there is no parameter {full!r}", where=place_of(campaign, "priors", full), do=do
             )

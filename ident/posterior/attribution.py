@@ -24,7 +24,7 @@ from ..errors import UserError
 from ..fit.result import Fit
 from .density import Density, make_density
 from .evidence import log_evidence
-from .misfit import misfit
+from .misfit import Doubts, misfit
 from .offset import Folded, Measure, Measured, Offset, fold, offsets
 from .pareto import TRUSTED
 from .shapley import shapley, subsets
@@ -128,11 +128,13 @@ class Attribution(NamedTuple):
         return f"<Attribution: {self.verdict}; {shares}>"
 
 
-def attribute(fit: Fit, draws: np.ndarray | None = None, *, doubts: Sequence[str] = (), seed: int = 0) -> Attribution:
+def attribute(
+    fit: Fit, draws: np.ndarray | None = None, *, doubts: Doubts = lambda _: (), seed: int = 0
+) -> Attribution:
     """Attribute the offset of every periodic record of a fit.
 
     **Arguments:** `draws` (k, m) parameter values SI of the posterior; drawn by importance sampling if not given;
-    `doubts`: reasons against the model that were found elsewhere, and make the verdict undecided.
+    `doubts`: of the model, which make the verdict undecided; asked of what can be attributed only.
 
     **Raises:** UserError if there is no effect, or no periodic record, to attribute to.
     """
@@ -159,11 +161,11 @@ def attribute(fit: Fit, draws: np.ndarray | None = None, *, doubts: Sequence[str
             reasons.append(
                 f"the posterior is not described by one peak (Pareto k {k:.2f} > {TRUSTED}): sample it first"
             )
-    wrong = misfit(density)
+    wrong, said = misfit(density), doubts(fit)
     if wrong.reasons:
-        asked = "" if doubts else ": ask `ident diagnose`"
+        asked = "" if said else ": ask `ident diagnose`"
         reasons.append(f"the model does not describe the records ({wrong.reasons[0]}){asked}")
-    reasons += doubts
+    reasons += said
     every = make_density(fit, periodic)
     records, parts = _share(fit, every, periodic, draws, {name: _amplitudes(fit, name) for name in names})
     told = _judge(names, records, _together(parts, names), reasons)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import UserError
+from ..errors import UserError, need
 
 FORMAT = 2
 _AGAIN = "sample again without --resume, with --force"
@@ -37,12 +37,7 @@ class Chain(NamedTuple):
 
 def need_h5py() -> Any:
     """The h5py module. **Raises:** UserError with the command that installs it."""
-    try:
-        import h5py
-    except ImportError:
-        what = "a chain is kept in HDF5, for which the package h5py is missing"
-        raise UserError(what, do="in the folder of ident: pip install '.[posterior]'") from None
-    return h5py
+    return need("h5py", "a chain, which is kept in HDF5,", "posterior")
 
 
 def write_chain(path: Path, chain: Chain) -> None:

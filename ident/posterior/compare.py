@@ -8,7 +8,7 @@ Sources: H. Jeffreys, Theory of Probability, 1961, app. B, and R. E. Kass, A. E.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -18,7 +18,7 @@ from ..fit.result import Fit
 from .evidence import Evidence, log_evidence
 from .leave_out import LeaveOut, heldout_score, leave_out
 from .log_sum import log_sum
-from .misfit import Misfit, misfit
+from .misfit import Doubts, Misfit, misfit
 from .pareto import TRUSTED
 
 DECISIVE = 5.0
@@ -53,10 +53,10 @@ class Comparison(NamedTuple):
     describes: bool
 
 
-def compare(fits: Sequence[tuple[str, Fit]], doubts: Callable[[Fit], Sequence[str]] = lambda _: ()) -> Comparison:
+def compare(fits: Sequence[tuple[str, Fit]], doubts: Doubts = lambda _: ()) -> Comparison:
     """Weigh named fits.
 
-    **Arguments:** `doubts`: reasons against the best model that are found elsewhere.
+    **Arguments:** `doubts`: of the best model.
 
     **Raises:** UserError if there are fewer than two, or they are not of the same records with the same noise.
     """
@@ -95,7 +95,7 @@ def _same_records(fits: Sequence[tuple[str, Fit]]) -> None:
             raise UserError(what, where=name, do="fit both with one --sigma, known or scaled")
 
 
-def _judge(models: tuple[Weighed, ...], doubts: Callable[[Fit], Sequence[str]]) -> Comparison:
+def _judge(models: tuple[Weighed, ...], doubts: Doubts) -> Comparison:
     order = sorted(range(len(models)), key=lambda i: -models[i].evidence.value)
     first, second = models[order[0]], models[order[1]]
     lead = first.evidence.value - second.evidence.value

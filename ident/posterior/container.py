@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import UserError
+from ..errors import need
 from .block_likelihood import block_likelihood
 from .result import Posterior
 
@@ -23,13 +23,9 @@ _PREDICTED = 10  # per ensemble, of whole records
 
 def need_arviz_base() -> Any:
     """The arviz_base module. **Raises:** UserError with the command that installs it."""
-    try:
-        import arviz_base
-        import h5netcdf  # noqa: F401
-    except ImportError:
-        what = "a posterior is kept as NetCDF, for which the packages arviz-base and h5netcdf are missing"
-        raise UserError(what, do="in the folder of ident: pip install '.[posterior]'") from None
-    return arviz_base
+    what = "a posterior, which is kept as NetCDF,"
+    need("h5netcdf", what, "posterior")
+    return need("arviz_base", what, "posterior")
 
 
 def write_container(posterior: Posterior, path: Path) -> None:

@@ -9,17 +9,22 @@ Sources: as in `portmanteau`; R. A. Fisher, Proc. R. Soc. A 125 (1929) 54 (the l
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from scipy import stats
 
 from ..campaign.noise.portmanteau import SLIGHT, portmanteau
+from ..fit.result import Fit
 from .density import Density
 from .laplace import inverse
 from .noise_model import Noise
 
 _ALARM = 1e-3  # probability of one false alarm over all records and tests together
+
+Doubts = Callable[[Fit], Sequence[str]]
+"""Reasons against a model that are found elsewhere; they take refits, and are asked for when all else is there."""
 
 
 class Misfit(NamedTuple):

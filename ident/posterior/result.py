@@ -19,7 +19,7 @@ from .convergence import judge
 from .density import Density, make_density
 from .evidence import Evidence, log_evidence
 from .laplace import inverse
-from .misfit import misfit, too_narrow
+from .misfit import Doubts, misfit, too_narrow
 from .priors import Prior
 from .sampler import Progress, Sampled, sample, spread_evenly
 
@@ -107,24 +107,17 @@ def draw_posterior(
     seconds: float | None = None,
     resume: bool = False,
     report: Callable[[Progress], None] = lambda _: None,
-    doubts: Sequence[str] = (),
+    doubts: Doubts = lambda _: (),
 ) -> Posterior:
-    """Sample the posterior of a fit until it can be trusted, or until the `seconds` are over.
-
-    **Arguments:** `chain_file`: keeps the chain, with which `resume` goes on; `seed`: of the walkers and their moves;
-    `report`: called with the progress; `doubts`: reasons against the model that were found elsewhere, with any of which
-    no interval is final.
-
-    **Raises:** UserError if there is no chain to go on with, or it is another's.
-    """
+    """As `diagnosis.judged.sample`; `doubts`: of the model, with any of which no interval is final."""
     density = make_density(fit)
     key = run_key(density, seed)
     sampled = sample(density, chain_file, key, resume=resume, seed=seed, seconds=seconds, report=report)
-    return judge_posterior(fit, sampled, doubts)
+    return judge_posterior(fit, sampled, doubts(fit))
 
 
-def judge_posterior(fit: Fit, sampled: Sampled, doubts: Sequence[str] = ()) -> Posterior:
-    """The posterior that a chain describes, and whether it is final; `doubts` as of `draw_posterior`."""
+def judge_posterior(fit: Fit, sampled: Sampled, doubts: Sequence[str]) -> Posterior:
+    """The posterior that a chain describes, and whether it is final: not with `doubts` of the model."""
     density = sampled.laplace.density
     evidence = log_evidence(sampled.laplace, sampled.draws(_EVIDENCE_DRAWS))
     wrong = misfit(density)

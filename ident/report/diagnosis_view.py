@@ -128,6 +128,26 @@ def _not_in_library(loop: Discovery, known: list[Step], named: list[Step]) -> st
     return f"{said} {named[-1].added}, written from what is missing, lowers it to {left}."
 
 
+def why_not_written(found: Diagnosis) -> str:
+    """Why nothing was written of what the library lacks."""
+    loop, unknown = found.discovery, found.unknown
+    if any(suspect.first for suspect in found.suspects) and not loop.steps:
+        return "what is wrong with the records comes before any law"
+    if loop.verdict == "adequate":
+        return "nothing is missing"
+    if not loop.final.campaign.fitted:
+        return "a law beyond the library is looked for in traces only, and none is fitted"
+    if loop.verdict == "not-in-library" and unknown is not None:
+        return "no term describes what is missing"
+    if loop.verdict == "not-in-library":
+        return "the fitted records lack nothing, it is the held-out ones that contradict"
+    if not loop.steps:
+        return "what is left looks like no law that a simulation keeps"
+    if loop.lacking:
+        return "effects of the library come near, and what they leave may be a slightly other shape of theirs"
+    return "effects of the library explain these records"
+
+
 def advice(found: Diagnosis) -> list[str]:
     """What ties, what is unknown, and what to measure next, one sentence each."""
     sentences = [f"Suspect record: {suspect.sentence}" for suspect in found.suspects]

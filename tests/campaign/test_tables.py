@@ -235,15 +235,13 @@ def test_binary_files(kind, tmp_path):
 
 @pytest.mark.parametrize("suffix", ["h5", "nc", "parquet", "tdms"])
 def test_a_missing_library_says_what_to_install(suffix, tmp_path, monkeypatch):
-    import ident.campaign.tables.binary as binary
-
     def missing(name):
         raise ImportError(name)
 
-    monkeypatch.setattr(binary.importlib, "import_module", missing)
+    monkeypatch.setattr("ident.errors.importlib.import_module", missing)
     path = tmp_path / f"a.{suffix}"
     path.write_bytes(b"x")
-    with pytest.raises(UserError, match=r'pip install "ident\[files\]"'):
+    with pytest.raises(UserError, match=r"in the folder of ident: pip install '\.\[files\]'"):
         read_table(path, path.name)
 
 

@@ -100,6 +100,14 @@ def test_a_misfit_is_found_in_its_record_and_harmonic(regression: Regression) ->
     assert where.misfit == pytest.approx(800 * 4.5, rel=0.15)
 
 
+@pytest.mark.parametrize(("told", "kept"), [("V", "V"), ("mN", "N"), ("counts", "counts")])
+def test_the_level_of_a_drive_is_told_in_the_unit_of_the_drive(told: str, kept: str, fitted: Fit) -> None:
+    pushed = replace(fitted, campaign=replace(fitted.campaign, device=Oscillator(input=told)))
+    louder = np.repeat([0.0, 1.0, 1.0], 800) * 3.0 * (-1.0) ** np.arange(2400)
+    where = locate(replace(prepared := prepare(pushed), residual=prepared.residual + louder))
+    assert f"in records driven at 2 {kept} or more" in summary(where)
+
+
 def test_a_misfit_is_found_in_its_time(regression: Regression) -> None:
     burst = np.where(np.arange(800) < 120, 4.0, 0.0) * (-1.0) ** np.arange(800)
     said = {s.axis: s.words for s in statements(disturbed(regression, 2, burst))}

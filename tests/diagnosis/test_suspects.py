@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from ident.campaign.quality.suspect import ALL, Suspect, suspects_by_data
 from ident.campaign.record import Channel, NoiseFloor
 from ident.diagnosis.diagnose import diagnose
 from ident.diagnosis.document import diagnosis_dict
+from ident.diagnosis.faulty import suspects
 from ident.diagnosis.faulty.nuisance import nuisances
 from ident.diagnosis.faulty.suspects import alone_off, find_suspects
 from ident.diagnosis.linearised.regression import prepare
@@ -83,6 +86,21 @@ def test_a_time_base_that_is_wrong_by_less_than_the_width_of_the_resonance():
     assert suspect.file == campaign.traces[2].name and suspect.kind == "time-scale" and suspect.settles
     assert suspect.size == pytest.approx(1 / 1.024, abs=1e-3)
     assert suspects_of(fit(start_model(sound := _panel(1.0)), sound)) == ()
+
+
+def test_of_many_that_are_off_the_worst_are_asked_wherever_they_stand_in_the_campaign(monkeypatch):
+    errors, asked = [*np.arange(5.0, 15.0), 40.0, 30.0], []
+    traces = [SimpleNamespace(holdout=i == 11) for i in range(12)]
+    bent = SimpleNamespace(
+        campaign=SimpleNamespace(fitted=traces[:11], traces=traces),
+        trace_scores=[SimpleNamespace(error_over_noise=error) for error in errors],
+    )
+    monkeypatch.setattr(suspects, "is_long", lambda _: False)
+    monkeypatch.setattr(suspects, "own_device", lambda *_: None)
+    monkeypatch.setattr(suspects, "reach", lambda *_: 1.0)
+    monkeypatch.setattr(suspects, "told_by_others", lambda _, i: asked.append(i))
+    assert alone_off.__wrapped__(cast(Fit, bent)) == ()
+    assert asked == [10, 9, 8, 7, 6, 5, 4, 3]
 
 
 @pytest.mark.parametrize("kind", ["gain", *(pytest.param(k, marks=pytest.mark.slow) for k in CASES if k != "gain")])

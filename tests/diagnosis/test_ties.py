@@ -186,3 +186,11 @@ def test_effects_of_ones_own_take_part(regression: Regression, lines: tuple[np.n
     other = candidate(disturbed, "drag", lines[0])
     (tie,) = tie_set(disturbed, best, [best, other], known).ties
     assert (tie.name, tie.why, tie.separate) == ("drag", SAME_LOSS.why, SAME_LOSS.separate)
+
+
+def test_another_form_of_an_effect_is_scored_only_where_it_is_asked_for(regression: Regression) -> None:
+    """It would stand in the place of that effect, also where the library has nothing else."""
+    form = {"attached-mass": LIBRARY["attached-mass"]}
+    beside = replace(regression, scored={})
+    assert score(beside, form) == []
+    assert [one.name for one in score(beside, form, forms=True)] == ["attached-mass"]

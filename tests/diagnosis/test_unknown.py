@@ -87,7 +87,7 @@ def test_the_curve_is_the_law_within_its_error_and_the_formula_has_its_coefficie
 def test_what_was_found_is_written_loaded_and_fitted(effect, tmp_path: Path):
     _, fitted, found = hidden(42, effect)
     file = tmp_path / "runs" / "missing.py"  # in a folder that is not there yet
-    write_effect(found, file)
+    write_effect(found, file, "unknown-effect")
     written = registry([file])["unknown-effect"]
     again = fit(fitted.model + written(), fitted.campaign)
     assert again.converged
@@ -96,7 +96,7 @@ def test_what_was_found_is_written_loaded_and_fitted(effect, tmp_path: Path):
     assert fitted.holdout is not None and again.holdout is not None
     assert again.holdout.error_over_noise < 1.3 < 3 < fitted.holdout.error_over_noise
     with pytest.raises(UserError, match="exists already"):
-        write_effect(found, file)
+        write_effect(found, file, "unknown-effect")
 
 
 def test_where_nothing_is_missing_chance_is_said_to_do_as_much():

@@ -66,6 +66,7 @@ def test_a_sharp_resonance_is_not_believed_where_it_only_mimics_what_is_missing(
     linear = fit(Model(campaign.device), campaign)
     assert linear.fitted.error_over_noise > 1.5
     assert "held" in linear.estimates[1].flags and linear.estimates[1].value == 30.0
+    assert len(fit(Model(campaign.device), campaign, starts=2).starts) == 3  # from which the user has asked to begin
     drifting = add(linear, built_in()["stiffness-drift"])
     assert drifting.fitted.error_over_noise < 1.05
     assert drifting.estimates[1].value == pytest.approx(55.5, rel=0.2) and "held" not in drifting.estimates[1].flags

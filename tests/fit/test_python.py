@@ -69,7 +69,7 @@ def test_a_document_says_what_a_campaign_file_says():
         ([1, 2], {}, "no record"),
         ({"t": [1, 2], "u": [1]}, {}, "one length"),
         ({"t": ["a"]}, {}, "no column of numbers"),
-        (columns("sine_3V_500Hz.csv"), {"strat": "rest"}, 'did you mean "start"'),
+        (columns("sine_3V_500Hz.csv"), {"strat": "rest"}, "did you mean 'start'"),
         (columns("sine_3V_500Hz.csv"), {"holdout": "recrd"}, "did you mean 'record'"),
         (CLEAN, {"start": "rest"}, "campaign file says itself"),
         ({**columns("sine_3V_500Hz.csv"), "z (um)": np.full(2000, np.nan)}, {}, "row 1"),

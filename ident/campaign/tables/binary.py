@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import struct
 import zipfile
 import zlib
@@ -13,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ident.errors import UserError
+from ident.errors import UserError, need
 
 from .opening import check_unfolded
 from .preamble import Told, step_of
@@ -25,12 +24,8 @@ Pair = tuple[str, np.ndarray, str]
 
 
 def library(module: str, name: str, extra: str = "files") -> Any:
-    """An optional library. **Raises:** UserError that says how to install it."""
-    try:
-        return importlib.import_module(module)
-    except ImportError:
-        do = f'install the extra: pip install "ident[{extra}]" (or export the record as CSV)'
-        raise UserError(f"this kind of file needs the library {module.split('.')[0]}", where=name, do=do) from None
+    """The library that reads a file. **Raises:** UserError that says how to install it."""
+    return need(module, "this kind of file", extra, where=name, otherwise="export the record as CSV")
 
 
 def unreadable(name: str, kind: str, error: Exception) -> UserError:

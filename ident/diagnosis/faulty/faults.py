@@ -299,6 +299,6 @@ def _minimum(
     """`scales`: of all records, where these are a part: else a shape might leave its limits for those of a few."""
     try:
         found = minimise(model, campaign, initial=initial, most=most, compared=True, scales=scales)
-    except (FloatingPointError, np.linalg.LinAlgError):
+    except np.linalg.LinAlgError:
         return None
     return found if np.all(np.isfinite(found.best.found.residuals)) and np.all(np.isfinite(found.values)) else None

@@ -77,10 +77,10 @@ def alone_off(fitted: Fit) -> tuple[Suspect, ...]:
     off = [i for i, trace in enumerate(traces) if not trace.holdout and errors[i] > _FAR * _FLOOR]
     if not off:
         return ()
-    worst = max(off, key=errors.__getitem__)
-    off = off[:_MOST]
+    off = sorted(off, key=lambda i: -errors[i])[:_MOST]
+    worst = off[0]
     if reach(fitted, traces[worst], own_device(fitted, worst)) > _FLOOR:
-        off = [i for i in off if i == worst]  # without another record it would stay where it is
+        off = [worst]  # without another record it would stay where it is
     rests = {i: told_by_others(fitted, i) for i in off}
     found = [
         fault for i, rest in rests.items() if rest and rest.worst <= _FLOOR

@@ -7,9 +7,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ...campaign.device import Device, Oscillator
+from ...campaign.device import Device, drive_unit
 from ...campaign.record import Trace
-from ...units import base_unit, find_unit
 from ..where.words import hertz
 
 Kind = Literal["sine", "biased", "burst", "multisine"]
@@ -89,9 +88,7 @@ def limits_of(device: Device, records: tuple[Trace, ...], resonance: float) -> L
     n = int(min(np.median([len(r.time) for r in records]), _MOST_SAMPLES))
     time = step * np.arange(n)
     highest = min(device.max_frequency or 2.5 * resonance, 1 / (_PER_PERIOD * step))
-    own = device.input if isinstance(device, Oscillator) else "V"
-    known = find_unit(own)
-    return Limits(volts, 3.0 / time[-1], highest, time, own if known is None else base_unit(known.dimension))
+    return Limits(volts, 3.0 / time[-1], highest, time, drive_unit(device))
 
 
 def proposals(limits: Limits, resonance: float) -> list[Waveform]:

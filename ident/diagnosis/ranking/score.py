@@ -84,19 +84,21 @@ _USUAL = 0.5  # of what other words promise: refits keep as little of a promise,
 _NEAR_POINTS = 5  # of a grid, kept as starts: the best of them may lead into a local minimum
 
 
-def score(regression: Regression, library: Registry, report: Report = lambda _: None) -> list[Candidate]:
+def score(
+    regression: Regression, library: Registry, report: Report = lambda _: None, forms: bool = False
+) -> list[Candidate]:
     """Every candidate of the library that the model does not have, best first; each is scored once on a regression.
 
     A family of which the model has a member is none: that one with other numbers would stand in its place, not beside.
-    Nor is another form of an effect beside others: it is asked for alone.
+    Nor is another form of an effect, which would stand in the place of that, unless `forms` are asked for.
     """
-    there, alone = regression.fit.model.effects, len(library) == 1
+    there = regression.fit.model.effects
     missing = [
         effect
         for effect in library.values()
         if effect.name not in regression.fit.model.names
         and not any(is_family_of(effect, one) for one in there)
-        and (alone or not effect.form_of)
+        and (forms or not effect.form_of)
     ]
     new = [effect for effect in missing if effect not in regression.scored]
     regression.scored.update(

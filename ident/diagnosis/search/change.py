@@ -41,7 +41,7 @@ def add(
     """
     effect = find(effect, registry(parent.campaign.effect_files)) if isinstance(effect, str) else effect
     report(f"estimating {effect.name} along the measured motion")
-    found = score(prepare(parent), {effect.name: effect})
+    found = score(prepare(parent), {effect.name: effect}, forms=True)
     words = found[0].words if found else None
     model = without_unseen(with_effect(parent, effect, words), found[0] if found else None)
     first = np.concatenate([parent.values, start_of(model, found[0] if found else None, parent.scales)])

@@ -126,7 +126,7 @@ def _replayed(
     current, names = start, list(needed.names)
     while names:
         regression = prepare(working(current)) if steps else at_best
-        forms = [c for name in names if library[name].form_of for c in score(regression, {name: library[name]})]
+        forms = score(regression, {name: library[name] for name in names if library[name].form_of}, forms=True)
         candidates = [*score(regression, library), *forms]
         chosen = min((c for c in candidates if c.name in names), key=lambda c: names.index(c.name), default=None)
         if chosen is None:  # beside the others it does nothing that they do not

@@ -40,6 +40,7 @@ def without_a_mode(start: Fit, last: Fit, library: Registry, first: Regression, 
         return None
     try:
         fewer = without(start, [found[2]])
+        prepare(fewer)
     except Diverged:  # without it the motion of the first model has no bound
         return None
     report(f"another answer needs no {found[2]}: once more, without it")

@@ -40,7 +40,7 @@ def lower_start(start: Fit, last: Fit, report: Report) -> Fit | None:
         lower = fit(start.model, start.campaign, initial=initial)
         if not clearly_better(prepare(working(lower)), prepare(working(start))):
             return None
-    except (Diverged, FloatingPointError, np.linalg.LinAlgError):  # from there the motion has no bound
+    except (Diverged, np.linalg.LinAlgError):  # from there the motion has no bound
         return None
     report("the first model has a better minimum: once more, from there")
     return lower
@@ -54,9 +54,11 @@ def with_other_starts(one: Fit) -> Fit | None:
         return None
     records = (replace(r, start="unknown") if r.name in otherwise else r for r in one.campaign.records)
     try:
-        return fit(one.model, replace(one.campaign, records=tuple(records)), initial=one.values, most=CRAWLS)
-    except (FloatingPointError, np.linalg.LinAlgError):
+        freed = fit(one.model, replace(one.campaign, records=tuple(records)), initial=one.values, most=CRAWLS)
+        prepare(working(freed))  # a fit itself only leaves what is no number
+    except (Diverged, np.linalg.LinAlgError):
         return None
+    return freed
 
 
 def drive_beside(more: list[Step], current: Fit, look: Look) -> Campaign | None:

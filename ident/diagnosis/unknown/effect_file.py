@@ -33,7 +33,7 @@ class _Written(NamedTuple):
     hidden_unit: str
 
 
-def write_effect(unknown: Unknown, path: Path, name: str = "unknown-effect") -> None:
+def write_effect(unknown: Unknown, path: Path, name: str) -> None:
     """Write a Python file that defines the missing term as an effect, its amplitudes starting from the estimate.
 
     **Raises:** UserError if the name is not one of lower-case words joined by hyphens, no term describes what is

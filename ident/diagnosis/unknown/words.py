@@ -12,7 +12,7 @@ from ...fit.judge import GOOD
 if TYPE_CHECKING:
     from .find import Unknown
 
-_NAMES = {"z": "the displacement z", "v": "the velocity v", "V": "the drive voltage V",
+_NAMES = {"z": "the displacement z", "v": "the velocity v", "V": "the drive V",
           "dV": "the rate of the drive (dV = V̇/ω)", "t": "the time t"}  # fmt: skip
 _SIDES = {"force": "a force on the stage", "drive": "a force through the drive", "sensor": "an error of the sensor"}
 _FOLLOWED = 0.97  # error over noise below which functions of the measured motion must have followed its noise

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...campaign.device import drive_unit
 from ...campaign.drive import drive_frequency
 from ...campaign.record import Sweep, same_level
 from ...fit import Fit
@@ -27,8 +28,8 @@ class RecordView(NamedTuple):
     """One record: error ÷ noise floor of its white residual, χ² above noise, its probability by chance, and where it
     was driven.
 
-    **Arguments:** `error`: error ÷ noise floor as its fit says it; `level`: largest |drive|, V; `travel`: largest
-    |response|, m; `frequency`: of the drive, Hz.
+    **Arguments:** `error`: error ÷ noise floor as its fit says it; `level` and `travel`: largest |drive| and
+    |response|, in the units in which a fit keeps them; `frequency`: of the drive, Hz.
     """
 
     name: str
@@ -55,6 +56,7 @@ class Where(NamedTuple):
       amplitude of its level a point lies, in half-power widths.
     - `error`: error ÷ noise floor of the fitted records as their fit says it, and `excerpts`, whether only excerpts of
       them were looked at.
+    - `drive_unit`: of the levels of records.
     - `whiteness`: autocorrelation of the residual; `drive`: its cross-correlation with the drive, if there is one.
     """
 
@@ -71,6 +73,7 @@ class Where(NamedTuple):
     drive: Correlation | None
     resonance: float
     error: float
+    drive_unit: str
     excerpts: bool = False
 
     @property
@@ -165,6 +168,7 @@ def locate(regression: Regression, whole: Fit | None = None) -> Where:
         ),
         resonance,
         said.fitted.error_over_noise,
+        drive_unit(said.campaign.device),
         said is not regression.fit and any(r.excerpt for r in regression.fit.campaign.fitted),
     )
 

@@ -116,7 +116,7 @@ def _level(where: Where) -> Statement | None:
     f0 = where.resonance
     nearness = lambda r: -abs(np.log(max(r.frequency, 1e-9) / f0))
     questions = [
-        (lambda r: r.level, lambda r: f"in records driven at {r.level:.3g} V or more"),
+        (lambda r: r.level, lambda r: f"in records driven at {r.level:.3g} {where.drive_unit} or more"),
         (nearness, lambda r: f"in records within {100 * (np.exp(-nearness(r)) - 1):.0f} % of the resonance"),
         (lambda r: -r.frequency / f0, lambda r: f"in records driven at or below {hertz(r.frequency)} Hz"),
         (lambda r: r.frequency / f0, lambda r: f"in records driven at or above {hertz(r.frequency)} Hz"),
@@ -226,7 +226,7 @@ def _phase(where: Where) -> Statement | None:
     spans = []
     for first in starts:
         length = int(np.argmin(np.roll(chosen, -first)))
-        last = view.edges[first] + length * 30
+        last = view.edges[first] + length * (view.edges[1] - view.edges[0])
         spans.append(f"{view.edges[first]:.0f}–{last if last <= 360 else last - 360:.0f}°")  # 330–30°, across the zero
     return Statement("phase", f"at {' and '.join(spans)} of the drive's phase", share, p)
 

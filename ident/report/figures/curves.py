@@ -59,11 +59,12 @@ def _error_words(curve: CurveReading, fit: Fit) -> str:
 
 
 def _jump_words(curve: CurveReading, fit: Fit) -> str:
-    told = []
+    told, drive = [], curve.sweep.drive_channel
     for run in curve.runs:
         if run.jump is None or len(told) == _MOST_JUMPS:
             continue
-        told.append(f"{run.run.level:.3g} V {'up' if run.run.up else 'down'}: {jump_words(run, fit)}")
+        level = f"{run.run.level / drive.factor:.3g} {drive.unit}"
+        told.append(f"{level} {'up' if run.run.up else 'down'}: {jump_words(run, fit)}")
     return "jumps:  " + ";  ".join(told) if told else ""
 
 

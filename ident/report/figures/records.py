@@ -212,7 +212,7 @@ def _loop(
     axes.plot(drive, reading[samples] / unit.factor, color=MODEL, lw=0.9)
     axes.axhline(0, color=FAINT, lw=0.6)
     axes.axvline(0, color=FAINT, lw=0.6)
-    label(axes, f"drive ({volt.unit})", what, "against the drive's voltage")
+    label(axes, f"drive ({volt.unit})", what, "against the drive")
 
 
 def _spectrum(axes: Axes, record: Trace, reading: np.ndarray, device: Device) -> None:

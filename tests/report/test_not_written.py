@@ -1,0 +1,32 @@
+"""Why `ident diagnose --write-effect` has written nothing."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from ident.report.diagnosis_view import why_not_written
+
+
+@pytest.mark.parametrize(
+    ("said", "verdict", "told"),
+    [
+        ("nothing is missing", "adequate", {}),
+        ("wrong with the records", "ambiguous", {"suspects": (SimpleNamespace(first=True),)}),
+        ("in traces only", "not-in-library", {"traces": ()}),
+        ("no term describes", "not-in-library", {"unknown": object()}),
+        ("held-out ones", "not-in-library", {}),
+        ("no law that a simulation keeps", "ambiguous", {"unknown": object()}),
+        ("come near", "ambiguous", {"steps": (object(),), "lacking": 0.1, "unknown": object()}),
+        ("effects of the library explain", "identified", {"steps": (object(),)}),
+        ("effects of the library explain", "ambiguous", {"steps": (object(),)}),
+    ],
+)
+def test_it_says_the_true_reason(said: str, verdict: str, told: dict[str, Any]) -> None:
+    final = SimpleNamespace(campaign=SimpleNamespace(fitted=told.get("traces", (object(),))))
+    steps, lacking = told.get("steps", ()), told.get("lacking", 0.0)
+    loop = SimpleNamespace(verdict=verdict, final=final, steps=steps, lacking=lacking)
+    found: Any = SimpleNamespace(discovery=loop, unknown=told.get("unknown"), suspects=told.get("suspects", ()))
+    assert said in why_not_written(found)
