@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 from .late import in_time
 from .record import Trace
 
-Kind = Literal["stiffness", "damping", "sensitivity", "delay", "clock", "baseline"]
+Kind = Literal["stiffness", "damping", "sensitivity", "delay", "clock", "level", "baseline"]
 
 
 class Told(NamedTuple):
@@ -36,13 +36,14 @@ TOLD: dict[Kind, Told] = {
     "sensitivity": Told("sensitivity", 100.0, "%", "was the sensor moved?", 0.9, shared=True),
     "delay": Told("delay", 1.0, "samples", "did each have a trigger of its own?", 100.0),
     "clock": Told("clock", 1e6, "ppm", "do generator and recorder run by one clock?", 0.1),
+    "level": Told("zero", 100.0, "% of its signal", "was the sensor set anew, or is it AC coupled?", 100.0),
     "baseline": Told("baseline", 100.0, "% of its signal", "does the sensor drift?", 100.0, each=3),
 }
 
 
 def curves(trace: Trace) -> np.ndarray:
     """The curves that the numbers of a baseline multiply, (3, n): a level, a line and a parabola, as large as the
-    signal."""
+    signal; the first is that of a level alone."""
     t = np.linspace(-1.0, 1.0, len(trace.time))
     size = float(np.std(trace.response[trace.counted]))
     return size * np.stack([np.ones_like(t), t, 1.5 * t**2 - 0.5])
@@ -65,8 +66,9 @@ def read_apart(trace: Trace, kind: Kind, sizes: Iterable[float]) -> Trace:
         index, ran = np.arange(len(trace.time)), 1 - told[1][0]
         drive = CubicSpline(index, trace.drive)(np.clip(index * ran, 0, index[-1]))
         return replace(trace, own=told, time=trace.time * ran, drive=drive)
-    if kind == "baseline":
-        return replace(trace, own=told, response=trace.response - np.asarray(told[1]) @ curves(trace))
+    if kind in ("level", "baseline"):
+        moved = np.asarray(told[1]) @ curves(trace)[: TOLD[kind].each]
+        return replace(trace, own=told, response=trace.response - moved)
     times = 1 / (1 + told[1][0])
     noise = replace(trace.noise, sigma=trace.noise.sigma * times)
     return replace(trace, own=told, response=trace.response * times, noise=noise)

@@ -55,11 +55,14 @@ def apart_before(look: Look, report: Report) -> Apart | None:
         return None
     if not comparable(regression.fit) or not look.worth_it:
         return None
-    if min((found.chi2 for found in look.tried if found.possible), default=np.inf) < AS_WELL * regression.n:
+    settles = [found.candidate.name for found in look.tried if found.possible and found.chi2 < AS_WELL * regression.n]
+    if any(_histories(name, look) == 0 for name in settles):
         return None
     plain = _of_one_mode(look)
     promise = _best(plain, report)
     pair = best_pair(regression, look.candidates)
+    if pair is not None:
+        pair = pair._replace(numbers=pair.numbers + sum(_histories(name, look) for name in pair.names))
     says_all = pair is not None and float(pair.left @ pair.left) < AS_WELL * regression.n
     if behind(promise, pair or regression) > (-VERY_STRONG if says_all or pair is None else VERY_STRONG):
         return None
@@ -106,7 +109,15 @@ def _told_by_another(found: Differing, look: Look) -> bool:
         tried = Look(prepare(one), look.first, look.library, look.report).tried
     except Diverged:
         return False
-    return any(other.possible and behind(numbers, other) > -VERY_STRONG for other in tried)
+    told = [Left(one.left, one.numbers + _histories(one.candidate.name, look)) for one in tried if one.possible]
+    return any(behind(numbers, one) > -VERY_STRONG for one in told)
+
+
+def _histories(effect: str, look: Look) -> int:
+    """How many numbers of the records' own an effect brings: a memory that is slower than a record lasts has in each
+    that begins in motion a constant of its own, whatever became of it before."""
+    begun = sum(record.start != "rest" for record in look.regression.fit.campaign.fitted)
+    return begun * len(look.library[effect].hidden_units)
 
 
 def _of_one_mode(look: Look) -> Look:

@@ -4,7 +4,7 @@ sensitivity, later, or by a sensor that drifts.
 Each record then has numbers s of its own, found by Gauss-Newton steps beside everything that the model absorbs:
 
     m z̈ + c ż + k (1 + s) z = F  or  m z̈ + c (1 + s) ż + k z = F,
-    reading = (1 + s) z  or  z(t − s Δt)  or  z(t − s t)  or  z + s₀ + s₁ t + s₂ t².
+    reading = (1 + s) z  or  z(t − s Δt)  or  z(t − s t)  or  z + s  or  z + s₀ + s₁ t + s₂ t².
 
 To a sine every nonlinear device is a linear one of another resonance at each level
 (N. Minorsky, Nonlinear Oscillations, 1962, ch. 14): that records differ is an answer only where no law explains them.
@@ -38,7 +38,7 @@ _SMALL = 1e-4  # change of a stiffness or a damping by which its derivative is t
 _FEWEST = 3  # records: of two that disagree nobody knows which one is the device's
 
 KINDS = tuple(TOLD)
-_OF_TIME = ("delay", "clock")
+_OF_TIME, _OF_ZERO = ("delay", "clock"), ("level", "baseline")
 _OF_DEVICE = {"stiffness": (FREQUENCY, 1.0), "damping": (QUALITY, -1.0)}
 """Which parameter of the linear part such a number moves along, and whether up or down."""
 
@@ -100,7 +100,7 @@ def differing(fitted: Fit, kinds: Sequence[Kind | Literal["drive"]] | None = Non
 def _found(fitted: Fit, kind: Kind) -> Differing | None:
     campaign, now, q = fitted.campaign, fitted, TOLD[kind].each
     inside = [i for i, trace in enumerate(campaign.traces) if not trace.holdout]
-    if len(inside) < (2 if kind == "baseline" else _FEWEST):  # a zero that moves is no device's
+    if len(inside) < (2 if kind in _OF_ZERO else _FEWEST):  # a zero that moves is no device's
         return None
     shortest = min(len(trace.time) for trace in campaign.traces)
     most = min(TOLD[kind].most, shortest / 10) if kind == "delay" else TOLD[kind].most
@@ -142,8 +142,8 @@ def _apart(regression: Regression, slopes: Sequence[np.ndarray]) -> np.ndarray:
 
 def _slopes(now: Fit, as_read: Trace, trace: Trace, kind: Kind) -> np.ndarray:
     """Change of the reading of a record, as it was read and as its numbers so far make it, with these, (q, n)."""
-    if kind == "baseline":
-        return curves(as_read)
+    if kind in _OF_ZERO:
+        return curves(as_read)[: TOLD[kind].each]
     here = read(now.model, now.values, [trace])[0]
     if kind == "sensitivity":
         return here[None] / (1 + (trace.own[1][0] if trace.own else 0.0))
