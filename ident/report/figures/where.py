@@ -12,6 +12,7 @@ from ...diagnosis.where.locate import ALARMS, RecordView, Where
 from ...diagnosis.where.views import View
 from ...diagnosis.where.whiteness import Correlation
 from ...diagnosis.where.words import statements, summary
+from ...units import ratio_text
 from .style import BAND, DATA, FAINT, HELDOUT, INK, RESIDUAL, key, label, new_axes, new_figure, shortened
 
 if TYPE_CHECKING:
@@ -47,8 +48,8 @@ def where_figure(where: Where) -> Figure:
         ]
     for left, view, axis, question, x in panels:
         _bins(new_axes(figure, left, top, _WIDTH, height), view, said.get(axis), question, x)
-    wide = (0.055, low, 0.435, height)
-    left, right = (0.055, low, _WIDTH, height), (0.305, low, _WIDTH, height)
+    wide = (0.07, low, 0.42, height)
+    left, right = (0.07, low, _WIDTH, height), (0.305, low, _WIDTH, height)
     if where.of_curves:
         _bins(new_axes(figure, *wide), where.time, said.get("frequency"), "At which frequency?", where.time.axis)
     elif where.phase is None or where.harmonics is None or len(where.harmonics.ratio) == 1:
@@ -94,11 +95,11 @@ def _records(axes: Axes, where: Where, said: Mapping[str, str]) -> None:
     answer = said.get("record") or said.get("level")
     for i, r in enumerate(ranked):
         axes.barh(i, r.error, height=0.72, color=_colour(r, ranked, answer is not None))
-        axes.text(r.error, i, f" {r.error:.3g}", fontsize=7.5, va="center", color=INK)
+        axes.text(r.error, i, f" {ratio_text(r.error)}", fontsize=7.5, va="center", color=INK)
     axes.axvline(1.0, color=INK, lw=0.9, ls="--")
     axes.set_yticks(range(len(ranked)), [shortened(r.name, 18) for r in ranked], fontsize=7.5)
     axes.set_ylim(len(ranked) - 0.4, -0.6)
-    axes.set_xlim(0, 1.3 * max(r.error for r in ranked))
+    axes.set_xlim(0, 1.4 * max(r.error for r in ranked))
     axes.locator_params(axis="x", nbins=3)
     more = len(once) - len(ranked)
     question = f"Which record? (worst of {len(once)})" if more > 0 else "Which record?"
