@@ -128,6 +128,8 @@ def diagnose(
     suspects = find_suspects(fitted, lambda: look, report)
     first = [suspect for suspect in suspects if suspect.first]
     faulty = any(suspect.settles for suspect in first)  # else it may be the worst of several that each have a number
+    if first and not faulty and find_unknown(regression).chi2_after < AS_WELL:
+        first = []  # a law of the device's coordinates says what that fault leaves
     before = None if walked.steps or faulty else apart_before(look, report)
     if before is not None and (said := _read_apart(before, regression, library, report, keep)) is not None:
         return said

@@ -9,6 +9,8 @@ from typing import cast
 import numpy as np
 import pytest
 
+import ident
+from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw, write
 from ident.campaign import Campaign, Trace, read_campaign
 from ident.campaign.quality.clipping import clipped_mask
@@ -248,3 +250,11 @@ def test_a_gain_that_a_memory_nearly_explains_is_a_gain():
 
     told = run(430, "gain", hidden=False)
     assert told["right"] and told["wrong"] == 0
+
+
+def test_a_law_that_says_everything_is_not_blamed_on_a_record():
+    """A spring z²V of 80 noise floors, which the library has not: beside a loop a record that lost samples explained
+    more than any effect, left 32 of them, and no physics was named."""
+    found = ident.discover(campaign_of(draw(8610, ("voltage-quadratic-stiffness",), size=0.08, noise=0.001)))
+    assert not found.suspects and found.verdict == "not-in-library"
+    assert found.unknown is not None and "z² V" in str(found.unknown.formula)
