@@ -49,7 +49,7 @@ def test_what_a_simulation_does_not_keep_is_not_named(tmp_path: Path):
 
 
 def test_an_effect_that_takes_a_tenth_helps_only_where_no_floor_is_that_wrong():
-    first: Any = SimpleNamespace(chi2=500.0, n=100.0, excess=400.0)
+    first: Any = SimpleNamespace(chi2=500.0, n=100.0, excess=400.0, above_noise=400.0)
     for error, helps in ((2.3, False), (20.0, True)):
         fitted = SimpleNamespace(fitted=SimpleNamespace(error_over_noise=error))
         found: Any = SimpleNamespace(start=fitted, confirmed={"pzt-hysteresis": 0.105})

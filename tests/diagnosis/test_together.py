@@ -62,6 +62,7 @@ def test_in_a_pair_a_law_takes_the_place_of_a_part_of_it() -> None:
         whitenings=(),
         n=400, residual=left, numbers=3, chi2=float(left @ left), to_explain=float(left @ left) - 400, credible=True,
         fit=SimpleNamespace(campaign=noise), instead_of=None, best_chi2=float(left @ left), fit_chi2=float(left @ left),
+        above_noise=float(left @ left) - 400,
     )  # fmt: skip
     regression, with_stress = told(residual), told(residual - 100 * spring)
     names = lambda single: hidden_by_each_other(regression, candidates, single, regression, built_in())  # pyright: ignore
@@ -89,6 +90,7 @@ def test_a_pair_whose_refits_keep_little_of_what_is_left_is_no_pair(
         whitenings=(),
         n=400, residual=left, numbers=3, chi2=float(left @ left), to_explain=float(left @ left) - 400, instead_of=None,
         fit=SimpleNamespace(campaign=noise, holdout=None), best_chi2=float(left @ left), fit_chi2=float(left @ left),
+        above_noise=float(left @ left) - 400,
     )  # fmt: skip
     before, after = told(far), told(np.sqrt(1 - kept) * far)
     monkeypatch.setattr(together, "score", lambda *_: [_candidate("one", far[None], far)])
