@@ -49,7 +49,7 @@ def where_figure(where: Where) -> Figure:
     for left, view, axis, question, x in panels:
         _bins(new_axes(figure, left, top, _WIDTH, height), view, said.get(axis), question, x)
     wide = (0.07, low, 0.42, height)
-    left, right = (0.07, low, _WIDTH, height), (0.305, low, _WIDTH, height)
+    left, right = (0.07, low, _WIDTH - 0.015, height), (0.305, low, _WIDTH, height)
     if where.of_curves:
         _bins(new_axes(figure, *wide), where.time, said.get("frequency"), "At which frequency?", where.time.axis)
     elif where.phase is None or where.harmonics is None or len(where.harmonics.ratio) == 1:
