@@ -33,8 +33,14 @@ def regression(error: float, reached: float | None = None, doubt: float = 0.03, 
 
 def test_the_doubt_of_a_noise_floor_excuses_what_no_effect_explains() -> None:
     assert adequate(regression(1.08)) and not adequate(regression(1.08, doubt=0.0))
-    assert adequate(regression(1.08), explained=0.3) and not adequate(regression(1.08), explained=0.8)
-    assert adequate(regression(1.04), explained=0.8)  # within what is allowed to any model
+    excess = regression(1.08).excess
+    assert adequate(regression(1.08), promise=0.3 * excess) and not adequate(regression(1.08), promise=0.8 * excess)
+    assert adequate(regression(1.04), promise=regression(1.04).excess)  # within what is allowed to any model
+
+
+def test_a_floor_that_is_too_high_does_not_hide_a_law() -> None:
+    """Of the first decays of a liquid, at 1.04 of a floor of coloured noise doubtful by 9 %, one law took a third."""
+    assert not adequate(regression(1.04, doubt=0.09), promise=0.34 * N * 1.04**2)
 
 
 def test_what_differs_between_two_passes_of_a_curve_is_smooth_noise_that_an_effect_explains() -> None:
@@ -42,7 +48,7 @@ def test_what_differs_between_two_passes_of_a_curve_is_smooth_noise_that_an_effe
     jumps of three other levels were predicted wrong."""
     curve = regression(1.08)
     curve.fit.campaign.fitted_sweeps, curve.fit.campaign.fitted = curve.fit.campaign.fitted, ()
-    assert adequate(curve, explained=0.8)
+    assert adequate(curve, promise=0.8 * curve.excess)
 
 
 def test_a_term_under_one_percent_is_added_if_it_explains_most_of_what_is_left() -> None:
@@ -50,7 +56,7 @@ def test_a_term_under_one_percent_is_added_if_it_explains_most_of_what_is_left()
     left = now.chi2 - N
     assert not not_worth_adding(now, 0.8 * left, first)
     assert not_worth_adding(now, 0.3 * left, first)
-    assert not_worth_adding(regression(1.0), 0.8 * left, first)
+    assert not_worth_adding(regression(1.0), 0.08 * N, first)
 
 
 def test_the_library_is_asked_for_as_long_as_a_verdict_would_miss_a_law() -> None:

@@ -17,24 +17,26 @@ Role = Literal["effect", "shape-refinement"]
 ANOTHER_LAW = 0.001  # of the first excess: structured misfit beyond which a name is in doubt; see `lacking`
 _AT_FLOOR = 1.05  # error over noise, and twice the doubt of the floor more, up to a doubt of
 _MOST_DOUBT = 0.1
+_LEFT_AT_FLOOR = 1 - 1 / _AT_FLOOR**2  # of the χ²
 _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
 _WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
-MOST_OF_IT = 0.5  # of what is left: a wrong noise floor leaves nothing that one effect explains to this degree
+MOST_OF_IT = 0.5  # of what is left
 LEAST = 0.2  # of what is left: where every effect promises less, the library lacks the one that is missing
 SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
 _SAME_WHILE_LACKING = 0.02  # the same as long as ten times as much is unexplained
 _FAR = 4.0  # χ² per sample, more than a wrong noise floor would make
 
 
-def adequate(regression: Regression, explained: float = 0.0) -> bool:
+def adequate(regression: Regression, promise: float = 0.0) -> bool:
     """Whether the error stands at the noise floor, within what is known of that floor.
 
     What counts is the whitened error without mains hum and initial states, and without noise of the force: they are no
-    shortcoming of a model. `explained`: share of what is left that one effect explains; a wrong floor, or noise, would
-    leave what none does. Not so on curves alone: there a way back that differs is noise, and as smooth as they are.
+    shortcoming of a model. `promise`: the most by which one effect lowers the χ². Of noise, whatever its level, none
+    takes more than a model at its floor may leave. Not so on curves alone: there a way back that differs is noise, and
+    as smooth as they are.
     """
-    at_floor = _at_floor(regression.chi2, regression, explained)
-    return at_floor or (explained < MOST_OF_IT and noise_of_force(regression) is not None)
+    may_be_noise = promise < _LEFT_AT_FLOOR * regression.chi2 or not regression.fit.campaign.fitted
+    return may_be_noise and (_at_floor(regression.chi2, regression) or noise_of_force(regression) is not None)
 
 
 def noise_of_force(regression: Regression) -> Pushed | None:
@@ -43,11 +45,9 @@ def noise_of_force(regression: Regression) -> Pushed | None:
     return pushed if pushed is not None and _at_floor(pushed.level**2 * regression.n, regression) else None
 
 
-def _at_floor(chi2: float, regression: Regression, explained: float = 0.0) -> bool:
+def _at_floor(chi2: float, regression: Regression) -> bool:
     campaign = regression.fit.campaign
-    doubted = explained < MOST_OF_IT or not campaign.fitted
-    floor = floor_of([*campaign.fitted, *campaign.fitted_sweeps]) if doubted else _AT_FLOOR
-    return float(np.sqrt(chi2 / regression.n)) < floor
+    return float(np.sqrt(chi2 / regression.n)) < floor_of([*campaign.fitted, *campaign.fitted_sweeps])
 
 
 def floor_of(records: Sequence[Trace | Sweep]) -> float:
@@ -98,7 +98,7 @@ def not_worth_adding(regression: Regression, best: float, first: Regression) -> 
         return share < LEAST and regression.chi2 > _FAR * regression.n
     if worth_a_name(best, first):
         return share < LEAST
-    return share < _WORTH or adequate(regression, explained=share)
+    return share < _WORTH or adequate(regression, promise=best)
 
 
 def laws_differ_by(regression: Regression, left: float) -> float:
