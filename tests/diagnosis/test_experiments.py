@@ -12,8 +12,10 @@ from ident.campaign.device import Oscillator, Platform
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.diagnosis.next_record.experiments import SEPARATED, NextExperiment, grouped, rank_experiments
 from ident.diagnosis.next_record.waveforms import Limits, limits_of, proposals
+from ident.effects.library.cubic_damping import CubicDamping
 from ident.effects.library.cubic_stiffness import CubicStiffness
 from ident.effects.library.drive_lag import DriveLag
+from ident.effects.library.quadratic_damping import QuadraticDamping
 from ident.effects.library.sensor_lag import SensorLag
 from ident.effects.library.sensor_nonlinearity import SensorNonlinearity
 from ident.fit import Fit, fit
@@ -121,3 +123,23 @@ def test_what_a_record_leaves_tied_is_named_together() -> None:
 def test_a_record_to_take_is_told_in_the_unit_of_the_drive(present: Campaign) -> None:
     told = lambda device: proposals(limits_of(device, present.fitted, F0), F0)[0].words
     assert " N, " in told(Oscillator("mm", "mN")) and " V, " in told(Oscillator()) and " V, " in told(Platform())
+
+
+def test_of_free_decays_one_that_begins_farther_is_proposed() -> None:
+    """For a liquid that nothing drives "sine 0 V, from rest" had been proposed."""
+    time, mm = STEP * np.arange(900), Channel("mm", 1e-3)
+    shrinking = np.exp(-2 * np.pi * F0 * time / 100.0) / (1 + 5 * time)  # as |v| v makes it
+    clean = 2e-4 * shrinking * np.cos(2 * np.pi * F0 * time)
+    noisy = clean + 2e-6 * np.random.default_rng(3).standard_normal(len(time))
+    record = Trace("decay.csv", time, np.zeros(900), noisy, mm, mm, NoiseFloor(2e-6), "unknown")
+    campaign = Campaign("a decay", (record,), Oscillator())
+    laws = (QuadraticDamping(), CubicDamping())
+    found = rank_experiments({law.name: fit(Model(Oscillator()) + law, campaign) for law in laws})
+    assert all(one.record.startswith("free decay that begins with an amplitude of 0.") for one in found)
+    farther = [one for one in found if one.waveform.begun > 2.5e-4]
+    assert (
+        farther
+        and farther[0].record.endswith(" mm")
+        and farther[0].groups == (("quadratic-damping",), ("cubic-damping",))
+    )
+    assert not np.any(farther[0].voltage)

@@ -25,7 +25,7 @@ from ...campaign.campaign import Campaign
 from ...campaign.record import Channel, NoiseFloor, Trace
 from ...effects.registry import Registry
 from ...fit import Fit
-from ...fit.assemble import assemble, begin
+from ...fit.assemble import assemble, begin_at
 from ...fit.problem import evaluate
 from ...response import Tape, divided
 from ..evidence.equivalences import equivalence
@@ -68,8 +68,8 @@ class NextExperiment:
 
 
 class _Prediction(NamedTuple):
-    """What a rival says of the proposals: readings (k, n), their derivatives (k, p, n) and the present information
-    (p, p)."""
+    """What a rival says of the proposals: readings (k, n), their derivatives (k, p, n), last those by initial states
+    that would have to be fitted, and the present information (p, p)."""
 
     readings: np.ndarray
     slopes: np.ndarray
@@ -97,7 +97,7 @@ def rank_experiments(rivals: Mapping[str, Fit]) -> list[NextExperiment]:
     if not waves:  # such records are too short, or too coarse, for a sine anywhere near the resonance
         return []
     laid_out = _lay_out(list(rivals.values()), waves, limits.time)
-    predictions = {name: _predict(fitted, *laid_out) for name, fitted in rivals.items()}
+    predictions = {name: _predict(fitted, waves, *laid_out) for name, fitted in rivals.items()}
     noise = _noise(first, [p.readings for p in predictions.values()])
     table = np.array(
         [[_gain(predictions[a], predictions[b], k, noise[k]) for a, b in pairs] for k in range(len(waves))]
@@ -143,30 +143,41 @@ def _never_apart(one: str, other: str, rivals: Mapping[str, Fit]) -> bool:
 
 
 def _alike(one: Waveform, other: Waveform) -> bool:
-    return one.kind == other.kind and abs(one.hertz / other.hertz - 1) < _NEAR
+    return one.kind == other.kind and abs(one.hertz / other.hertz - 1) < _NEAR and one.begun == other.begun
 
 
 def _lay_out(rivals: Sequence[Fit], waves: Sequence[Waveform], time: np.ndarray) -> tuple[Campaign, Tape]:
-    """The proposals as records from rest, laid out once for all rivals."""
+    """The proposals as records from rest, or let go, laid out once for all rivals."""
     first = rivals[0]
-    channel, floor = Channel("", 1.0), NoiseFloor(1.0)
+    channel, floor, measures = Channel("", 1.0), NoiseFloor(1.0), first.campaign.fitted[0].measures
     records = tuple(
-        Trace(w.words, time, w.voltage(time), np.zeros(len(time)), channel, channel, floor, "rest") for w in waves
-    )
+        Trace(
+            w.words, time, w.voltage(time), np.full(len(time), w.begun), channel, channel, floor,
+            "unknown" if w.begun else "rest", measures=measures,
+        )
+        for w in waves
+    )  # fmt: skip
     resonance = 1.0 / first.scales.period
     finest = max(_STEPS, *(fitted.model.steps_per_period for fitted in rivals))
     substeps = max(math.ceil(finest * resonance * (time[1] - time[0])), 1)
     return Campaign("proposals", records, first.campaign.device), divided(records, [substeps] * len(records))
 
 
-def _predict(fitted: Fit, campaign: Campaign, tape: Tape) -> _Prediction:
+def _predict(fitted: Fit, waves: Sequence[Waveform], campaign: Campaign, tape: Tape) -> _Prediction:
     """Readings of a fitted model and their derivatives by its fitted parameters."""
     static, data = assemble(fitted.model, campaign, campaign.fitted, tape, fitted.values)
-    found = evaluate(static, data, begin(data, static))
+    begun = np.zeros_like(data.start_scale)
+    omega = 2 * np.pi / fitted.scales.period
+    begun[:, 0] = [wave.begun / omega**record.order for wave, record in zip(waves, campaign.fitted, strict=True)]
+    found = evaluate(static, data, begin_at(data, static, begun))
     readings = np.stack([found.readings[own] for own in tape.slices])
-    slopes = np.stack([found.by_x[:, own] / data.scale[:, None] for own in tape.slices])
+    by_all = np.concatenate([found.by_x / data.scale[:, None], found.by_start])
+    slopes = np.stack([by_all[:, own] for own in tape.slices])
     doubt = max(fitted.fitted.error_over_noise, 1.0)  # a model that does not reach the noise floor knows less
-    return _Prediction(readings, slopes, fitted.linear.jacobian.T @ fitted.linear.jacobian / doubt**2)
+    p = len(found.by_x)
+    information = np.zeros((len(by_all), len(by_all)))
+    information[:p, :p] = fitted.linear.jacobian.T @ fitted.linear.jacobian / doubt**2
+    return _Prediction(readings, slopes, information)
 
 
 def _noise(fitted: Fit, readings: Sequence[np.ndarray]) -> np.ndarray:

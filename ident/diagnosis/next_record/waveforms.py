@@ -1,4 +1,4 @@
-"""Records that a laboratory could take next: drives in words and as voltage against time."""
+"""Records that a laboratory could take next: drives in words and as voltage against time, or free decays."""
 
 from __future__ import annotations
 
@@ -8,19 +8,21 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ...campaign.device import Device, drive_unit
-from ...campaign.record import Trace
+from ...campaign.record import Channel, Trace
 from ..where.words import hertz
 
-Kind = Literal["sine", "biased", "burst", "multisine"]
+Kind = Literal["sine", "biased", "burst", "multisine", "decay"]
 
 
 @dataclass(frozen=True)
 class Waveform:
-    """A drive, switched on at time 0 with the device at rest; a constant part or a multisine rises over two periods.
+    """A drive, switched on at time 0 with the device at rest; a constant part or a multisine rises over two periods. Or
+    none, and the device is let go.
 
     **Arguments:** `volts`: peak of the alternating part; `hertz`: its frequency (multisine: its highest); `lowest`:
     of a multisine, Hz; `bias`: constant part, V; `off`: time at which a burst is switched off, s; `unit`: in which
-    those volts are, if the drive is no voltage.
+    those volts are, if the drive is no voltage; `begun`: amplitude with which a decay begins, as the sensor reads it
+    (SI), and `sensor`, in which unit that is said.
     """
 
     kind: Kind
@@ -30,6 +32,8 @@ class Waveform:
     lowest: float = 0.0
     off: float = np.inf
     unit: str = "V"
+    begun: float = 0.0
+    sensor: Channel = Channel("m", 1.0)
 
     def voltage(self, time: np.ndarray) -> np.ndarray:
         """Voltage at times (n,) s since the switch-on, V."""
@@ -54,6 +58,10 @@ class Waveform:
     def words(self) -> str:
         """As a technician would write it."""
         volts, at = f"{self.volts:.3g} {self.unit}", f"{hertz(self.hertz)} Hz"
+        if self.kind == "decay":
+            return (
+                f"free decay that begins with an amplitude of {self.begun / self.sensor.factor:.3g} {self.sensor.unit}"
+            )
         if self.kind == "multisine":
             return f"multisine {volts} peak, {hertz(self.lowest)} to {at}, from rest"
         if self.kind == "biased":
@@ -65,13 +73,15 @@ class Waveform:
 
 class Limits(NamedTuple):
     """What the laboratory can do: largest |voltage|, V, or of another drive its `unit`; lowest and highest frequency,
-    Hz; time axis (n,), s."""
+    Hz; time axis (n,), s; of free decays the largest amplitude so far, and the `sensor` that reads it."""
 
     volts: float
     lowest: float
     highest: float
     time: np.ndarray
     unit: str = "V"
+    begun: float = 0.0
+    sensor: Channel = Channel("m", 1.0)
 
 
 _MOST_SAMPLES = 2000  # of a proposed record
@@ -79,6 +89,7 @@ _PER_PERIOD = 12  # samples below which a sine is not worth recording
 # Below, around and above the resonance; at 1/3 and 1/2 its own harmonics meet the resonance and are amplified.
 _RATIOS = (0.2, 1 / 3, 0.5, 0.7, 0.9, 0.96, 1.0, 1.04, 1.1, 1.25, 1.6, 2.2)
 _WEAK = (0.5, 0.96, 1.04)  # where a lower level or a bias says something that the full level does not
+_LET_GO = (0.2, 0.5, 1.5, 2.0, 3.0)  # of the largest amplitude so far
 
 
 def limits_of(device: Device, records: tuple[Trace, ...], resonance: float) -> Limits:
@@ -88,11 +99,17 @@ def limits_of(device: Device, records: tuple[Trace, ...], resonance: float) -> L
     n = int(min(np.median([len(r.time) for r in records]), _MOST_SAMPLES))
     time = step * np.arange(n)
     highest = min(device.max_frequency or 2.5 * resonance, 1 / (_PER_PERIOD * step))
-    return Limits(volts, 3.0 / time[-1], highest, time, drive_unit(device))
+    if any(np.any(r.drive) for r in records):
+        return Limits(volts, 3.0 / time[-1], highest, time, drive_unit(device))
+    farthest = max(records, key=lambda r: float(np.ptp(r.response)))
+    return Limits(0.0, 0.0, 0.0, time, begun=float(np.ptp(farthest.response)) / 2, sensor=farthest.response_channel)
 
 
 def proposals(limits: Limits, resonance: float) -> list[Waveform]:
-    """Sines at several levels and frequencies, on a bias, bursts that ring down, and multisines."""
+    """Sines at several levels and frequencies, on a bias, bursts that ring down, and multisines; free decays, where
+    nothing drives."""
+    if limits.begun:
+        return [Waveform("decay", 0.0, resonance, begun=k * limits.begun, sensor=limits.sensor) for k in _LET_GO]
     usable = lambda f: limits.lowest <= f <= limits.highest
     full = limits.volts
     tones = [resonance * ratio for ratio in _RATIOS if usable(resonance * ratio)]
