@@ -36,16 +36,17 @@ def adequate(regression: Regression, promise: float = 0.0) -> bool:
     as smooth as they are.
     """
     may_be_noise = promise < _LEFT_AT_FLOOR * regression.chi2 or not regression.fit.campaign.fitted
-    return may_be_noise and (_at_floor(regression.chi2, regression) or noise_of_force(regression) is not None)
+    return may_be_noise and (at_floor(regression.chi2, regression) or noise_of_force(regression) is not None)
 
 
 def noise_of_force(regression: Regression) -> Pushed | None:
     """The noise of the force, where it is all that stands above the noise floors."""
-    pushed = None if _at_floor(regression.chi2, regression) else pushed_by_noise(regression)
-    return pushed if pushed is not None and _at_floor(pushed.level**2 * regression.n, regression) else None
+    pushed = None if at_floor(regression.chi2, regression) else pushed_by_noise(regression)
+    return pushed if pushed is not None and at_floor(pushed.level**2 * regression.n, regression) else None
 
 
-def _at_floor(chi2: float, regression: Regression) -> bool:
+def at_floor(chi2: float, regression: Regression) -> bool:
+    """Whether so much of the χ² is what noise leaves, as far as the noise floors are known."""
     campaign = regression.fit.campaign
     return float(np.sqrt(chi2 / regression.n)) < floor_of([*campaign.fitted, *campaign.fitted_sweeps])
 
@@ -119,6 +120,6 @@ def superfluous(without: Regression, with_it: Regression, first: Regression) -> 
     At the floor is what the refit has reached, not what its parameters could still absorb: a limit may stop them.
     """
     loss = without.chi2 - with_it.chi2
-    at_floor = _at_floor(without.fit_chi2, without)
+    as_well = at_floor(without.fit_chi2, without)
     fair = behind(Left(without.residual, without.fit.freedom), Left(with_it.residual, with_it.fit.freedom))
-    return fair < 0 or (at_floor and not worth_a_name(loss, first))
+    return fair < 0 or (as_well and not worth_a_name(loss, first))

@@ -1,8 +1,8 @@
-"""A law of a single coordinate that says everything, kept before a walk whose names could only mimic it.
+"""One law that says everything, kept before a walk whose names could only mimic it.
 
-Where no effect reaches the noise, nor two promise to, but one function of a single coordinate does, the library may
-still have that function in pieces: a cubic and a quintic spring are one function of z. If all its effects of that
-coordinate together do not say it, no names will, however many a walk puts side by side.
+Where no effect reaches the noise, nor two promise to, but one function of a single coordinate does, or one term of two,
+the library may still have that function in pieces: a cubic and a quintic spring are one function of z. If all its
+effects of these coordinates together do not say it, no names will, however many a walk puts side by side.
 """
 
 from __future__ import annotations
@@ -21,8 +21,9 @@ from ..linearised.shorten import is_long
 from ..linearised.trajectory import Diverged
 from ..ranking.look import Look
 from ..ranking.pairs import best_pair
+from ..unknown.coordinates import set_stage
 from ..unknown.find import Unknown
-from ..unknown.subsets import NEAR, of_one
+from ..unknown.subsets import NEAR, rank
 from .drive import other_drive
 from .steps import Discovery
 from .written import AS_WELL, Written, ended, lacked_by, simulated, step_of
@@ -46,7 +47,9 @@ def one_law(look: Look, start: Regression, path: Path | None, report: Report) ->
         return None
     unknown = lacked_by(start, report)
     formula = unknown.formula
-    if formula is None or not formula.complete or unknown.dimension > 1 or not formula.chi2_per_sample < AS_WELL:
+    if formula is None or not formula.complete or not formula.chi2_per_sample < AS_WELL:
+        return None
+    if unknown.dimension > 1 and len(formula.terms) > 1:  # several laws of one coordinate each, perhaps
         return None
     if _said_in_pieces(look, unknown) or other_drive(fitted, regression, report, look) is not None:
         return None
@@ -66,8 +69,11 @@ def one_law(look: Look, start: Regression, path: Path | None, report: Report) ->
 
 
 def _may_be_one(start: Regression) -> bool:
-    """Whether splines of a single coordinate say nearly everything; a formula that has its kinks may say the rest."""
-    return any(one.share > 1.0 - NEAR or one.chi2_per_sample < AS_WELL for one in of_one(start))
+    """Whether splines of one or two coordinates say nearly everything; a formula that has its kinks may say the
+    rest."""
+    traces = start.of_traces()
+    few = [found for found in rank(traces, set_stage(traces)) if "history" not in found.coordinates]
+    return any(found.share > 1.0 - NEAR or found.chi2_per_sample < AS_WELL for found in few)
 
 
 def _names_reach_it(look: Look) -> bool:

@@ -13,7 +13,7 @@ from ...effects.effect import AbstractEffect
 from ...effects.registry import Registry
 from ...fit.linear.independent import independent_samples
 from ..evidence.criterion import VERY_STRONG
-from ..evidence.enough import ANOTHER_LAW
+from ..evidence.enough import ANOTHER_LAW, at_floor
 from ..evidence.equivalences import equivalence, exact_partners, what_separates
 from ..evidence.family import is_that_member
 from ..linearised.regression import Regression
@@ -77,10 +77,11 @@ def tie_set(
     what chance gives it, 1, and not the ln n that selects a model: an effect that explains the data with one number
     more is still an explanation. Only a law that contains the best one as a part pays, where there are traces, the full
     price for its other parts, and is that one itself where they take no more than chance; a family is its member also
-    where it takes less than puts a name in doubt. n counts the independent samples in what the best one leaves.
-    Refits replace predictions where there are any; where there are none, an effect whose signature is nearly the same,
-    or is known to pass for the other, stays in. Where noise is small against the misfit, laws of one kind differ by
-    more than noise: a refit within that stays in, unless it needs several numbers more to come as close.
+    where it takes less than puts a name in doubt, if the member leaves nothing to be seen. n counts the independent
+    samples in what the best one leaves. Refits replace predictions where there are any; where there are none, an effect
+    whose signature is nearly the same, or is known to pass for the other, stays in. Where noise is small against the
+    misfit, laws of one kind differ by more than noise: a refit within that stays in, unless it needs several numbers
+    more to come as close.
 
     **Arguments:** `candidates`: as scored on the same regression; `confirmed`: refits of some of them.
     """
@@ -106,7 +107,7 @@ def tie_set(
         unseen_yet = (
             not both and regression.credible and not wider and alike > enough and _may_catch_up(library[other.name])
         )
-        if both and _is_itself(refits[best.name], refits[other.name], n if wider else None, regression.excess):
+        if both and _is_itself(refits[best.name], refits[other.name], n if wider else None, regression):
             continue
         if (behind < VERY_STRONG and as_much) or near or unseen_yet:
             found.append(_tie(best, other, behind, alike, library))
@@ -122,11 +123,11 @@ def tie_set(
     return TieSet(best.name, tuple(sorted(found, key=lambda t: (not np.isnan(t.behind), t.behind))))
 
 
-def _is_itself(part: Confirmed, whole: Confirmed, n: float | None, excess: float) -> bool:
+def _is_itself(part: Confirmed, whole: Confirmed, n: float | None, regression: Regression) -> bool:
     """Whether a law has become one that it contains: what its further numbers take is no more than chance, so many `n`
-    independent samples given, or no more than members of a family differ by."""
+    independent samples given, or no more than members of a family differ by and nothing that anybody would miss."""
     laws = type(whole.model.effects[-1]), part.model.effects[-1]
-    if is_that_member(*laws, whole.chi2, part.chi2, excess):
+    if is_that_member(*laws, whole.chi2, part.chi2, regression.excess) and at_floor(part.chi2, regression):
         return True
     more = whole.model.numbers - part.model.numbers
     return n is not None and bool(chdtrc(more, max(n * np.log(part.chi2 / whole.chi2), 0.0)) > _CHANCE)

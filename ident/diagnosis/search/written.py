@@ -46,7 +46,7 @@ def beyond_library(
     """
     if found.verdict != "not-in-library":
         unknown = lacked_by(start, report) if found.lacking else None
-        if unknown is None or path is None or not (keeps_walk and _one_for_many(unknown, found)):
+        if unknown is None or path is None or not (keeps_walk and _one_for_many(unknown, found, start)):
             return Written(found, unknown)
         beyond, gain = simulated(found.start, start, unknown, path, report)
         if not _says_more(found.final, beyond.fit):
@@ -109,11 +109,14 @@ def _lacked(found: Discovery, start: Regression, report: Report) -> tuple[Regres
     return (found.regression, beside) if as_well else (start, instead)
 
 
-def _one_for_many(unknown: Unknown, found: Discovery) -> bool:
-    """Whether one law of a single coordinate says everything that several names only come near to."""
+def _one_for_many(unknown: Unknown, found: Discovery, start: Regression) -> bool:
+    """Whether one law of a single coordinate says everything that several names only come near to, and no effect of the
+    library that was tried by itself says as much."""
     formula = unknown.formula
     says_it = formula is not None and formula.complete and unknown.dimension < 2 and unknown.chi2_after < AS_WELL
-    return says_it and len(found.steps) > 1 and not is_long(found.start.campaign)
+    left = (1 - max(found.confirmed.values(), default=0.0)) * start.excess
+    in_library = start.n + left < AS_WELL * start.n
+    return says_it and not in_library and len(found.steps) > 1 and not is_long(found.start.campaign)
 
 
 def simulated(last: Fit, base: Regression, unknown: Unknown, path: Path, report: Report) -> tuple[Beyond, float]:

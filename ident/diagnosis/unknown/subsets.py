@@ -18,7 +18,7 @@ import numpy as np
 
 from ...effects.dependence import Side
 from ..linearised.regression import Regression
-from .coordinates import Stage, rows_of, set_stage
+from .coordinates import Stage, rows_of
 from .splines import Places, one, pair
 
 SINGLES = (("z",), ("v",), ("V",), ("dV",), ("t",))
@@ -94,13 +94,6 @@ def regress(rows: np.ndarray, target: np.ndarray) -> Solution:
     along = directions.T @ ((rows @ target) / scale)
     spread = directions / scale[:, None]
     return Solution(float(along @ along), int(kept.sum()), spread @ along, spread)
-
-
-def of_one(regression: Regression) -> list[Ranked]:
-    """Every single coordinate on every side, in no order."""
-    regression = regression.of_traces()
-    stage = set_stage(regression)
-    return [_judge(regression, stage, *tried, {}) for tried in _candidates(SINGLES)]
 
 
 def rank(regression: Regression, stage: Stage) -> list[Ranked]:
