@@ -13,7 +13,7 @@ class PowerLawDamping(AbstractEffect):
     linear one. n = 0 is dry friction, 2 the drag of a turbulent flow, 3 drag of third order; those have names of their
     own, and are named where they do as well. Between them lie fluid dampers (n = 0.2-0.6 and 1.8), drag in the
     transition from laminar to turbulent flow (1.5-1.9) and losses of materials and joints (1.2-2.5); n → 1 is a damping
-    c ln ż. Below a hundredth of v₀ it is linear.
+    c ln ż. Below a hundred-thousandth of v₀ it is linear.
     """
 
     name = "power-law-damping"
@@ -25,6 +25,7 @@ class PowerLawDamping(AbstractEffect):
     mistaken_for = ("squeeze-film-damping",)
     contains = ("coulomb-friction", "quadratic-damping", "cubic-damping")
     steps_per_period = 120
+    has_kink = True
 
     damping = amplitude("N*s/m", "growth of F/ż with ln ż at the reference velocity, c")
     exponent = shape("1", "power of the velocity, n", grid=(0.4, 1.5, 2.5), limits=(0.1, 4.0))

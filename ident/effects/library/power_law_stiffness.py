@@ -10,7 +10,8 @@ class PowerLawStiffness(AbstractEffect):
     z₀ is the largest displacement measured; there the linear spring has its whole force, and k is how much the
     stiffness F/z grows with ln z. k > 0 hardens, k < 0 softens, whatever n. A law |z|ⁿ with no linear spring beside it
     is k = (n − 1) times the linear stiffness: contacts of round bodies have n = 3/2 (Hertz), of cones 2, rubber and
-    wire ropes 0.7-1.3; n = 3 is a cubic spring, n → 1 the stiffness k ln z. Below a hundredth of z₀ it is constant.
+    wire ropes 0.7-1.3; n = 3 is a cubic spring, n → 1 the stiffness k ln z. Below a hundred-thousandth of z₀ it is
+    constant.
     """
 
     name = "power-law-stiffness"
@@ -21,6 +22,7 @@ class PowerLawStiffness(AbstractEffect):
     )
     mistaken_for = ("end-stop",)
     contains = ("cubic-stiffness",)
+    has_kink = True
 
     stiffness = amplitude("N/m", "growth of F/z with ln z at the reference displacement, k")
     exponent = shape("1", "power of the displacement, n", grid=(0.6, 1.4, 2.0), limits=(0.3, 5.0))
