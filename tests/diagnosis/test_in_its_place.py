@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -74,6 +75,8 @@ def test_one_law_of_a_coordinate_takes_the_place_of_several_names_that_come_near
     assert said.discovery.verdict == "not-in-library" and said.path is not None and said.path.exists()
     assert said.unknown is not None and said.unknown.coordinates == ("v",)
     assert said.discovery.final.fitted.error_over_noise < 1.05 < two.fitted.error_over_noise
+    family = replace(named, confirmed={"power-law-damping": 1.0})  # tried by itself, and called by its member
+    assert beyond_library(family, regression, tmp_path / "law2.py", keeps_walk=True).discovery is family
     alone = Discovery("ambiguous", start, steps[:1], (), {}, (), prepare(one), lacking=0.04)
     kept = beyond_library(alone, regression, tmp_path / "other.py", keeps_walk=True)
     assert kept.discovery is alone and not (tmp_path / "other.py").exists()
