@@ -140,11 +140,17 @@ _MAKERS: dict[Part, Callable[..., Iterator[Task]]] = {
 
 
 def run(task: Task) -> dict[str, Any]:
-    """Draw a case, let the tool discover, and write down what it said beside what is true."""
+    """Draw a case, let the tool discover as a user would, who gets what the library lacks as a file, and write down
+    what it said beside what is true."""
+    with tempfile.TemporaryDirectory() as folder:
+        return _said(task, Path(folder) / "effect.py")
+
+
+def _said(task: Task, effect_file: Path) -> dict[str, Any]:
     case = task.draw()
     campaign = campaign_of(case)
     began = time.process_time(), time.perf_counter()
-    said = discover(campaign)
+    said = discover(campaign, effect_file=effect_file)
     found = said.discovery
     spent = time.process_time() - began[0], time.perf_counter() - began[1]
     row: dict[str, Any] = {
