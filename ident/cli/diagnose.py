@@ -57,3 +57,5 @@ def command(run: str, target: str | None, as_json: bool) -> None:
         say(f"{target} was not written: {why_not_written(found)}")
     if found.effect_file is None and found.discovery.steps:
         say(f"next: ident add {run} {found.discovery.steps[0].added}")
+    elif target is None and found.unknown is not None and found.unknown.written is not None:
+        say(f"next: ident diagnose {run} --write-effect my_effect.py")

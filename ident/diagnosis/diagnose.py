@@ -139,10 +139,11 @@ def diagnose(
     if first and not held:
         nothing = Discovery("ambiguous", fitted, (), (), {}, (), regression)
         return Diagnosis(nothing, where, suspects=suspects)
-    law = None if walked.steps or first else one_law(look, regression, effect_file, report)
-    if law is not None:
+    told = None if walked.steps or first else one_law(look, regression, effect_file, report)
+    if told is not None:
+        law, with_it = told
         hidden = unseen(regression, law.discovery.ranking, library)
-        suspects = judged_again(suspects, law.discovery.final, report)
+        suspects = judged_again(suspects, with_it, report)
         return Diagnosis(law.discovery, where, law.unknown, law.path, unseen=hidden, suspects=suspects)
     found = concluded_or_sharper(walk_on(walked, library, report, keep=keep, look=look))
     if isinstance(found, Campaign):

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 from ident.campaign import Channel, NoiseFloor, Trace
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
-from ident.diagnosis.diagnose import discover
+from ident.diagnosis.diagnose import diagnose, discover
 
 OMEGA, Q, LIMIT = 2 * np.pi * 40.0, 3.0, 2.5
 VOLT, METRE = Channel("V", 1.0), Channel("m", 1.0)
@@ -65,3 +65,8 @@ def test_a_damper_that_the_drive_makes_is_told_without_a_walk(tmp_path: Path):
     assert found.unknown.formula.text.endswith(" v V²")
     assert [step.added for step in found.discovery.steps] == ["unknown-effect"]
     assert not [words for words in said if "added" in words]
+
+    told = diagnose(found.discovery.start)  # nobody said where to write it
+    assert told.verdict == "not-in-library" and not told.discovery.steps and told.effect_file is None
+    assert told.unknown is not None and told.unknown.formula is not None
+    assert told.unknown.formula.text == found.unknown.formula.text
