@@ -52,7 +52,10 @@ SMOOTH_LAWS = {
 }
 
 KINKED_LAWS = {
-    "bilinear-stiffness": (dict(stiffness=0.1 * K), lambda t, z, v, h: -0.1 * K * abs(z)),
+    "bilinear-stiffness": (
+        dict(stiffness=0.1 * K, width=5e-8),
+        lambda t, z, v, h: -0.1 * K * (np.hypot(z, 5e-8) - 5e-8),
+    ),
     "quadratic-damping": (dict(c2=C / 2e-2), lambda t, z, v, h: -C * v * abs(v) / 2e-2),
     "power-law-stiffness": (
         dict(stiffness=0.1 * K, exponent=2.2, displacement=5e-6),

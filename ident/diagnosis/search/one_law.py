@@ -28,7 +28,7 @@ from ..unknown.find import Unknown
 from ..unknown.subsets import NEAR, rank
 from .drive import other_drive
 from .steps import Discovery, Step
-from .written import AS_WELL, Written, ended, lacked_by, simulated, step_of
+from .written import AS_WELL, Written, as_good_as_named, ended, lacked_by, simulated, step_of
 
 
 def one_law(look: Look, start: Regression, path: Path | None, report: Report) -> tuple[Written, Fit] | None:
@@ -80,9 +80,9 @@ def _may_be_one(start: Regression) -> bool:
 
 
 def _names_reach_it(look: Look) -> bool:
-    n, pair = look.regression.n, best_pair(look.regression, look.candidates)
+    pair = best_pair(look.regression, look.candidates)
     promised = np.inf if pair is None else float(pair.left @ pair.left)
-    return min([promised, *(one.chi2 for one in look.tried if one.possible)]) < AS_WELL * n
+    return as_good_as_named(min([promised, *(one.chi2 for one in look.tried if one.possible)]), look.regression)
 
 
 def _said_in_pieces(look: Look, unknown: Unknown) -> bool:
@@ -97,4 +97,4 @@ def _said_in_pieces(look: Look, unknown: Unknown) -> bool:
         return False
     basis = orthonormal(np.concatenate(rows))
     left = regression.residual - basis @ (basis.T @ regression.residual)
-    return float(left @ left) < AS_WELL * regression.n
+    return as_good_as_named(float(left @ left), regression)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from ...fit import Fit
 from ...pulse import Report
 from ..evidence.criterion import clearly_better
-from ..evidence.enough import LEAST, adequate, superfluous, worth_a_name
+from ..evidence.enough import LEAST, adequate, another_law, superfluous, worth_a_name
 from ..evidence.held_out import BEYOND_FLOORS, hurts, predicts_better
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, working
@@ -109,14 +109,19 @@ def _lacked(found: Discovery, start: Regression, report: Report) -> tuple[Regres
     return (found.regression, beside) if as_well else (start, instead)
 
 
+def as_good_as_named(left: float, start: Regression) -> bool:
+    """Whether effects of the library that leave so much χ² say it: nothing is left, or no more than a finer shape
+    of the device's own law. A law written for these records has more shapes to bend."""
+    return left < AS_WELL * start.n or not another_law(left - start.n, start)
+
+
 def _one_for_many(unknown: Unknown, found: Discovery, start: Regression) -> bool:
     """Whether one law of a single coordinate says everything that several names only come near to, and no effect of the
     library that was tried by itself says as much."""
     formula = unknown.formula
     says_it = formula is not None and formula.complete and unknown.dimension < 2 and unknown.chi2_after < AS_WELL
-    left = (1 - max(found.confirmed.values(), default=0.0)) * start.excess
-    in_library = start.n + left < AS_WELL * start.n
-    return says_it and not in_library and len(found.steps) > 1 and not is_long(found.start.campaign)
+    left = start.n + (1 - max(found.confirmed.values(), default=0.0)) * start.excess
+    return says_it and not as_good_as_named(left, start) and len(found.steps) > 1 and not is_long(found.start.campaign)
 
 
 def simulated(last: Fit, base: Regression, unknown: Unknown, path: Path, report: Report) -> tuple[Beyond, float]:
