@@ -6,12 +6,14 @@ from dataclasses import dataclass, replace
 from functools import partial
 from html import escape
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from ..campaign.campaign import Campaign
 from ..campaign.held_drive import jumps
 from ..campaign.quality.suspect import ALL, Suspect
 from ..effects.registry import Registry, registry
+from ..errors import UserError
 from ..fit import Fit, fit, fit_data
 from ..fit.fit_data import Effects
 from ..fit.start_score import mostly_starts
@@ -46,8 +48,9 @@ class Diagnosis:
 
     **Arguments:** `where`: where the first fit of the walk fails; `unknown`: what the library lacks, if it lacks
     something, and `effect_file`, where that was written; `next_experiments`: records that would separate what ties;
-    `unseen`: effects of which these records cannot say anything; `suspects`: records that something is wrong with. If a
-    faulty record explains more than any effect does, the walk has no steps.
+    `unseen`: effects of which these records cannot say anything; `suspects`: records that something is wrong with. The
+    walk has no steps if a faulty record explains more than any effect does, or if one law that the library lacks says
+    everything and nobody said where to write it.
     """
 
     discovery: Discovery
@@ -117,7 +120,11 @@ def diagnose(
     all that the campaign knows; `effect_file`: where to write what the library lacks; the model with it then ends the
     walk. `keeps_walk`: whether the caller goes on with the last model of the walk; what it lacks is then written, if
     named effects nearly explain the records, and else what the fit lacks. `keep`: as of `walk_on`.
+
+    **Raises:** UserError if the `effect_file` exists.
     """
+    if effect_file is not None and effect_file.exists():
+        raise UserError("this file exists already", where=str(effect_file), do="choose another name, or move it away")
     walked = fitted if isinstance(fitted, Walked) else Walked(fitted)
     fitted = walked.start
     library = registry(fitted.campaign.effect_files) if library is None else library
@@ -139,12 +146,14 @@ def diagnose(
     if first and not held:
         nothing = Discovery("ambiguous", fitted, (), (), {}, (), regression)
         return Diagnosis(nothing, where, suspects=suspects)
-    told = None if walked.steps or first else one_law(look, regression, effect_file, report)
-    if told is not None:
-        law, with_it = told
-        hidden = unseen(regression, law.discovery.ranking, library)
-        suspects = judged_again(suspects, with_it, report)
-        return Diagnosis(law.discovery, where, law.unknown, law.path, unseen=hidden, suspects=suspects)
+    if not (walked.steps or first or (keeps_walk and effect_file is None)):
+        with TemporaryDirectory() as folder:
+            law = one_law(look, regression, effect_file or Path(folder) / "law.py", report)
+            if law is not None:
+                hidden = unseen(regression, law.discovery.ranking, library)
+                suspects = judged_again(suspects, law.discovery.final, report)
+                told = law.discovery if effect_file is not None else replace(law.discovery, steps=())
+                return Diagnosis(told, where, law.unknown, effect_file, unseen=hidden, suspects=suspects)
     found = concluded_or_sharper(walk_on(walked, library, report, keep=keep, look=look))
     if isinstance(found, Campaign):
         report("what the last model leaves tells the noise floors better: once more, with these")
@@ -192,7 +201,7 @@ def _read_apart(
     start, one = apart
     if start.campaign.fitted:
         law = find_unknown(regression)
-        if law.formula is not None and law.dimension < 2 and law.chi2_after < AS_WELL:
+        if law.formula is not None and law.of_one_law and law.chi2_after < AS_WELL:
             return None
     walk = lambda one: concluded(walk_on(Walked(one.begun(start)), library, report))
     found = walk(one)

@@ -63,10 +63,10 @@ def test_proposals_keep_the_limits() -> None:
 
 
 def test_without_limits_the_records_own_range_holds(present: Campaign) -> None:
-    limits = limits_of(Oscillator(), present.fitted, F0)
+    limits = limits_of(replace(present, device=Oscillator()), F0)
     assert limits.volts == pytest.approx(1.0, rel=1e-3)
     assert len(limits.time) == 900
-    assert limits_of(Platform(), present.fitted, F0).volts == 10.0
+    assert limits_of(replace(present, device=Platform()), F0).volts == 10.0
 
 
 def test_a_burst_is_switched_off_and_a_bias_stays() -> None:
@@ -121,7 +121,7 @@ def test_what_a_record_leaves_tied_is_named_together() -> None:
 
 
 def test_a_record_to_take_is_told_in_the_unit_of_the_drive(present: Campaign) -> None:
-    told = lambda device: proposals(limits_of(device, present.fitted, F0), F0)[0].words
+    told = lambda device: proposals(limits_of(replace(present, device=device), F0), F0)[0].words
     assert " N, " in told(Oscillator("mm", "mN")) and " V, " in told(Oscillator()) and " V, " in told(Platform())
 
 
@@ -143,3 +143,17 @@ def test_of_free_decays_one_that_begins_farther_is_proposed() -> None:
         and farther[0].groups == (("quadratic-damping",), ("cubic-damping",))
     )
     assert not np.any(farther[0].voltage)
+    can_be_driven = replace(campaign, device=Oscillator(max_voltage=5.0))
+    assert {wave.kind for wave in proposals(limits_of(can_be_driven, F0), F0)} >= {"sine", "burst"}
+
+
+def test_how_far_a_decay_began_is_told_by_what_counts() -> None:
+    """A masked spike, or a velocity beside a displacement, is no larger motion."""
+    time, channel = STEP * np.arange(900), Channel("m", 1.0)
+    swing = np.exp(-2 * np.pi * F0 * time / 100.0) * np.cos(2 * np.pi * F0 * time)
+    spike = np.where(np.arange(900) == 5, 7.0, 1e-3 * swing)
+    told = Trace("z.csv", time, 0 * time, spike, channel, channel, NoiseFloor(1e-6), masked=spike > 1.0)
+    velocity = 0.5e-3 * 2 * np.pi * F0 * swing
+    other = Trace("v.csv", time, 0 * time, velocity, channel, channel, NoiseFloor(1e-6), measures="velocity")
+    limits = limits_of(Campaign("decays", (other, told), Oscillator()), F0)
+    assert limits.measures == "displacement" and limits.begun == pytest.approx(1e-3, rel=0.1)

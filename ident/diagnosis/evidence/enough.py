@@ -20,7 +20,7 @@ _MOST_DOUBT = 0.1
 _LEFT_AT_FLOOR = 1 - 1 / _AT_FLOOR**2  # of the χ²
 _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
 _WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
-MOST_OF_IT = 0.5  # of what is left
+MOST_OF_IT = 0.5  # of what is left: more than that a rival answer must take away
 LEAST = 0.2  # of what is left: where every effect promises less, the library lacks the one that is missing
 SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
 _SAME_WHILE_LACKING = 0.02  # the same as long as ten times as much is unexplained
@@ -120,6 +120,6 @@ def superfluous(without: Regression, with_it: Regression, first: Regression) -> 
     At the floor is what the refit has reached, not what its parameters could still absorb: a limit may stop them.
     """
     loss = without.chi2 - with_it.chi2
-    as_well = at_floor(without.fit_chi2, without)
+    settled = at_floor(without.fit_chi2, without) and loss < _LEFT_AT_FLOOR * without.fit_chi2
     fair = behind(Left(without.residual, without.fit.freedom), Left(with_it.residual, with_it.fit.freedom))
-    return fair < 0 or (as_well and not worth_a_name(loss, first))
+    return fair < 0 or (settled and not worth_a_name(loss, first))

@@ -47,7 +47,7 @@ class NextExperiment:
 
     **Arguments:** `record`: in words; `groups`: the effects between which it chooses, those that it leaves tied
     together; `expected_delta_chi2`: the smallest χ² by which any two that it tells apart would then differ;
-    `waveform`: its drive; `time` (n,), s, its samples.
+    `waveform`: its drive, or how far a decay begins; `time` (n,), s, its samples.
     """
 
     record: str
@@ -92,7 +92,7 @@ def rank_experiments(rivals: Mapping[str, Fit]) -> list[NextExperiment]:
         return []
     first = next(iter(rivals.values()))
     resonance = 1.0 / first.scales.period
-    limits = limits_of(first.campaign.device, first.campaign.fitted, resonance)
+    limits = limits_of(first.campaign, resonance)
     waves = proposals(limits, resonance)
     if not waves:  # such records are too short, or too coarse, for a sine anywhere near the resonance
         return []
@@ -149,11 +149,11 @@ def _alike(one: Waveform, other: Waveform) -> bool:
 def _lay_out(rivals: Sequence[Fit], waves: Sequence[Waveform], time: np.ndarray) -> tuple[Campaign, Tape]:
     """The proposals as records from rest, or let go, laid out once for all rivals."""
     first = rivals[0]
-    channel, floor, measures = Channel("", 1.0), NoiseFloor(1.0), first.campaign.fitted[0].measures
+    channel, floor = Channel("", 1.0), NoiseFloor(1.0)
     records = tuple(
         Trace(
             w.words, time, w.voltage(time), np.full(len(time), w.begun), channel, channel, floor,
-            "unknown" if w.begun else "rest", measures=measures,
+            "unknown" if w.begun else "rest", measures=w.measures,
         )
         for w in waves
     )  # fmt: skip

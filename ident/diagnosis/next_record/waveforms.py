@@ -7,8 +7,9 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ...campaign.device import Device, drive_unit
-from ...campaign.record import Channel, Trace
+from ...campaign.campaign import Campaign
+from ...campaign.device import drive_unit
+from ...campaign.record import Channel, Measures
 from ..where.words import hertz
 
 Kind = Literal["sine", "biased", "burst", "multisine", "decay"]
@@ -22,7 +23,7 @@ class Waveform:
     **Arguments:** `volts`: peak of the alternating part; `hertz`: its frequency (multisine: its highest); `lowest`:
     of a multisine, Hz; `bias`: constant part, V; `off`: time at which a burst is switched off, s; `unit`: in which
     those volts are, if the drive is no voltage; `begun`: amplitude with which a decay begins, as the sensor reads it
-    (SI), and `sensor`, in which unit that is said.
+    (SI), and `sensor`, in which unit that is said; `measures`: what the sensor reads.
     """
 
     kind: Kind
@@ -34,6 +35,7 @@ class Waveform:
     unit: str = "V"
     begun: float = 0.0
     sensor: Channel = Channel("m", 1.0)
+    measures: Measures = "displacement"
 
     def voltage(self, time: np.ndarray) -> np.ndarray:
         """Voltage at times (n,) s since the switch-on, V."""
@@ -73,7 +75,8 @@ class Waveform:
 
 class Limits(NamedTuple):
     """What the laboratory can do: largest |voltage|, V, or of another drive its `unit`; lowest and highest frequency,
-    Hz; time axis (n,), s; of free decays the largest amplitude so far, and the `sensor` that reads it."""
+    Hz; time axis (n,), s; the `sensor` and what it `measures`; where nothing drives, the largest amplitude so far of a
+    free decay, as that sensor reads it."""
 
     volts: float
     lowest: float
@@ -82,6 +85,7 @@ class Limits(NamedTuple):
     unit: str = "V"
     begun: float = 0.0
     sensor: Channel = Channel("m", 1.0)
+    measures: Measures = "displacement"
 
 
 _MOST_SAMPLES = 2000  # of a proposed record
@@ -92,24 +96,29 @@ _WEAK = (0.5, 0.96, 1.04)  # where a lower level or a bias says something that t
 _LET_GO = (0.2, 0.5, 1.5, 2.0, 3.0)  # of the largest amplitude so far
 
 
-def limits_of(device: Device, records: tuple[Trace, ...], resonance: float) -> Limits:
-    """The device's own limits, where it has none the range of its records; time axis like theirs."""
-    volts = device.max_voltage or max(float(np.max(np.abs(r.drive))) for r in records)
+def limits_of(campaign: Campaign, resonance: float) -> Limits:
+    """The device's own limits, where it has none the range of the fitted traces; time axis like theirs. If no record
+    was driven, and the device names no voltage, it can only be let go."""
+    device, records = campaign.device, campaign.fitted
     step = float(np.median([r.step for r in records]))
     n = int(min(np.median([len(r.time) for r in records]), _MOST_SAMPLES))
     time = step * np.arange(n)
+    if device.max_voltage is None and not campaign.sweeps and not any(r.driven for r in campaign.traces):
+        size = lambda r: float(np.ptp(r.response[r.counted])) / 2 / (2 * np.pi * resonance) ** r.order
+        last = max(records, key=size)
+        begun = size(last) * (2 * np.pi * resonance) ** last.order
+        return Limits(0.0, 0.0, 0.0, time, begun=begun, sensor=last.response_channel, measures=last.measures)
+    volts = device.max_voltage or max(float(np.max(np.abs(r.drive))) for r in records)
     highest = min(device.max_frequency or 2.5 * resonance, 1 / (_PER_PERIOD * step))
-    if any(np.any(r.drive) for r in records):
-        return Limits(volts, 3.0 / time[-1], highest, time, drive_unit(device))
-    farthest = max(records, key=lambda r: float(np.ptp(r.response)))
-    return Limits(0.0, 0.0, 0.0, time, begun=float(np.ptp(farthest.response)) / 2, sensor=farthest.response_channel)
+    return Limits(volts, 3.0 / time[-1], highest, time, drive_unit(device), measures=records[0].measures)
 
 
 def proposals(limits: Limits, resonance: float) -> list[Waveform]:
     """Sines at several levels and frequencies, on a bias, bursts that ring down, and multisines; free decays, where
     nothing drives."""
     if limits.begun:
-        return [Waveform("decay", 0.0, resonance, begun=k * limits.begun, sensor=limits.sensor) for k in _LET_GO]
+        decay = Waveform("decay", 0.0, resonance, sensor=limits.sensor, measures=limits.measures)
+        return [replace(decay, begun=part * limits.begun) for part in _LET_GO]
     usable = lambda f: limits.lowest <= f <= limits.highest
     full = limits.volts
     tones = [resonance * ratio for ratio in _RATIOS if usable(resonance * ratio)]
@@ -121,4 +130,4 @@ def proposals(limits: Limits, resonance: float) -> list[Waveform]:
     low, high = max(0.2 * resonance, limits.lowest), min(1.3 * resonance, limits.highest)
     if low < high:
         found.append(Waveform("multisine", full, high, lowest=low))
-    return [replace(wave, unit=limits.unit) for wave in found]
+    return [replace(wave, unit=limits.unit, measures=limits.measures) for wave in found]

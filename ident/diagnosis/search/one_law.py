@@ -8,12 +8,10 @@ effects of these coordinates together do not say it, no names will, however many
 from __future__ import annotations
 
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from ...effects.dependence import depends_on
-from ...fit import Fit
 from ...pulse import Report
 from ..evidence.enough import adequate
 from ..evidence.held_out import contradicted, hurts
@@ -27,13 +25,13 @@ from ..unknown.coordinates import set_stage
 from ..unknown.find import Unknown
 from ..unknown.subsets import NEAR, rank
 from .drive import other_drive
-from .steps import Discovery, Step
+from .steps import Discovery
 from .written import AS_WELL, Written, as_good_as_named, ended, lacked_by, simulated, step_of
 
 
-def one_law(look: Look, start: Regression, path: Path | None, report: Report) -> tuple[Written, Fit] | None:
-    """The answer with the law, written if `path` says where, and the fit with it, if there is one and its simulation
-    reaches the noise; `start`: of the fit with which a walk would begin."""
+def one_law(look: Look, start: Regression, path: Path, report: Report) -> Written | None:
+    """The answer with the law written, if there is one and its simulation reaches the noise; `start`: of the fit with
+    which a walk would begin; `path`: where no file is yet."""
     regression = look.regression
     fitted = start.fit
     asked = fitted.campaign.fitted and not fitted.campaign.fitted_sweeps
@@ -41,34 +39,26 @@ def one_law(look: Look, start: Regression, path: Path | None, report: Report) ->
         return None
     unknown = lacked_by(start, report)
     formula = unknown.formula
-    if formula is None or not formula.complete or not formula.chi2_per_sample < AS_WELL:
-        return None
-    if unknown.dimension > 1 and len(formula.terms) > 1:  # several laws of one coordinate each, perhaps
+    if formula is None or not (unknown.of_one_law and formula.complete and formula.chi2_per_sample < AS_WELL):
         return None
     if _said_in_pieces(look, unknown) or other_drive(fitted, regression, report, look) is not None:
         return None
-    with TemporaryDirectory() as folder:
-        step = _simulated_step(fitted, start, unknown, Path(folder) / "law.py" if path is None else path, report)
-    if step is None:
-        return None
-    gains = {one.candidate.name: one.gain for one in look.tried}
-    steps = () if path is None else (step,)
-    found = Discovery("not-in-library", fitted, steps, tuple(look.candidates), gains, (), regression)
-    return Written(found, unknown, path), step.fit
-
-
-def _simulated_step(fitted: Fit, start: Regression, unknown: Unknown, path: Path, report: Report) -> Step | None:
-    """The law as the step of a walk, written at `path`; None, and no file, if its simulation misses the noise."""
     try:
         beyond, gain = simulated(fitted, start, unknown, path, report)
         left = prepare(beyond.fit)
     except Diverged:  # with it the motion has no bound
         path.unlink(missing_ok=True)
         return None
+    except BaseException:  # stopped: a walk that is resumed asks again
+        path.unlink(missing_ok=True)
+        raise
     if not adequate(left) or contradicted(beyond.fit) or hurts(fitted, beyond.fit):
         beyond.path.unlink()
         return None
-    return step_of(beyond._replace(fit=ended(beyond.fit)), gain)
+    step = step_of(beyond._replace(fit=ended(beyond.fit)), gain)
+    gains = {one.candidate.name: one.gain for one in look.tried}
+    found = Discovery("not-in-library", fitted, (step,), tuple(look.candidates), gains, (), regression)
+    return Written(found, beyond.unknown, beyond.path)
 
 
 def _may_be_one(start: Regression) -> bool:

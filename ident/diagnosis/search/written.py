@@ -116,10 +116,10 @@ def as_good_as_named(left: float, start: Regression) -> bool:
 
 
 def _one_for_many(unknown: Unknown, found: Discovery, start: Regression) -> bool:
-    """Whether one law of a single coordinate says everything that several names only come near to, and no effect of the
+    """Whether one law says everything that several names only come near to, and no effect of the
     library that was tried by itself says as much."""
     formula = unknown.formula
-    says_it = formula is not None and formula.complete and unknown.dimension < 2 and unknown.chi2_after < AS_WELL
+    says_it = formula is not None and formula.complete and unknown.of_one_law and unknown.chi2_after < AS_WELL
     left = start.n + (1 - max(found.confirmed.values(), default=0.0)) * start.excess
     return says_it and not as_good_as_named(left, start) and len(found.steps) > 1 and not is_long(found.start.campaign)
 

@@ -84,6 +84,13 @@ class Unknown:
         """How many coordinates it supposes."""
         return dimension(self.coordinates)
 
+    @property
+    def of_one_law(self) -> bool:
+        """Whether it is one law and not several: a function of a single coordinate, or one term of two. What is
+        remembered the library may have in pieces."""
+        one_term = self.formula is not None and self.formula.complete and len(self.formula.terms) == 1
+        return self.dimension < 2 or (one_term and "history" not in self.coordinates)
+
     def explained(self, formula: Formula | None) -> float:
         """Share of the excess over noise that a formula explains."""
         return 0.0 if formula is None else (self.chi2_before - formula.chi2_per_sample) / (self.chi2_before - 1.0)
