@@ -25,14 +25,11 @@ def command(run: str, target: str | None, as_json: bool) -> None:
     """
     from pathlib import Path
 
-    from ident.errors import UserError
     from ident.report.run_folder import load_run, read_run, renew_report, write_json
 
     from .output import progress, say, say_json
 
     read_run(run)
-    if target is not None and Path(target).exists():
-        raise UserError("this file exists already", where=target, do="choose another name")
     progress("reading the run")
     fitted = load_run(run)
 

@@ -116,8 +116,8 @@ def as_good_as_named(left: float, start: Regression) -> bool:
 
 
 def _one_for_many(unknown: Unknown, found: Discovery, start: Regression) -> bool:
-    """Whether one law says everything that several names only come near to, and no effect of the
-    library that was tried by itself says as much."""
+    """Whether one law says everything that several names only come near to, and no effect of the library that was tried
+    by itself says as much."""
     formula = unknown.formula
     says_it = formula is not None and formula.complete and unknown.of_one_law and unknown.chi2_after < AS_WELL
     left = start.n + (1 - max(found.confirmed.values(), default=0.0)) * start.excess
