@@ -141,6 +141,26 @@ def test_numbers_of_a_formula_are_sought_between_those_of_a_grid(push, word, num
     assert term.number.value == pytest.approx(number, rel=0.05)
 
 
+def test_a_law_that_turns_to_and_fro_is_found_with_its_phase():
+    """Cogs: eight turns over the range of the motion, micrometres, no cog at rest."""
+    rng, w, length, records = np.random.default_rng(5), 2 * np.pi * 475.0, 6.4e-6, []
+    cogs = lambda z: 0.097e-6 * w * w * np.sin(2 * np.pi * z / length + 0.9)
+    for volts, hertz in ((1.5, 431.0), (2.1, 470.0), (0.4, 505.0)):
+        time = np.arange(1500) / 15e3
+        push = lambda t, volts=volts, hertz=hertz: 0.3e-6 * w * w * volts * np.sin(2 * np.pi * hertz * t)
+        law = lambda t, y, push=push: [y[1], push(t) - w * w * y[0] - w / 42 * y[1] - cogs(y[0])]
+        z = solve_ivp(law, (0, time[-1]), [0, 0], t_eval=time, rtol=1e-8, atol=1e-13, max_step=1 / 15e3).y[0]
+        drive = volts * np.sin(2 * np.pi * hertz * time)
+        data = {"time": time, "drive": drive, "response": z + rng.normal(0, 0.01 * np.std(z), len(time))}
+        records.append({"data": data, "units": {"response": "m"}, "start": "rest"})
+    found = find_unknown(prepare(ident.fit({"record": records}, effects=())))
+    assert (found.side, found.coordinates) == ("force", ("z",)) and found.chi2_after < 1.1
+    assert found.formula is not None and found.formula.complete
+    assert {term.text.split("(")[0] for term in found.formula.terms} == {"sin", "cos"}
+    for term in found.formula.terms:
+        assert term.number is not None and term.number.value == pytest.approx(length / (2 * np.pi), rel=0.01)
+
+
 def test_beside_sweeps_it_is_asked_of_the_traces_alone():
     data = Path(__file__).parents[2] / "data"
     traces, sweeps = (ident.read_campaign(data / name) for name in ("platform_317hz", "platform_sweeps"))

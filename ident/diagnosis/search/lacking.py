@@ -14,7 +14,7 @@ from ...effects.dependence import Side, depends_on
 from ...pulse import Report
 from ..evidence.coloured_noise import chance_of
 from ..linearised.regression import Regression
-from ..unknown.coordinates import Stage, set_stage
+from ..unknown.coordinates import Stage
 from ..unknown.subsets import TRIED, rank, regress, smallest_sufficient, spline_rows
 
 _DOUBT = 0.0001  # of the first excess: structured misfit beyond which a law may be another of the same kind
@@ -32,8 +32,8 @@ def lacking(regression: Regression, first: Regression, report: Report = lambda _
     regression, first = regression.of_traces(), first.of_traces()
     excess = first.above_noise
     report("does what is left have a structure?")
-    stage = set_stage(regression)
-    found = smallest_sufficient(rank(regression, stage))[0]
+    stage, ranked = rank(regression)
+    found = smallest_sufficient(ranked)[0]
     share = _structure(regression, stage, found.side, found.coordinates, TRIED) / excess
     if share >= _DOUBT:
         return share

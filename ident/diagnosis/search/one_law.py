@@ -21,7 +21,6 @@ from ..linearised.shorten import is_long
 from ..linearised.trajectory import Diverged
 from ..ranking.look import Look
 from ..ranking.pairs import best_pair
-from ..unknown.coordinates import set_stage
 from ..unknown.find import Unknown
 from ..unknown.subsets import NEAR, rank
 from .drive import other_drive
@@ -65,7 +64,7 @@ def _may_be_one(start: Regression) -> bool:
     """Whether splines of one or two coordinates say nearly everything; a formula that has its kinks may say the
     rest."""
     traces = start.of_traces()
-    few = [found for found in rank(traces, set_stage(traces)) if "history" not in found.coordinates]
+    few = [found for found in rank(traces)[1] if "history" not in found.coordinates]
     return any(found.share > 1.0 - NEAR or found.chi2_per_sample < AS_WELL for found in few)
 
 

@@ -36,6 +36,12 @@ class Stage(NamedTuple):
         """The ranges of the coordinates that a side sees."""
         return self.of_reading if side == "sensor" else self.of_motion
 
+    def finer(self, side: Side, name: str) -> Stage:
+        """The same with twice as many splines over one coordinate."""
+        own = self.ranges(side)
+        ranges = own | {name: own[name]._replace(pieces=2 * own[name].pieces)}
+        return self._replace(of_reading=ranges) if side == "sensor" else self._replace(of_motion=ranges)
+
 
 def absorbed(side: Side, name: str) -> bool:
     """Whether a term proportional to this coordinate is in every model already: stiffness, damping, gain."""

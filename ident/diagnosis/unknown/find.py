@@ -16,7 +16,7 @@ from ...effects.dependence import Side
 from ...model import FREQUENCY, QUALITY
 from ..evidence.coloured_noise import chance_of
 from ..linearised.regression import Regression
-from .coordinates import Stage, rows_of, set_stage
+from .coordinates import Stage, rows_of
 from .formula import Formula, dictionary, long_formula, write_formula
 from .picture import Picture, draw
 from .subsets import TRIED, Ranked, dimension, rank, regress, smallest_sufficient, spline_rows
@@ -103,8 +103,7 @@ def find_unknown(regression: Regression) -> Unknown:
     Sweeps beside the traces are not asked: their points are no motion, along which a function could be known.
     """
     regression = regression.of_traces()
-    stage = set_stage(regression)
-    ranked = rank(regression, stage)
+    stage, ranked = rank(regression)
     enough = smallest_sufficient(ranked)
     chosen, formula = _settle(regression, stage, enough)
     side, coordinates = chosen.side, chosen.coordinates

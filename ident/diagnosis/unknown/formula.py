@@ -8,7 +8,7 @@ that of G. Schwarz, 1978, Ann. Stat. 6, 461, with 2 ln K for the choice among K 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -67,28 +67,47 @@ def dictionary(regression: Regression, stage: Stage, side: Side, coordinates: tu
     elif len(names) == 2:
         terms += paired(names[0], names[1])
     found = _measured(regression, stage, side, terms)
-    for _ in range(_FINER):
-        found = _between(regression, stage, side, found)
+    for inside in (*[_within] * _FINER, _at_top):
+        found = _between(regression, stage, side, found, inside)
     return found
 
 
-def _between(regression: Regression, stage: Stage, side: Side, coarse: Dictionary) -> Dictionary:
+def _between(
+    regression: Regression, stage: Stage, side: Side, coarse: Dictionary, inside: Callable[..., np.ndarray]
+) -> Dictionary:
     """The dictionary with more terms around the best of each family: a grid of their numbers is a tenth off, and where
     a misfit stands far above the noise no term of it then says all that one can."""
-    gain = (coarse.rows @ regression.residual) ** 2 / np.sum(coarse.rows**2, axis=1)
     more: list[Term] = []
     for kind in dict.fromkeys(term.kind for term in coarse.terms if term.again is not None):
-        own = [i for i, term in enumerate(coarse.terms) if term.kind == kind]
-        best = coarse.terms[max(own, key=lambda i: gain[i])]
-        value = best.number.value if best.number is not None else 0.0
-        others = [other.number.value for i in own if (other := coarse.terms[i]).number is not None]
-        low = max((x for x in others if x < value), default=value / _BEYOND)
-        high = min((x for x in others if x > value), default=value * _BEYOND)
-        inside = [x for x in np.geomspace(low, high, _MORE) if not any(np.isclose(x, y) for y in others)]
-        more += [best.again(float(x)) for x in inside if best.again is not None]
+        by_value: dict[float, list[int]] = {}
+        for i, term in enumerate(coarse.terms):
+            if term.kind == kind and term.number is not None:
+                by_value.setdefault(term.number.value, []).append(i)
+        values = np.array(sorted(by_value))
+        drops = np.array([regress(coarse.rows[by_value[value]], regression.residual).drop for value in values])
+        best = by_value[values[np.argmax(drops)]]
+        new = [x for x in inside(values, drops) if not np.any(np.isclose(x, values, atol=0.0))]
+        more += [again(float(x)) for x in new for i in best if (again := coarse.terms[i].again) is not None]
     found = _measured(regression, stage, side, more) if more else coarse._replace(terms=())
     rows, lengths = (np.concatenate(pair) for pair in ((coarse.rows, found.rows), (coarse.lengths, found.lengths)))
     return Dictionary((*coarse.terms, *found.terms), rows, lengths) if found.terms else coarse
+
+
+def _within(values: np.ndarray, drops: np.ndarray) -> np.ndarray:
+    """Values between the neighbours of the best one, or beyond the ends."""
+    best, around = int(np.argmax(drops)), np.concatenate([values[:1] / _BEYOND, values, values[-1:] * _BEYOND])
+    return np.geomspace(around[best], around[best + 2], _MORE)
+
+
+def _at_top(values: np.ndarray, drops: np.ndarray) -> np.ndarray:
+    """Where a parabola through the best value and its neighbours is highest."""
+    best = int(np.argmax(drops))
+    if not 0 < best < len(values) - 1:
+        return np.zeros(0)
+    near = slice(best - 1, best + 2)
+    x = np.log(values[near] / values[best])
+    bend, slope, _ = np.polyfit(x, drops[near], 2)
+    return values[best] * np.exp(np.clip(-slope / (2 * bend), x[0], x[2]))[None] if bend < 0 else np.zeros(0)
 
 
 def _measured(regression: Regression, stage: Stage, side: Side, terms: Sequence[Term]) -> Dictionary:
@@ -109,18 +128,20 @@ def write_formula(
     if not words.terms:
         return None
     gram, along = words.rows @ words.rows.T, words.rows @ regression.residual
-    goal = _goal(regression, spline_drop)
-    beam: list[_Beginning] = [(0.0, ())]
-    found = beam
-    for _ in range(longest):  # two terms may only say something together, so none is refused before the end
-        beam = _extend(gram, along, beam)
-        if not beam:
+    goal, together = _goal(regression, spline_drop), _together(words)
+    beams: list[list[_Beginning]] = [[(0.0, ())], *([] for _ in range(longest))]  # by the number of terms
+    beam = beams[0]
+    for count in range(longest):  # two terms may only say something together, so none is refused before the end
+        steps = together if count + 2 <= longest else []
+        for found in _extend(gram, along, beams[count], steps):
+            beams[len(found[1])].append(found)
+        beams[count + 1] = sorted(set(beams[count + 1]), reverse=True)[:_BEAM]
+        if not beams[count + 1]:
             break
-        if _worth(regression, found[0], beam[0], len(words.terms), longest):
-            found = beam
-        if found[0][0] >= goal:
+        if _worth(regression, beam[0], beams[count + 1][0], len(words.terms), longest):
+            beam = beams[count + 1]
+        if beam[0][0] >= goal:
             break
-    beam = found
     same = beam[0][0] - _BARELY * regression.n
     numbers = lambda chosen: sum(words.terms[i].number is not None for i in chosen)
     plainest = min((chosen for drop, chosen in beam if drop >= same), key=numbers)
@@ -134,18 +155,40 @@ def _goal(regression: Regression, spline_drop: float) -> float:
     return max((1 - _SAME) * spline_drop, spline_drop - _LITTLE * left)
 
 
-def _extend(gram: np.ndarray, along: np.ndarray, beam: list[_Beginning]) -> list[_Beginning]:
-    """The best formulas with one term more."""
+def _together(words: Dictionary) -> list[tuple[int, ...]]:
+    """Terms that share a number and say most together: a wave has a phase."""
+    found: dict[tuple[str, float], list[int]] = {}
+    for i, term in enumerate(words.terms):
+        if term.kind and term.number is not None:
+            found.setdefault((term.kind, term.number.value), []).append(i)
+    return [tuple(own) for own in found.values() if len(own) == 2]
+
+
+def _extend(
+    gram: np.ndarray, along: np.ndarray, beam: list[_Beginning], together: Sequence[tuple[int, ...]]
+) -> list[_Beginning]:
+    """Formulas with one term more, the best of each beginning, or with two that belong together."""
     found: dict[tuple[int, ...], float] = {}
+    pairs = np.array(together, dtype=int).reshape(-1, 2).T
     for drop, chosen in beam:
         picked = list(chosen)
         solved = np.linalg.solve(gram[np.ix_(picked, picked)], gram[picked]) if picked else np.zeros((0, len(along)))
         left = np.diag(gram) - np.sum(gram[picked] * solved, axis=0)
-        gain = (along - solved.T @ along[picked]) ** 2 / np.where(left > _NEW * np.diag(gram), left, np.inf)
+        rest = along - solved.T @ along[picked]
+        gain = rest**2 / np.where(left > _NEW * np.diag(gram), left, np.inf)
         for j in np.argsort(-gain)[:_BEAM]:
             if gain[j] > 0:
                 found[tuple(sorted((*chosen, int(j))))] = drop + float(gain[j])
-    return sorted(((drop, chosen) for chosen, drop in found.items()), reverse=True)[:_BEAM]
+        first, second = pairs
+        slope = gram[first, second] - np.sum(gram[picked][:, first] * solved[:, second], axis=0)
+        slope = slope / np.where(gain[first] > 0, left[first], np.inf)
+        apart = left[second] - slope**2 * left[first]  # what the second leaves of itself beside the first
+        own = (rest[second] - slope * rest[first]) ** 2
+        gains = gain[first] + own / np.where(apart > _NEW * np.diag(gram)[second], apart, np.inf)
+        for j in np.argsort(-gains)[:_BEAM]:
+            if gain[first[j]] > 0:
+                found[tuple(sorted((*chosen, *together[j])))] = drop + float(gains[j])
+    return [(drop, chosen) for chosen, drop in found.items()]
 
 
 def _worth(regression: Regression, before: _Beginning, after: _Beginning, choices: int, longest: int) -> bool:

@@ -12,7 +12,8 @@ from .coordinates import Stage, absorbed
 from .splines import Places
 from .subsets import Solution, spline_functions
 
-_CURVE, _MAP = 121, 41
+_CURVE, _MAP = 121, 41  # points, of a curve at least
+_PER_SPLINE = 4  # points
 
 
 class Picture(NamedTuple):
@@ -51,8 +52,9 @@ def draw(regression: Regression, stage: Stage, side: Side, coordinates: tuple[st
         found = spline_functions(stage, side, coordinates, place)
         kind, grids, weights = "loop", [place[names[0]]], np.ones(place["z"].shape)
     else:
-        count = _CURVE if len(names) == 1 else _MAP
-        axes = [np.linspace(stage.ranges(side)[n].low, stage.ranges(side)[n].high, count) for n in names]
+        own = stage.ranges(side)
+        count = max(_CURVE, _PER_SPLINE * own[names[0]].pieces) if len(names) == 1 else _MAP
+        axes = [np.linspace(own[n].low, own[n].high, count) for n in names]
         mesh = list(np.meshgrid(*axes, indexing="ij")) if len(names) == 2 else [axes[0][None]]
         found = spline_functions(stage, side, coordinates, dict(zip(names, mesh, strict=True)))
         kind, grids, weights = ("curve" if len(names) == 1 else "map"), list(mesh), _visits(seen, names, axes)

@@ -23,7 +23,7 @@ from ..linearised.trajectory import Path
 # dV is V̇/ω, so that records of any frequency compare.
 UNITS = {"z": "m", "v": "m/s", "V": "V", "dV": "V", "t": "s", "rate": "V/s"}
 
-_SINGLE, _PAIRED, _DEGREE = 18, 6, 3  # splines of one coordinate, of each of two; and their degree
+_SINGLE, _PAIRED, _DEGREE = 18, 6, 3  # splines of one coordinate at first, of each of two; and their degree
 _WIDTHS = (0.02, 0.05, 0.1, 0.18, 0.3, 0.45, 0.6, 0.8)  # of the plays, in parts of the largest value
 _TIMES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 40.0)  # of the relaxations, in periods of the resonance
 
@@ -35,11 +35,13 @@ Places = dict[str, np.ndarray]
 
 
 class Size(NamedTuple):
-    """Range of one coordinate in the records, and its largest absolute value (SI)."""
+    """Range of one coordinate in the records, and its largest absolute value (SI); `pieces`: splines over it, of a
+    function of this coordinate alone."""
 
     low: float
     high: float
     largest: float
+    pieces: int = _SINGLE
 
 
 def places(
@@ -79,7 +81,7 @@ def sizes(found: Sequence[Places]) -> dict[str, Size]:
 
 def one(name: str, place: Places, size: Size) -> np.ndarray:
     """Functions of one coordinate: a cubic spline, and unless it is time a kink and steps at zero; (k, …)."""
-    smooth = splines(place[name], size, _SINGLE)
+    smooth = splines(place[name], size, size.pieces)
     if name == "t":
         return smooth
     x = place[name] / size.largest

@@ -18,16 +18,18 @@ import numpy as np
 
 from ...effects.dependence import Side
 from ..linearised.regression import Regression
-from .coordinates import Stage, rows_of
+from .coordinates import Stage, rows_of, set_stage
 from .splines import Places, one, pair
 
 SINGLES = (("z",), ("v",), ("V",), ("dV",), ("t",))
 PAIRS = (("z", "v"), ("z", "V"), ("z", "dV"), ("v", "V"), ("v", "dV"), ("V", "dV"), ("z", "t"), ("v", "t"), ("V", "t"))
 HISTORIES = (("z", "history"), ("V", "history"))
-TRIED = 35  # sets of coordinates, at most: what a chance probability is multiplied by
+TRIED = 50  # sets of coordinates, at most, coarse and fine: what a chance probability is multiplied by
 NEAR = 0.01  # of the best set's gain: a smaller set that lacks no more explains "almost as much" …
 _NEARLY_ALL, _NEAR_ALL = 0.995, 0.003  # … but less may be lacking where the best set explains everything
 _ALL = 0.999  # share from which nothing more is sought
+_FINER = ("z", "v", "V")  # coordinates over which a law may turn to and fro: cogs, fringes, steps of an amplifier
+_FINEST = 144  # splines over one of them: thirty turns
 _NULL = 1e-7  # squared share of a combination of rows that must survive the projection
 
 
@@ -96,13 +98,42 @@ def regress(rows: np.ndarray, target: np.ndarray) -> Solution:
     return Solution(float(along @ along), int(kept.sum()), spread @ along, spread)
 
 
-def rank(regression: Regression, stage: Stage) -> list[Ranked]:
-    """Every set of coordinates on every side, best criterion first; pairs only if no single coordinate suffices."""
-    known: dict[tuple[bool, tuple[str, ...]], np.ndarray] = {}
-    found = [_judge(regression, stage, *tried, known) for tried in _candidates((("1",), *SINGLES, *HISTORIES))]
+_Known = dict[tuple[bool, tuple[str, ...]], np.ndarray]  # rows of the blocks of a side
+
+
+def rank(regression: Regression) -> tuple[Stage, list[Ranked]]:
+    """Every set of coordinates on every side, best criterion first, and where they were looked for; more splines and
+    pairs only if no single coordinate suffices."""
+    stage, known = set_stage(regression), {}
+    found = [_judge(regression, stage, *tried, known) for tried in _candidates((("1",), *SINGLES))]
+    if max(r.share for r in found) < _ALL:
+        stage, found = _resolved(regression, stage, found, known)
+    found += [_judge(regression, stage, *tried, known) for tried in _candidates(HISTORIES)]
     if max(r.share for r in found if r.coordinates[-1] != "history") < _ALL:
         found += [_judge(regression, stage, *tried, known) for tried in _candidates(PAIRS)]
-    return sorted(found, key=lambda r: r.criterion)
+    return stage, sorted(found, key=lambda r: r.criterion)
+
+
+def _resolved(
+    regression: Regression, stage: Stage, coarse: Sequence[Ranked], known: _Known
+) -> tuple[Stage, list[Ranked]]:
+    """Twice as many splines over a coordinate while they leave less than half: those of a smooth curve, once they
+    follow it, leave a sixteenth, and those of a coordinate that is not the law's gain little."""
+    best = []
+    for found in coarse:
+        while (
+            found.coordinates[0] in _FINER
+            and found.share < _ALL
+            and stage.ranges(found.side)[found.coordinates[0]].pieces < _FINEST
+        ):
+            trial, rows = stage.finer(found.side, found.coordinates[0]), {}
+            finer = _judge(regression, trial, found.side, found.coordinates, rows)
+            if not finer.chi2_per_sample - 1.0 < 0.5 * (found.chi2_per_sample - 1.0):
+                break
+            stage, found = trial, finer
+            known |= rows
+        best.append(found)
+    return stage, best
 
 
 def _candidates(sets: Sequence[tuple[str, ...]]) -> Iterator[tuple[Side, tuple[str, ...]]]:
@@ -119,7 +150,7 @@ def _judge(
     stage: Stage,
     side: Side,
     coordinates: tuple[str, ...],
-    known: dict[tuple[bool, tuple], np.ndarray],
+    known: _Known,
 ) -> Ranked:
     solved = regress(_rows(regression, stage, side, coordinates, known), regression.residual)
     after = (regression.chi2 - solved.drop) / regression.n
@@ -133,7 +164,7 @@ def _rows(
     stage: Stage,
     side: Side,
     coordinates: tuple[str, ...],
-    known: dict[tuple[bool, tuple], np.ndarray],
+    known: _Known,
 ) -> np.ndarray:
     parts = []
     for block in blocks_of(coordinates):

@@ -16,7 +16,8 @@ from ...effects.effect import Scalar
 from .splines import UNITS, Places, Size, lagging, plays, quick, sharp
 
 _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
-_WAVES = np.linspace(1.5, 9.0, 16)  # sin(w x/largest)
+_WAVES = (1.5, 0.5, 0.8)  # of w in sin(w x/largest): the least, the step, and the largest over the number of splines:
+# four to a turn, which they follow to a hundredth
 _HUMPS = (0.05, 0.1, 0.2, 0.4)  # widths of what acts near zero only, in parts of the largest value
 _TURNS = (0.006, 0.0125, 0.025, 0.05, 0.1, 0.2, 0.4, 0.7)  # widths of steps, up to a gentle saturation
 _GAPS = (0.3, 0.45, 0.6, 0.75)  # of the largest value, where a contact begins
@@ -47,7 +48,8 @@ class Term(NamedTuple):
     - `powers`: of the coordinates by whose units its amplitude's is divided; `written`: amplitude over the coefficient
       in the text, where the number in the code divides out a unit that the text keeps.
     - `memory`: "", "play" or "late"; of which coordinate is the first of `names`.
-    - `kind`, of terms that differ in their number alone, and `again`, the same with another one.
+    - `kind`, of terms that differ in their number alone, or share one and say most together, as a sine and a cosine
+      do; and `again`, the same with another number.
     """
 
     text: str
@@ -88,7 +90,9 @@ def single(name: str, size: Size) -> list[Term]:
              length(largest, f"{n} at which the term is its amplitude", False), largest**1.5),
     ]  # fmt: skip
     found += _family(f"step {n}", partial(_step, n, length), [part * largest for part in _TURNS])
-    found += _family(f"wave {n}", partial(_wave, n, length), [largest / w for w in _WAVES])
+    waves = [largest / w for w in np.arange(_WAVES[0], _WAVES[2] * size.pieces, _WAVES[1])]
+    found += _family(f"wave {n}", partial(_wave, n, length, "sin", np.sin), waves)
+    found += _family(f"wave {n}", partial(_wave, n, length, "cos", np.cos), waves)
     found += _family(f"hump {n}", partial(_hump, n, length), [part * largest for part in _HUMPS])
     found += _family(f"cut {n}", partial(_cut, n, length), [part * largest for part in _LIMITS])
     for sign, end in ((1, size.high), (-1, -size.low)):
@@ -103,9 +107,9 @@ def _family(kind: str, of: Callable[[float], Term], values: Iterable[float]) -> 
     return [again(value) for value in values]
 
 
-def _wave(n: str, length: Callable[..., Number], scale: float) -> Term:
-    own = length(scale, "length of the sine over 2π")
-    return Term(f"sin({n}/{number(scale)})", f"jnp.sin({n} / {{n}})", (n,), (), lambda x: np.sin(x[n] / scale), own)
+def _wave(n: str, length: Callable[..., Number], word: str, wave: np.ufunc, scale: float) -> Term:
+    own, code = length(scale, "length of the wave over 2π"), f"jnp.{word}({n} / {{n}})"
+    return Term(f"{word}({n}/{number(scale)})", code, (n,), (), lambda x: wave(x[n] / scale), own)
 
 
 def _step(n: str, length: Callable[..., Number], width: float) -> Term:
