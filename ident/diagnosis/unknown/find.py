@@ -36,8 +36,8 @@ class Unknown:
 
     - `side`: "force" on the stage, "drive" (through the actuator) or "sensor"; `coordinates`: of "z", "v", "V", "dV"
       (V̇/ω, V), "t", "1" (a constant) and "history" (what came before of the coordinate named with it).
-    - `drop` of χ² by `dof` spline directions; `share` of the excess over noise explained; `chi2_before` and
-      `chi2_after` per sample; `p_value`: of such a fall by chance, coloured noise and the number of tries allowed for.
+    - `drop` of χ² by `dof` spline directions; `share` of the excess over noise explained, by these or by the formula;
+      `chi2_before` and `chi2_after` per sample; `p_value`: of such a fall by chance, coloured noise and the number of tries allowed for.
     - `alike`: other sets that explain as much; `others`: the best of the rest.
     - `picture`: the function with its error; `formula`: in at most three terms, None if no term helps; `written`: what
       an effect file is written from, the formula if it says as much as the splines; None if no term says anything.
@@ -120,6 +120,8 @@ def find_unknown(regression: Regression) -> Unknown:
     before = regression.chi2 / regression.n
     found = Unknown(side, coordinates, chosen.drop, chosen.dof, chosen.share, before, chosen.chi2_per_sample, p, alike,
                     others, picture, formula, written, ())  # fmt: skip
+    if formula is not None and formula.chi2_per_sample < chosen.chi2_per_sample:  # splines of two coordinates are few
+        found = replace(found, share=found.explained(formula), chi2_after=formula.chi2_per_sample)
     return replace(found, sentences=describe(found))
 
 
