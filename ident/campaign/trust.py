@@ -33,9 +33,8 @@ def trust(*files: str | os.PathLike[str]) -> tuple[str, ...]:
 
     Look at a file that is not yours before you trust it: it can do whatever a program can.
     """
-    sums = tuple(checksum(read_bytes(Path(file), str(file))) for file in files)
-    fresh = [one for one in sums if not _known(one)]
-    _session.update(fresh)
+    fresh = [one for one in map(_sum_of, files) if not _kept(one)]
+    sums = trust_for_now(*files)
     if fresh:
         try:
             _list().parent.mkdir(parents=True, exist_ok=True)
@@ -46,9 +45,16 @@ def trust(*files: str | os.PathLike[str]) -> tuple[str, ...]:
     return sums
 
 
+def trust_for_now(*files: str | os.PathLike[str]) -> tuple[str, ...]:
+    """`trust` in this process alone: of files that may not outlive it."""
+    sums = tuple(_sum_of(file) for file in files)
+    _session.update(sums)
+    return sums
+
+
 def is_trusted(file: Path) -> bool:
     """Whether an effect file would run as it is."""
-    return _known(checksum(read_bytes(file, str(file))))
+    return _known(_sum_of(file))
 
 
 def check_trusted(contents: Iterable[tuple[Path, bytes]]) -> None:
@@ -72,9 +78,15 @@ def _list() -> Path:
     return user_config_path("ident") / "trusted-effects.txt"
 
 
+def _sum_of(file: str | os.PathLike[str]) -> str:
+    return checksum(read_bytes(Path(file), str(file)))
+
+
 def _known(one: str) -> bool:
-    if one in _session:
-        return True
+    return one in _session or _kept(one)
+
+
+def _kept(one: str) -> bool:
     try:
         return one in read_bytes(_list(), str(_list())).decode("ascii", "replace").split()
     except UserError:

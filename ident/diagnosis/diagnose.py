@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ..campaign.campaign import Campaign
 from ..campaign.held_drive import jumps
 from ..campaign.quality.suspect import ALL, Suspect
+from ..campaign.trust import trust
 from ..effects.registry import Registry, registry
 from ..errors import UserError
 from ..fit import Fit, fit, fit_data
@@ -125,6 +126,20 @@ def diagnose(
     """
     if effect_file is not None and effect_file.exists():
         raise UserError("this file exists already", where=str(effect_file), do="choose another name, or move it away")
+    said = _answered(fitted, library, report, effect_file, keeps_walk, keep)
+    if said.effect_file is not None:
+        trust(said.effect_file)  # our own words
+    return said
+
+
+def _answered(
+    fitted: Fit | Walked,
+    library: Registry | None,
+    report: Report,
+    effect_file: Path | None = None,
+    keeps_walk: bool = False,
+    keep: Keep = lambda _: None,
+) -> Diagnosis:
     walked = fitted if isinstance(fitted, Walked) else Walked(fitted)
     fitted = walked.start
     library = registry(fitted.campaign.effect_files) if library is None else library
@@ -158,7 +173,7 @@ def diagnose(
     if isinstance(found, Campaign):
         report("what the last model leaves tells the noise floors better: once more, with these")
         again = Walked(fit(fitted.model, found, initial=fitted.values))
-        return diagnose(again, library, report, effect_file, keeps_walk, keep)
+        return _answered(again, library, report, effect_file, keeps_walk, keep)
     if found.start is not fitted:  # the walk has begun again, from a better first model
         regression = prepare(working(found.start))
         where = locate(regression, found.start)
@@ -212,7 +227,7 @@ def _read_apart(
         found = walk(again)
     if not adequate(found.regression):
         return None
-    said = diagnose(Walked(found.start, found.steps, found.confirmed), library, report, keep=keep)
+    said = _answered(Walked(found.start, found.steps, found.confirmed), library, report, keep=keep)
     # An effect may be mistaken for what differs, as for what is faulty.
     sure = said.verdict == "identified"
     return replace(said, discovery=replace(said.discovery, verdict="ambiguous")) if sure else said

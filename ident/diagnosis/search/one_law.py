@@ -13,7 +13,7 @@ import numpy as np
 
 from ...effects.dependence import depends_on
 from ...pulse import Report
-from ..evidence.enough import adequate
+from ..evidence.enough import adequate, worth_a_name
 from ..evidence.held_out import contradicted, hurts
 from ..linearised.basis import orthonormal
 from ..linearised.regression import Regression, prepare
@@ -69,9 +69,11 @@ def _may_be_one(start: Regression) -> bool:
 
 
 def _names_reach_it(look: Look) -> bool:
+    """Whether an effect that was refitted says it, or two may: a promise is of first order, and one that leaves nothing
+    worth a name is for a walk to try."""
+    refitted = min((one.chi2 for one in look.tried if one.possible), default=np.inf)
     pair = best_pair(look.regression, look.candidates)
-    promised = np.inf if pair is None else float(pair.left @ pair.left)
-    return as_good_as_named(min([promised, *(one.chi2 for one in look.tried if one.possible)]), look.regression)
+    return as_good_as_named(refitted, look.regression) or (pair is not None and _may_do(pair.left, look.regression))
 
 
 def _said_in_pieces(look: Look, unknown: Unknown) -> bool:
@@ -85,5 +87,9 @@ def _said_in_pieces(look: Look, unknown: Unknown) -> bool:
     if not rows:
         return False
     basis = orthonormal(np.concatenate(rows))
-    left = regression.residual - basis @ (basis.T @ regression.residual)
-    return as_good_as_named(float(left @ left), regression)
+    return _may_do(regression.residual - basis @ (basis.T @ regression.residual), regression)
+
+
+def _may_do(left: np.ndarray, regression: Regression) -> bool:
+    """Whether effects that promise to leave this may be all that a walk would name."""
+    return not worth_a_name(float(left @ left) - regression.n, regression)

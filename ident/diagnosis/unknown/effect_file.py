@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 from typing import NamedTuple
 
-from ...campaign.trust import trust
+from ...campaign.trust import trust_for_now
 from ...errors import UserError
 from .find import Unknown
 from .formula import Formula
@@ -48,7 +48,7 @@ def write_effect(unknown: Unknown, path: Path, name: str) -> None:
         raise UserError("this file exists already", where=str(path), do="choose another name, or move it away")
     path.parent.mkdir(parents=True, exist_ok=True)  # beside a run folder that is not there yet
     path.write_text(effect_source(unknown.written, name, unknown.sentences[0]), encoding="utf-8")
-    trust(path)  # our own words
+    trust_for_now(path)  # our own words; `diagnose` remembers those that it keeps
 
 
 def effect_source(formula: Formula, name: str, found: str = "") -> str:

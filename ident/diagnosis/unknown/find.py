@@ -37,7 +37,8 @@ class Unknown:
     - `side`: "force" on the stage, "drive" (through the actuator) or "sensor"; `coordinates`: of "z", "v", "V", "dV"
       (V̇/ω, V), "t", "1" (a constant) and "history" (what came before of the coordinate named with it).
     - `drop` of χ² by `dof` spline directions; `share` of the excess over noise explained, by these or by the formula;
-      `chi2_before` and `chi2_after` per sample; `p_value`: of such a fall by chance, coloured noise and the number of tries allowed for.
+      `chi2_before` and `chi2_after` per sample; `p_value`: of such a fall by chance, coloured noise and the number of
+      tries allowed for.
     - `alike`: other sets that explain as much; `others`: the best of the rest.
     - `picture`: the function with its error; `formula`: in at most three terms, None if no term helps; `written`: what
       an effect file is written from, the formula if it says as much as the splines; None if no term says anything.
