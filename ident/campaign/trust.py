@@ -33,8 +33,8 @@ def trust(*files: str | os.PathLike[str]) -> tuple[str, ...]:
 
     Look at a file that is not yours before you trust it: it can do whatever a program can.
     """
-    fresh = [one for one in map(_sum_of, files) if not _kept(one)]
     sums = trust_for_now(*files)
+    fresh = [one for one in sums if not _kept(one)]
     if fresh:
         try:
             _list().parent.mkdir(parents=True, exist_ok=True)

@@ -92,4 +92,5 @@ def _said_in_pieces(look: Look, unknown: Unknown) -> bool:
 
 def _may_do(left: np.ndarray, regression: Regression) -> bool:
     """Whether effects that promise to leave this may be all that a walk would name."""
-    return not worth_a_name(float(left @ left) - regression.n, regression)
+    chi2 = float(left @ left)
+    return as_good_as_named(chi2, regression) or not worth_a_name(chi2 - regression.n, regression)

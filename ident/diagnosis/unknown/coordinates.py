@@ -36,10 +36,10 @@ class Stage(NamedTuple):
         """The ranges of the coordinates that a side sees."""
         return self.of_reading if side == "sensor" else self.of_motion
 
-    def finer(self, side: Side, name: str) -> Stage:
-        """The same with twice as many splines over one coordinate."""
+    def resolved(self, side: Side, name: str, pieces: int) -> Stage:
+        """The same with so many splines over one coordinate."""
         own = self.ranges(side)
-        ranges = own | {name: own[name]._replace(pieces=2 * own[name].pieces)}
+        ranges = own | {name: own[name]._replace(pieces=pieces)}
         return self._replace(of_reading=ranges) if side == "sensor" else self._replace(of_motion=ranges)
 
 

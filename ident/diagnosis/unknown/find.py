@@ -22,7 +22,7 @@ from .picture import Picture, draw
 from .subsets import TRIED, Ranked, dimension, rank, regress, smallest_sufficient, spline_rows
 from .words import describe, noise_followed
 
-_LACKING = 0.1  # of what the splines leave: a formula that lacks no more says as much as the splines of all rivals
+_LACKING = 0.1  # of what another description leaves: one that lacks no more says as much
 _MOST_TERMS = 6  # a formula has fewer; where none says it, so many count
 # What a term of a formula counts, and that there is none, in coordinates, where several sets explain the same.
 _PER_TERM, _WORDLESS = 0.08, 1.0
@@ -36,9 +36,9 @@ class Unknown:
 
     - `side`: "force" on the stage, "drive" (through the actuator) or "sensor"; `coordinates`: of "z", "v", "V", "dV"
       (V̇/ω, V), "t", "1" (a constant) and "history" (what came before of the coordinate named with it).
-    - `drop` of χ² by `dof` spline directions; `share` of the excess over noise explained, by these or by the formula;
-      `chi2_before` and `chi2_after` per sample; `p_value`: of such a fall by chance, coloured noise and the number of
-      tries allowed for.
+    - `drop` of χ² by `dof` spline directions; `share` of the excess over noise explained and `chi2_after` per sample,
+      by these or by the formula, whichever leaves less; `chi2_before`; `p_value`: of such a `drop` by chance, coloured
+      noise and the number of tries allowed for.
     - `alike`: other sets that explain as much; `others`: the best of the rest.
     - `picture`: the function with its error; `formula`: in at most three terms, None if no term helps; `written`: what
       an effect file is written from, the formula if it says as much as the splines; None if no term says anything.
@@ -121,8 +121,11 @@ def find_unknown(regression: Regression) -> Unknown:
     before = regression.chi2 / regression.n
     found = Unknown(side, coordinates, chosen.drop, chosen.dof, chosen.share, before, chosen.chi2_per_sample, p, alike,
                     others, picture, formula, written, ())  # fmt: skip
-    if formula is not None and formula.chi2_per_sample < chosen.chi2_per_sample:  # splines of two coordinates are few
-        found = replace(found, share=found.explained(formula), chi2_after=formula.chi2_per_sample)
+    if formula is not None and formula.chi2_per_sample < chosen.chi2_per_sample and before > 1.0:
+        # It has the law's own shape, and splines of two coordinates are few: what they leave is no measure.
+        least = _as_much(regression, formula.drop)
+        alike = tuple(one for one in alike if one.drop - one.dof > least)
+        found = replace(found, share=found.explained(formula), chi2_after=formula.chi2_per_sample, alike=alike)
     return replace(found, sentences=describe(found))
 
 
@@ -138,7 +141,7 @@ def _settle(regression: Regression, stage: Stage, enough: Sequence[Ranked]) -> t
     rivals = [r for r in enough[1:] if not set(first.coordinates) <= set(r.coordinates) or r.side != first.side]
     rivals = [r for r in rivals if dimension(r.coordinates) <= 2][:4]
     weakest = min(r.drop - r.dof for r in (first, *rivals))
-    least = weakest - _LACKING * max(regression.chi2 - weakest, float(regression.n))
+    least = _as_much(regression, weakest)
     judged = []
     for found in (first, *rivals):
         words = dictionary(regression, stage, found.side, found.coordinates)
@@ -156,6 +159,11 @@ def _settle(regression: Regression, stage: Stage, enough: Sequence[Ranked]) -> t
             break
     best = min(judged, key=lambda j: j[:2])
     return best[2], best[3]
+
+
+def _as_much(regression: Regression, drop: float) -> float:
+    """The fall of χ² from which something says as much as what lowers it by `drop`."""
+    return drop - _LACKING * max(regression.chi2 - drop, float(regression.n))
 
 
 def _possible(regression: Regression, stage: Stage, formula: Formula) -> bool:

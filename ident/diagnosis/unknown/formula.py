@@ -129,17 +129,16 @@ def write_formula(
         return None
     gram, along = words.rows @ words.rows.T, words.rows @ regression.residual
     goal, together = _goal(regression, spline_drop), _together(words)
-    beams: list[list[_Beginning]] = [[(0.0, ())], *([] for _ in range(longest))]  # by the number of terms
-    beam = beams[0]
+    known: list[dict[tuple[int, ...], float]] = [{} for _ in range(longest + 1)]  # by the number of terms
+    beam = reached = [(0.0, ())]
     for count in range(longest):  # two terms may only say something together, so none is refused before the end
-        steps = together if count + 2 <= longest else []
-        for found in _extend(gram, along, beams[count], steps):
-            beams[len(found[1])].append(found)
-        beams[count + 1] = sorted(set(beams[count + 1]), reverse=True)[:_BEAM]
-        if not beams[count + 1]:
+        for chosen, drop in _extend(gram, along, reached, together if count + 2 <= longest else []).items():
+            known[len(chosen)][chosen] = drop
+        reached = sorted(((drop, chosen) for chosen, drop in known[count + 1].items()), reverse=True)[:_BEAM]
+        if not reached:
             break
-        if _worth(regression, beam[0], beams[count + 1][0], len(words.terms), longest):
-            beam = beams[count + 1]
+        if _worth(regression, beam[0], reached[0], len(words.terms), longest):
+            beam = reached
         if beam[0][0] >= goal:
             break
     same = beam[0][0] - _BARELY * regression.n
@@ -166,8 +165,8 @@ def _together(words: Dictionary) -> list[tuple[int, ...]]:
 
 def _extend(
     gram: np.ndarray, along: np.ndarray, beam: list[_Beginning], together: Sequence[tuple[int, ...]]
-) -> list[_Beginning]:
-    """Formulas with one term more, the best of each beginning, or with two that belong together."""
+) -> dict[tuple[int, ...], float]:
+    """Formulas with one term more, the best of each beginning, or with two that belong together: their falls of χ²."""
     found: dict[tuple[int, ...], float] = {}
     pairs = np.array(together, dtype=int).reshape(-1, 2).T
     for drop, chosen in beam:
@@ -184,11 +183,12 @@ def _extend(
         slope = slope / np.where(gain[first] > 0, left[first], np.inf)
         apart = left[second] - slope**2 * left[first]  # what the second leaves of itself beside the first
         own = (rest[second] - slope * rest[first]) ** 2
-        gains = gain[first] + own / np.where(apart > _NEW * np.diag(gram)[second], apart, np.inf)
+        new = (gain[first] > 0) & (apart > _NEW * np.diag(gram)[second])
+        gains = np.where(new, gain[first] + own / np.where(new, apart, np.inf), 0.0)
         for j in np.argsort(-gains)[:_BEAM]:
-            if gain[first[j]] > 0:
+            if gains[j] > 0:
                 found[tuple(sorted((*chosen, *together[j])))] = drop + float(gains[j])
-    return [(drop, chosen) for chosen, drop in found.items()]
+    return found
 
 
 def _worth(regression: Regression, before: _Beginning, after: _Beginning, choices: int, longest: int) -> bool:

@@ -12,8 +12,8 @@ from .coordinates import Stage, absorbed
 from .splines import Places
 from .subsets import Solution, spline_functions
 
-_CURVE, _MAP = 121, 41  # points, of a curve at least
-_PER_SPLINE = 4  # points
+_CURVE, _MAP = 121, 41  # points along an axis at least, and
+_PER_SPLINE = 2
 
 
 class Picture(NamedTuple):
@@ -53,8 +53,8 @@ def draw(regression: Regression, stage: Stage, side: Side, coordinates: tuple[st
         kind, grids, weights = "loop", [place[names[0]]], np.ones(place["z"].shape)
     else:
         own = stage.ranges(side)
-        count = max(_CURVE, _PER_SPLINE * own[names[0]].pieces) if len(names) == 1 else _MAP
-        axes = [np.linspace(own[n].low, own[n].high, count) for n in names]
+        least = _CURVE if len(names) == 1 else _MAP
+        axes = [np.linspace(own[n].low, own[n].high, max(least, _PER_SPLINE * own[n].pieces)) for n in names]
         mesh = list(np.meshgrid(*axes, indexing="ij")) if len(names) == 2 else [axes[0][None]]
         found = spline_functions(stage, side, coordinates, dict(zip(names, mesh, strict=True)))
         kind, grids, weights = ("curve" if len(names) == 1 else "map"), list(mesh), _visits(seen, names, axes)

@@ -29,7 +29,7 @@ NEAR = 0.01  # of the best set's gain: a smaller set that lacks no more explains
 _NEARLY_ALL, _NEAR_ALL = 0.995, 0.003  # … but less may be lacking where the best set explains everything
 _ALL = 0.999  # share from which nothing more is sought
 _FINER = ("z", "v", "V")  # coordinates over which a law may turn to and fro: cogs, fringes, steps of an amplifier
-_FINEST = 144  # splines over one of them: thirty turns
+_PIECES = (36, 72, 144)  # splines over one of them, where the first few leave more than these cost: up to thirty turns
 _NULL = 1e-7  # squared share of a combination of rows that must survive the projection
 
 
@@ -117,21 +117,21 @@ def rank(regression: Regression) -> tuple[Stage, list[Ranked]]:
 def _resolved(
     regression: Regression, stage: Stage, coarse: Sequence[Ranked], known: _Known
 ) -> tuple[Stage, list[Ranked]]:
-    """Twice as many splines over a coordinate while they leave less than half: those of a smooth curve, once they
-    follow it, leave a sixteenth, and those of a coordinate that is not the law's gain little."""
-    best = []
+    """As many splines over each coordinate as the criterion buys, if they leave less than half of what fewer do: those
+    that follow the law leave next to nothing, and those of another coordinate gain little."""
+    best, price = [], np.log(regression.n)
     for found in coarse:
-        while (
-            found.coordinates[0] in _FINER
-            and found.share < _ALL
-            and stage.ranges(found.side)[found.coordinates[0]].pieces < _FINEST
-        ):
-            trial, rows = stage.finer(found.side, found.coordinates[0]), {}
-            finer = _judge(regression, trial, found.side, found.coordinates, rows)
-            if not finer.chi2_per_sample - 1.0 < 0.5 * (found.chi2_per_sample - 1.0):
+        name, first = found.coordinates[0], found
+        for pieces in _PIECES if name in _FINER else ():
+            left = regression.chi2 - found.drop - (regression.n - found.dof)
+            if found.share > _ALL or left < (pieces - stage.ranges(found.side)[name].pieces) * price:
                 break
-            stage, found = trial, finer
-            known |= rows
+            rows: _Known = {}
+            trial = stage.resolved(found.side, name, pieces)
+            finer = _judge(regression, trial, found.side, found.coordinates, rows)
+            if finer.criterion < found.criterion and 1.0 - finer.share < 0.5 * (1.0 - first.share):
+                stage, found = trial, finer
+                known |= rows
         best.append(found)
     return stage, best
 

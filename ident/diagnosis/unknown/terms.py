@@ -16,8 +16,8 @@ from ...effects.effect import Scalar
 from .splines import UNITS, Places, Size, lagging, plays, quick, sharp
 
 _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
-_WAVES = (1.5, 0.5, 0.8)  # of w in sin(w x/largest): the least, the step, and the largest over the number of splines:
-# four to a turn, which they follow to a hundredth
+_SLOWEST, _APART = 1.5, 0.5  # of waves: radians over half the range, and how far from one to the next
+_QUICKEST = 0.8  # the same for each spline over it: four splines to a turn, which they follow to a hundredth
 _HUMPS = (0.05, 0.1, 0.2, 0.4)  # widths of what acts near zero only, in parts of the largest value
 _TURNS = (0.006, 0.0125, 0.025, 0.05, 0.1, 0.2, 0.4, 0.7)  # widths of steps, up to a gentle saturation
 _GAPS = (0.3, 0.45, 0.6, 0.75)  # of the largest value, where a contact begins
@@ -90,7 +90,7 @@ def single(name: str, size: Size) -> list[Term]:
              length(largest, f"{n} at which the term is its amplitude", False), largest**1.5),
     ]  # fmt: skip
     found += _family(f"step {n}", partial(_step, n, length), [part * largest for part in _TURNS])
-    waves = [largest / w for w in np.arange(_WAVES[0], _WAVES[2] * size.pieces, _WAVES[1])]
+    waves = [0.5 * (size.high - size.low) / w for w in np.arange(_SLOWEST, _QUICKEST * size.pieces, _APART)]
     found += _family(f"wave {n}", partial(_wave, n, length, "sin", np.sin), waves)
     found += _family(f"wave {n}", partial(_wave, n, length, "cos", np.cos), waves)
     found += _family(f"hump {n}", partial(_hump, n, length), [part * largest for part in _HUMPS])
