@@ -25,6 +25,7 @@ from ..unknown.find import Unknown
 from ..unknown.subsets import NEAR, rank
 from .drive import other_drive
 from .steps import Discovery
+from .together import both
 from .written import AS_WELL, Written, as_good_as_named, ended, lacked_by, simulated, step_of
 
 
@@ -40,7 +41,9 @@ def one_law(look: Look, start: Regression, path: Path, report: Report) -> Writte
     formula = unknown.formula
     if formula is None or not (unknown.of_one_law and formula.complete and formula.chi2_per_sample < AS_WELL):
         return None
-    if _said_in_pieces(look, unknown) or other_drive(fitted, regression, report, look) is not None:
+    if _said_in_pieces(look, unknown) or _two_names_do(look, start, report):
+        return None
+    if other_drive(fitted, regression, report, look) is not None:
         return None
     try:
         beyond, gain = simulated(fitted, start, unknown, path, report)
@@ -69,11 +72,20 @@ def _may_be_one(start: Regression) -> bool:
 
 
 def _names_reach_it(look: Look) -> bool:
-    """Whether an effect that was refitted says it, or two may: a promise is of first order, and one that leaves nothing
-    worth a name is for a walk to try."""
-    refitted = min((one.chi2 for one in look.tried if one.possible), default=np.inf)
     pair = best_pair(look.regression, look.candidates)
-    return as_good_as_named(refitted, look.regression) or (pair is not None and _may_do(pair.left, look.regression))
+    promised = np.inf if pair is None else float(pair.left @ pair.left)
+    return as_good_as_named(min([promised, *(one.chi2 for one in look.tried if one.possible)]), look.regression)
+
+
+def _two_names_do(look: Look, start: Regression, report: Report) -> bool:
+    """Whether the two effects that promise most reach the noise once they are refitted, which they are if they promise
+    to leave nothing that is worth a name: a promise is of first order."""
+    pair = best_pair(look.regression, look.candidates)
+    if pair is None or worth_a_name(float(pair.left @ pair.left) - look.regression.n, look.regression):
+        return False
+    report(f"trying {' and '.join(pair.names)} together")
+    found = both(start.fit, start, pair.names, look.library, None, start)
+    return found is not None and adequate(found[1])
 
 
 def _said_in_pieces(look: Look, unknown: Unknown) -> bool:
@@ -87,10 +99,5 @@ def _said_in_pieces(look: Look, unknown: Unknown) -> bool:
     if not rows:
         return False
     basis = orthonormal(np.concatenate(rows))
-    return _may_do(regression.residual - basis @ (basis.T @ regression.residual), regression)
-
-
-def _may_do(left: np.ndarray, regression: Regression) -> bool:
-    """Whether effects that promise to leave this may be all that a walk would name."""
-    chi2 = float(left @ left)
-    return as_good_as_named(chi2, regression) or not worth_a_name(chi2 - regression.n, regression)
+    left = regression.residual - basis @ (basis.T @ regression.residual)
+    return as_good_as_named(float(left @ left), regression)
