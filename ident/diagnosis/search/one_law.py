@@ -20,7 +20,7 @@ from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long
 from ..linearised.trajectory import Diverged
 from ..ranking.look import Look
-from ..ranking.pairs import best_pair
+from ..ranking.pairs import Pair, best_pair
 from ..unknown.find import Unknown
 from ..unknown.subsets import NEAR, rank
 from .drive import other_drive
@@ -35,13 +35,16 @@ def one_law(look: Look, start: Regression, path: Path, report: Report) -> Writte
     regression = look.regression
     fitted = start.fit
     asked = fitted.campaign.fitted and not fitted.campaign.fitted_sweeps
-    if not asked or is_long(fitted.campaign) or not look.worth_it or _names_reach_it(look) or not _may_be_one(start):
+    if not asked or is_long(fitted.campaign) or not look.worth_it:
+        return None
+    pair = best_pair(regression, look.candidates)
+    if _names_reach_it(look, pair) or not _may_be_one(start):
         return None
     unknown = lacked_by(start, report)
     formula = unknown.formula
     if formula is None or not (unknown.of_one_law and formula.complete and formula.chi2_per_sample < AS_WELL):
         return None
-    if _said_in_pieces(look, unknown) or _two_names_do(look, start, report):
+    if _said_in_pieces(look, unknown) or _two_names_do(look, pair, start, report):
         return None
     if other_drive(fitted, regression, report, look) is not None:
         return None
@@ -71,16 +74,14 @@ def _may_be_one(start: Regression) -> bool:
     return any(found.share > 1.0 - NEAR or found.chi2_per_sample < AS_WELL for found in few)
 
 
-def _names_reach_it(look: Look) -> bool:
-    pair = best_pair(look.regression, look.candidates)
+def _names_reach_it(look: Look, pair: Pair | None) -> bool:
     promised = np.inf if pair is None else float(pair.left @ pair.left)
     return as_good_as_named(min([promised, *(one.chi2 for one in look.tried if one.possible)]), look.regression)
 
 
-def _two_names_do(look: Look, start: Regression, report: Report) -> bool:
+def _two_names_do(look: Look, pair: Pair | None, start: Regression, report: Report) -> bool:
     """Whether the two effects that promise most reach the noise once they are refitted, which they are if they promise
     to leave nothing that is worth a name: a promise is of first order."""
-    pair = best_pair(look.regression, look.candidates)
     if pair is None or worth_a_name(float(pair.left @ pair.left) - look.regression.n, look.regression):
         return False
     report(f"trying {' and '.join(pair.names)} together")

@@ -78,11 +78,7 @@ def _between(
     """The dictionary with more terms around the best of each family: a grid of their numbers is a tenth off, and where
     a misfit stands far above the noise no term of it then says all that one can."""
     more: list[Term] = []
-    for kind in dict.fromkeys(term.kind for term in coarse.terms if term.again is not None):
-        by_value: dict[float, list[int]] = {}
-        for i, term in enumerate(coarse.terms):
-            if term.kind == kind and term.number is not None:
-                by_value.setdefault(term.number.value, []).append(i)
+    for by_value in _by_number(coarse).values():
         values = np.array(sorted(by_value))
         drops = np.array([regress(coarse.rows[by_value[value]], regression.residual).drop for value in values])
         best = by_value[values[np.argmax(drops)]]
@@ -91,6 +87,16 @@ def _between(
     found = _measured(regression, stage, side, more) if more else coarse._replace(terms=())
     rows, lengths = (np.concatenate(pair) for pair in ((coarse.rows, found.rows), (coarse.lengths, found.lengths)))
     return Dictionary((*coarse.terms, *found.terms), rows, lengths) if found.terms else coarse
+
+
+def _by_number(words: Dictionary) -> dict[str, dict[float, list[int]]]:
+    """Places of the terms of each kind, by their number: several that share one say most together, as a wave has a
+    phase."""
+    found: dict[str, dict[float, list[int]]] = {}
+    for i, term in enumerate(words.terms):
+        if term.kind and term.number is not None:
+            found.setdefault(term.kind, {}).setdefault(term.number.value, []).append(i)
+    return found
 
 
 def _within(values: np.ndarray, drops: np.ndarray) -> np.ndarray:
@@ -128,7 +134,8 @@ def write_formula(
     if not words.terms:
         return None
     gram, along = words.rows @ words.rows.T, words.rows @ regression.residual
-    goal, together = _goal(regression, spline_drop), _together(words)
+    goal = _goal(regression, spline_drop)
+    together = [own for by_value in _by_number(words).values() for own in by_value.values() if len(own) == 2]
     known: list[dict[tuple[int, ...], float]] = [{} for _ in range(longest + 1)]  # by the number of terms
     beam = reached = [(0.0, ())]
     for count in range(longest):  # two terms may only say something together, so none is refused before the end
@@ -154,17 +161,8 @@ def _goal(regression: Regression, spline_drop: float) -> float:
     return max((1 - _SAME) * spline_drop, spline_drop - _LITTLE * left)
 
 
-def _together(words: Dictionary) -> list[tuple[int, ...]]:
-    """Terms that share a number and say most together: a wave has a phase."""
-    found: dict[tuple[str, float], list[int]] = {}
-    for i, term in enumerate(words.terms):
-        if term.kind and term.number is not None:
-            found.setdefault((term.kind, term.number.value), []).append(i)
-    return [tuple(own) for own in found.values() if len(own) == 2]
-
-
 def _extend(
-    gram: np.ndarray, along: np.ndarray, beam: list[_Beginning], together: Sequence[tuple[int, ...]]
+    gram: np.ndarray, along: np.ndarray, beam: list[_Beginning], together: Sequence[Sequence[int]]
 ) -> dict[tuple[int, ...], float]:
     """Formulas with one term more, the best of each beginning, or with two that belong together: their falls of χ²."""
     found: dict[tuple[int, ...], float] = {}

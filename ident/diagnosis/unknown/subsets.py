@@ -117,8 +117,8 @@ def rank(regression: Regression) -> tuple[Stage, list[Ranked]]:
 def _resolved(
     regression: Regression, stage: Stage, coarse: Sequence[Ranked], known: _Known
 ) -> tuple[Stage, list[Ranked]]:
-    """As many splines over each coordinate as the criterion buys, if they leave less than half of what fewer do: those
-    that follow the law leave next to nothing, and those of another coordinate gain little."""
+    """As many splines over each coordinate as the criterion buys, if they leave less than half of what the first few
+    do: those that follow the law leave next to nothing, and those of another coordinate gain little."""
     best, price = [], np.log(regression.n)
     for found in coarse:
         name, first = found.coordinates[0], found
