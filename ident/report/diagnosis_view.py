@@ -68,6 +68,11 @@ def _verdict_words(found: Diagnosis) -> str:
         )
     if loop.verdict == "ambiguous" and not adequate(loop.regression) and mostly_starts(final):
         return f"{names}{refined} come{s} near, {error}: {_OTHER_STARTS}"
+    if loop.shorter:
+        return (
+            f"Missing {was} {names}{refined}, {error}, or one law in their place, which says more "
+            f"with fewer numbers: {loop.shorter}."
+        )
     if loop.verdict == "ambiguous" and not loop.lacking and not any(len(s.tie_set) > 1 for s in named):
         seen = "On the fitted records"
         if any(record.differs for record in final.campaign.records):

@@ -59,7 +59,8 @@ class Discovery:
 
     **Arguments:** `start`: the fit it began with; `steps`: in order; `ranking`: candidates at the start, best first,
     and `confirmed`: gain of those that were refitted; `remaining`: significant candidates at the end; `regression`: of
-    the end; `lacking`: share of the first excess that the named effects leave although it has a structure.
+    the end; `lacking`: share of the first excess that the named effects leave although it has a structure; `shorter`:
+    formula of one law that says more than they do, with fewer numbers.
     """
 
     verdict: Verdict
@@ -70,6 +71,7 @@ class Discovery:
     remaining: tuple[Candidate, ...]
     regression: Regression
     lacking: float = 0.0
+    shorter: str = ""
 
     @property
     def final(self) -> Fit:

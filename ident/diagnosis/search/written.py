@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ...fit import Fit
 from ...pulse import Report
-from ..evidence.criterion import clearly_better
+from ..evidence.criterion import Left, clearly_better
 from ..evidence.enough import LEAST, adequate, another_law, superfluous, worth_a_name
 from ..evidence.held_out import BEYOND_FLOORS, hurts, predicts_better
 from ..linearised.regression import Regression, prepare
@@ -44,6 +44,8 @@ def beyond_library(
 
     **Raises:** UserError if the file exists.
     """
+    if found.verdict == "identified":
+        return _with_shorter(found, start, path, report)
     if found.verdict != "not-in-library":
         unknown = lacked_by(start, report) if found.lacking else None
         if unknown is None or path is None or not (keeps_walk and _one_for_many(unknown, found, start)):
@@ -80,6 +82,29 @@ def beyond_library(
         if beside and (by_itself := _by_itself(found, start, report)) is not None:
             found = replace(found, steps=(step._replace(fit=by_itself),))
     return Written(found, beyond.unknown, beyond.path)
+
+
+def _with_shorter(found: Discovery, start: Regression, path: Path | None, report: Report) -> Written:
+    """The walk, in doubt where one law says more than its several names with fewer numbers, once it is simulated: a
+    bent spring and a stop at its end make a sine of less than a turn. The names stay, for they are tried laws."""
+    kept = Written(found)
+    if len(found.steps) < 2 or path is None or is_long(found.start.campaign):
+        return kept
+    unknown, last = lacked_by(start, report), found.regression
+    formula, numbers = unknown.formula, found.final.freedom - found.start.freedom
+    if formula is None or not (formula.complete and unknown.of_one_law and formula.numbers < numbers):
+        return kept
+    if formula.chi2_per_sample * last.n > last.fit_chi2:
+        return kept
+    try:
+        beyond, _ = simulated(found.start, start, unknown, path, report)
+    except BaseException:  # stopped: a walk that is resumed asks again
+        path.unlink(missing_ok=True)
+        raise
+    if not _says_more(found.final, beyond.fit, numbers_apart=True):
+        path.unlink()
+        return kept
+    return Written(replace(found, verdict="ambiguous", shorter=formula.text), beyond.unknown, path)
 
 
 def _helped(found: Discovery, start: Regression) -> bool:
@@ -162,11 +187,12 @@ def _by_itself(found: Discovery, first: Regression, report: Report) -> Fit | Non
     return by_itself if fine else None
 
 
-def _says_more(named: Fit, written: Fit) -> bool:
+def _says_more(named: Fit, written: Fit, numbers_apart: bool = False) -> bool:
     """Whether what was written in the place of named effects is better than they are by the criterion, which counts its
-    numbers, and on records held out."""
+    numbers, and on records held out; `numbers_apart`: that it has fewer is no reason."""
     try:
-        better = clearly_better(prepare(working(written)), prepare(working(named)))
+        ones = [prepare(working(one)) for one in (written, named)]
+        better = clearly_better(*(Left(one.residual, 0.0 if numbers_apart else one.numbers) for one in ones))
         return better and predicts_better(named, written)
     except Diverged:  # a motion without bound says nothing
         return False

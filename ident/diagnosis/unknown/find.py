@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -97,6 +98,7 @@ class Unknown:
         return 0.0 if formula is None else (self.chi2_before - formula.chi2_per_sample) / (self.chi2_before - 1.0)
 
 
+@lru_cache(maxsize=4)  # several parts of a diagnosis ask the same
 def find_unknown(regression: Regression) -> Unknown:
     """The smallest set of coordinates whose functions explain what the fit leaves, and what that function is.
 

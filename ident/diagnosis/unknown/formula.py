@@ -47,6 +47,11 @@ class Formula(NamedTuple):
     complete: bool
     text: str
 
+    @property
+    def numbers(self) -> int:
+        """How many numbers it has, one that several terms share counted once."""
+        return len(self.terms) + len({(term.kind, term.number.value) for term in self.terms if term.number})
+
 
 class Dictionary(NamedTuple):
     """Terms with their projected rows (k, n), each of raw length one, and those `lengths`."""

@@ -11,7 +11,7 @@ G. Schwarz, 1978, Ann. Stat. 6, 461 (the criterion).
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import partial
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -101,7 +101,8 @@ def regress(rows: np.ndarray, target: np.ndarray) -> Solution:
 _Known = dict[tuple[bool, tuple[str, ...]], np.ndarray]  # rows of the blocks of a side
 
 
-def rank(regression: Regression) -> tuple[Stage, list[Ranked]]:
+@lru_cache(maxsize=4)  # several parts of a diagnosis ask the same
+def rank(regression: Regression) -> tuple[Stage, tuple[Ranked, ...]]:
     """Every set of coordinates on every side, best criterion first, and where they were looked for; more splines and
     pairs only if no single coordinate suffices."""
     stage, known = set_stage(regression), {}
@@ -111,7 +112,7 @@ def rank(regression: Regression) -> tuple[Stage, list[Ranked]]:
     found += [_judge(regression, stage, *tried, known) for tried in _candidates(HISTORIES)]
     if max(r.share for r in found if r.coordinates[-1] != "history") < _ALL:
         found += [_judge(regression, stage, *tried, known) for tried in _candidates(PAIRS)]
-    return stage, sorted(found, key=lambda r: r.criterion)
+    return stage, tuple(sorted(found, key=lambda r: r.criterion))
 
 
 def _resolved(
