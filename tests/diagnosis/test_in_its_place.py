@@ -80,3 +80,24 @@ def test_one_law_of_a_coordinate_takes_the_place_of_several_names_that_come_near
     alone = Discovery("ambiguous", start, steps[:1], (), {}, (), prepare(one), lacking=0.04)
     kept = beyond_library(alone, regression, tmp_path / "other.py", keeps_walk=True)
     assert kept.discovery is alone and not (tmp_path / "other.py").exists()
+
+
+def test_sure_names_are_in_doubt_beside_one_law_that_says_more_with_fewer_numbers(tmp_path: Path) -> None:
+    """A sine of less than a turn was a bent spring with a stop at its end, for sure."""
+    start = ident.fit({"device": {"kind": "oscillator"}, "record": _one_way()}, effects=())
+    two = ident.fit(start.campaign, effects=("power-law-damping", "electrostriction"))
+    names = two.model.names
+    steps = tuple(Step(name, 1.0, 1.0, (name,), "effect", two) for name in names)
+    sure = Discovery("identified", start, steps, (), {}, (), prepare(two))
+    said = beyond_library(sure, prepare(start), tmp_path / "law.py", keeps_walk=True)
+    assert said.discovery.verdict == "ambiguous" and "|v|" in said.discovery.shorter
+    assert said.discovery.final is two and said.path is not None and said.path.exists()
+
+    case = draw(43, ("quadratic-stiffness", "cubic-stiffness"), size=0.05, noise=0.004, records=4, length=700)
+    campaign, library = campaign_of(case), built_in()
+    start = fit(Model(campaign.device), campaign)
+    both = fit(start.model + library["quadratic-stiffness"]() + library["cubic-stiffness"](), campaign)
+    steps = tuple(Step(name, 1.0, 1.0, (name,), "effect", both) for name in both.model.names)
+    sure = Discovery("identified", start, steps, (), {}, (), prepare(both))
+    assert beyond_library(sure, prepare(start), tmp_path / "other.py", keeps_walk=True).discovery is sure
+    assert not (tmp_path / "other.py").exists()
