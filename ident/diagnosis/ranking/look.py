@@ -30,12 +30,21 @@ _NEAR = 0.1  # of the excess: candidates this near the best are confirmed too
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """What the library says of a fit; `regression`: of the fit, `first`: of the one that the walk began with."""
+    """What the library says of a fit; `regression`: of the fit, `first`: of the one by whose misfit they are weighed,
+    with which the walk began."""
 
     regression: Regression
     first: Regression
     library: Registry
     report: Report
+
+    def at(self, regression: Regression) -> Look:
+        """The look at another fit of the same walk. What comes after constants alone is weighed by what these leave: a
+        constant has no other shape, as laws of one kind have, and may be large beside all others."""
+        known = self.first.fit.model.names
+        added = [effect for effect in regression.fit.model.effects if effect.name not in known]
+        constant = added and all(effect.is_constant for effect in added)
+        return Look(regression, regression if constant else self.first, self.library, self.report)
 
     @cached_property
     def worth_it(self) -> bool:

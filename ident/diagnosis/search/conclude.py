@@ -21,6 +21,7 @@ from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, working
 from ..linearised.trajectory import Diverged
 from ..ranking.confirm import accept, confirm
+from ..ranking.look import Look
 from ..ranking.score import score, significant
 from .change import to_its_end, try_without
 from .lacking import lacking
@@ -56,7 +57,7 @@ def concluded(ended: Ended) -> Discovery:
         needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report, weighed)
         alike, even = needed.alike, needed.even
         if needed.names != tuple(s.added for s in steps):
-            steps = _replayed(start, needed, library, at_best, walked.gains)
+            steps = _replayed(start, needed, Look(at_best, at_best, library, report), walked.gains)
             steps = _without_refuted(start, steps, prepare(working(steps[-1].fit)))  # the laws before it have changed
         elif needed.fit is not steps[-1].fit:  # another law in the place of one has led to a better minimum with it
             steps[-1] = steps[-1]._replace(fit=needed.fit)
@@ -114,18 +115,17 @@ def _after_effects(steps: list[Step], regression: Regression) -> Regression:
     return regression if last == len(steps) - 1 else prepare(working(steps[last].fit))
 
 
-def _replayed(
-    start: Fit, needed: Pruned, library: Registry, at_best: Regression, gains: Mapping[str, float]
-) -> list[Step]:
-    """The steps as they would have been without the terms that proved superfluous; `at_best`: where the walk began, and
+def _replayed(start: Fit, needed: Pruned, look: Look, gains: Mapping[str, float]) -> list[Step]:
+    """The steps as they would have been without the terms that proved superfluous; `look`: where the walk began, and
     `gains` of what was refitted there.
 
     Of two laws that do the same to these records the second shows only beside a third, and comes after that.
     """
     steps: list[Step] = []
-    current, names = start, list(needed.names)
+    current, names, library = start, list(needed.names), look.library
     while names:
-        regression = prepare(working(current)) if steps else at_best
+        look = look.at(prepare(working(current))) if steps else look
+        regression = look.regression
         forms = score(regression, {name: library[name] for name in names if library[name].form_of}, forms=True)
         candidates = [*score(regression, library), *forms]
         chosen = min((c for c in candidates if c.name in names), key=lambda c: names.index(c.name), default=None)
@@ -136,7 +136,7 @@ def _replayed(
         found = confirm(regression, library[name], chosen)
         current = accept(found, current) if names else needed.fit
         ties, tied = weighed_ties(regression, found, significant(candidates), library, [found])
-        role = role_of(regression, found.chi2, at_best)
+        role = role_of(regression, found.chi2, look.first)
         steps.append(
             Step(
                 name, chosen.predicted_gain, found.gain, ties.names, role, current, ties.reasons, tied, regression,

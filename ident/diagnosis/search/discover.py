@@ -60,9 +60,10 @@ def walk_on(
     `revised`: how often it may still begin again with another drive between the samples."""
     start = walked.start
     look = look or first_look(start, library, report)
-    first, at_best, gains = look.first, look.regression, dict(walked.gains)
+    at_best, gains = look.regression, dict(walked.gains)
     ranking = tuple(look.candidates) if look.worth_it else ()
     steps, look = _gone_before(walked, look)
+    first = look.first
 
     def once_more(start: Fit) -> Ended:
         return walk_on(Walked(start), library, report, keep, revised=revised - 1)
@@ -94,7 +95,8 @@ def walk_on(
         steps[-1] = steps[-1]._replace(fit=current)
         steps, regression = steps_in_another_form(steps, regression, library, report)
         current = steps[-1].fit
-        look = Look(regression, first, library, report)
+        look = look.at(regression)
+        first = look.first
         if revised and (other := drive_beside(more, current, look)) is not None:
             return once_more(begun_with(start, other))
         # What the first effect shows of the modes is asked before others are sought beside one that only mimics.
@@ -121,7 +123,7 @@ def _with_its_mode(current: Fit, regression: Regression, look: Look) -> tuple[Fi
     more, left = with_its_mode(current, regression, look.report)
     if more is current:
         return current, regression
-    promise = Look(regression, look.first, look.library, look.report).promise
+    promise = look.at(regression).promise
     return (current, regression) if promise > regression.chi2 - left.chi2 else (more, left)
 
 
@@ -140,7 +142,7 @@ def _gone_before(walked: Walked, look: Look) -> tuple[list[Step], Look]:
     for step in walked.steps:
         tied = tuple(c for c in look.real if c.name in step.tie_set)
         steps.append(step._replace(regression=look.regression, tied=tied))
-        look = Look(prepare(working(step.fit)), look.first, look.library, look.report)
+        look = look.at(prepare(working(step.fit)))
     return steps, look
 
 
