@@ -25,6 +25,7 @@ from .document import Section, read_document, record_sections, shown
 from .guess import guess_device, in_units_of, renamed
 from .in_memory import document_of, is_path
 from .load import load_record, read_table
+from .noise.one_sensor import of_one_sensor
 from .noise.pool import pooled
 from .quality.rest_level import counted_from_rest
 from .record import Record, Trace
@@ -195,7 +196,9 @@ def _with_common_noise(records: list[Record]) -> tuple[Record, ...]:
     """The records, with the colour of the estimated noise shared where it agrees."""
     own = [k for k, record in enumerate(records) if isinstance(record, Trace) and record.noise.relative_error > 0]
     traces = [record for k, record in enumerate(records) if k in own and isinstance(record, Trace)]
-    floors = pooled([trace.noise for trace in traces], [len(trace.time) for trace in traces])
+    floors = of_one_sensor(traces)
+    if all(floor is trace.noise for floor, trace in zip(floors, traces, strict=True)):
+        floors = pooled(floors, [len(trace.time) for trace in traces])
     for k, trace, floor in zip(own, traces, floors, strict=True):
         records[k] = replace(trace, noise=floor)
     return tuple(records)

@@ -46,12 +46,14 @@ class NoiseFloor:
     - `ar`: autoregressive coefficients.
     - `method`: how it was found, in words ("given in the campaign", "repeats of 12 periods", …).
     - `relative_error`: standard error of `sigma` divided by `sigma`; 0 where the user gave it.
+    - `unseen`: share of the frequencies, from zero on, at which it was not seen: there it is extrapolated.
     """
 
     sigma: float
     ar: tuple[float, ...] = ()
     method: str = ""
     relative_error: float = 0.0
+    unseen: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
 from ident.campaign.noise.autoregression import fit_autoregression, levinson, variance_of
 from ident.campaign.noise.floor import noise_floor
+from ident.campaign.noise.one_sensor import of_one_sensor
 from ident.campaign.noise.pool import pooled
 from ident.campaign.period import find_period
 from ident.campaign.read import read_campaign
@@ -80,6 +82,36 @@ def test_records_of_one_sensor_share_the_colour(clean, ar):
 def test_different_colours_are_not_shared():
     floors = [NoiseFloor(1.0, (0.5,), "a", 0.02), NoiseFloor(1.0, (0.95,), "b", 0.05)]
     assert pooled(floors, [2000, 2000]) == floors
+
+
+@pytest.mark.parametrize("slow", [0.8, 0.95])
+def test_what_a_drive_hides_of_a_red_noise_is_told_by_a_periodic_record(clean, slow):
+    """White noise and a red one beside it: under a chirp the floor had been a third too low or high."""
+    rng = np.random.default_rng(17)
+
+    def red(n: int, sigma: float) -> np.ndarray:
+        return (0.6 * rng.standard_normal(n) + 0.8 * coloured(rng, n, (slow,), 1.0)) * sigma
+
+    rate, n = SINES[0][0] * SINES[0][1], 4000
+    sweep = lambda t: np.sin(2 * np.pi * (300 + 1000 * np.asarray(t)) * np.asarray(t))
+    records, sigmas = [clean[SINES[0]], respond(sweep, n, rate), respond(sweep, n, rate, quality=15.0)], []
+    traces = []
+    for time, drive, response in records:
+        noise = red(len(response), 0.006 * float(np.std(response)))
+        sigmas.append(float(np.std(noise)))
+        read = response + noise
+        floor = noise_floor(time, drive, read, find_period(drive))
+        traces.append(SimpleNamespace(noise=floor, response=read, masked=None, step=1 / rate))
+    own, told = [trace.noise for trace in traces], of_one_sensor(traces)
+    assert told[0] is own[0] and own[0].relative_error < 0.1 <= min(floor.relative_error for floor in own[1:])
+    for floor, sigma in zip(told, sigmas, strict=True):
+        assert floor.sigma == pytest.approx(sigma, rel=0.08) and floor.relative_error < 0.1
+    other = SimpleNamespace(**vars(traces[1]) | {"step": 0.7 / rate})  # sampled otherwise
+    assert of_one_sensor([traces[0], other])[1] is other.noise
+    time, drive, response = records[1]
+    read = response + 0.006 * rng.standard_normal(n)  # another sensor
+    other = SimpleNamespace(noise=noise_floor(time, drive, read, None), response=read, masked=None, step=1 / rate)
+    assert of_one_sensor([traces[0], other])[1] is other.noise
 
 
 def test_mains_hum_is_noise():

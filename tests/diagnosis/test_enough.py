@@ -11,6 +11,7 @@ import pytest
 from ident.diagnosis.evidence import held_out
 from ident.diagnosis.evidence.enough import adequate, another_law, not_worth_adding, role_of, superfluous, worth_a_name
 from ident.diagnosis.evidence.held_out import foretold, hurts, hurts_more
+from ident.effects.registry import built_in
 from ident.fit.judge import Score
 
 N = 10_000
@@ -87,9 +88,11 @@ def test_a_small_term_that_leaves_nothing_of_what_it_met_is_an_effect() -> None:
     missing and 1.00 when not: no refinement of a cubic's shape does that. One that leaves some of it is one, and so is
     one whose floor is not known well enough to see that."""
     first, cubic = regression(110.0), regression(10.6, doubt=0.02)
-    assert role_of(cubic, 1.01 * N, first) == "effect"
-    assert role_of(cubic, 1.2 * N, first) == "shape-refinement"
-    assert role_of(regression(3.0), 1.0 * N, first) == "shape-refinement"
+    law, constant = (built_in()[name]() for name in ("quadratic-stiffness", "sensor-offset"))
+    assert role_of(law, cubic, 1.01 * N, first) == "effect"
+    assert role_of(law, cubic, 1.2 * N, first) == "shape-refinement"
+    assert role_of(law, regression(3.0), 1.0 * N, first) == "shape-refinement"
+    assert role_of(constant, cubic, 1.2 * N, first) == "effect"  # it has no shape to refine
 
 
 def heldout(missed: np.ndarray) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from functools import lru_cache
 import numpy as np
 
 MAX_ORDER = 6  # of an autoregression for the colour of noise
+ORDER_PRICE = 1.3  # of a coefficient in −2 log likelihood, times the log of the numbers that are used
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,7 @@ def _fit_order(
     return ar, innovation, spectrum, 2.0 * float(np.sum(weight * (np.log(spectrum) + ratio)))
 
 
-def _outliers(power: np.ndarray, missing: np.ndarray, spectrum: np.ndarray) -> np.ndarray:
+def outliers(power: np.ndarray, missing: np.ndarray, spectrum: np.ndarray) -> np.ndarray:
     """Frequencies that stick out of the fitted spectrum, alone or as a group of five."""
     ratio = power / np.maximum(1.0 - missing, 1e-3) / spectrum
     ratio = np.where(missing >= 1.0, 1.0, ratio)
@@ -153,13 +154,13 @@ def fit_autoregression(
         count, best_criterion, best = max(2.0 * float(np.sum(1.0 - missing[kept])), 8.0), np.inf, None
         for order in range(min(max_order, kept.sum() // 4) + 1):
             ar, innovation, spectrum, deviance = _fit_order(power, missing, order, spectrum, n)
-            criterion = deviance + 1.3 * order * np.log(count)
+            criterion = deviance + ORDER_PRICE * order * np.log(count)
             if criterion < best_criterion:
                 best_criterion, best = criterion, (ar, innovation, spectrum)
             elif best is not None and order >= len(best[0]) + 3:
                 break
         assert best is not None
-        found = _outliers(power, missing, best[2]) & kept
+        found = outliers(power, missing, best[2]) & kept
         if not found.any():
             break
         missing = np.where(found, 1.0, missing)

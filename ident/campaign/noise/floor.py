@@ -19,7 +19,7 @@ LONGEST = 8192  # samples that are asked; twice as many where frequencies tell t
 _SURER = 1.5
 """Times: doubts are themselves estimates. Of 1044 sines of the hidden-effect generator 7 had floors 7 to 89 times too
 high, few periods near a sharp resonance; with this 6 of them are within 40 %, and 7 others change, none by more."""
-_EXTRAPOLATED = 0.1  # relative error, at least, of a floor that is read off the free frequencies
+EXTRAPOLATED = 0.1  # relative error, at least, of a floor that is read off the free frequencies
 _LOUD = 0.03  # of the response: a floor below is not asked whether the record's parts agree
 _SHORT = 200  # samples of a part at least: the series and the transient take some fifty numbers
 _FAR_BELOW = 0.5  # of the floor of the whole: parts that agree with it scatter by a tenth
@@ -65,13 +65,13 @@ def noise_floor(
     if np.ptp(drive) == 0:
         found = _short_period(response[:LONGEST], None, mains)
     elif period is None:
-        found = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
+        found = _free_frequencies(latest(drive), latest(response))
     elif period <= 8 * HARMONICS or _highest_harmonic(drive, period) <= HARMONICS // 3:
         found = _of_parts(response[-LONGEST:], period, mains, _short_period(response[-LONGEST:], period, mains))
     else:
         found = _repeats(response, period)
-    if np.ptp(drive) > 0 and found[0].relative_error > _SURER * _EXTRAPOLATED:
-        far_above = _free_frequencies(drive[-2 * LONGEST :], response[-2 * LONGEST :])
+    if np.ptp(drive) > 0 and found[0].relative_error > _SURER * EXTRAPOLATED:
+        far_above = _free_frequencies(latest(drive), latest(response))
         if _SURER * far_above[0].relative_error < found[0].relative_error:
             found = far_above  # a motion beyond description adds to what is left of it, but hardly so high
     fit, method = found
@@ -79,7 +79,8 @@ def noise_floor(
     sigma = max(fit.sigma, quantum / math.sqrt(12.0), 1e-12)
     if sigma > fit.sigma:
         return NoiseFloor(sigma * size, method="the resolution of the response column", relative_error=0.5)
-    return NoiseFloor(float(sigma * size), fit.ar, method, float(fit.relative_error))
+    unseen = float(np.argmax(fit.used > 0)) / len(fit.used)
+    return NoiseFloor(float(sigma * size), fit.ar, method, float(fit.relative_error), unseen)
 
 
 def _highest_harmonic(drive: np.ndarray, period: float) -> int:
@@ -228,15 +229,29 @@ def _repeats(response: np.ndarray, period: float) -> tuple[Autoregression, str]:
     return fit, method
 
 
+def extrapolated(floor: NoiseFloor) -> bool:
+    """Whether a floor was read off frequencies beside those of the motion alone."""
+    return floor.unseen > 0.0 and floor.relative_error >= EXTRAPOLATED
+
+
+def latest(samples: np.ndarray) -> np.ndarray:
+    """Those of a record that are asked for the frequencies that its drive leaves free."""
+    return samples[-2 * LONGEST :]
+
+
+def windowed(samples: np.ndarray) -> np.ndarray:
+    """Samples as their spectrum is looked at: what is strong does not leak into what is weak."""
+    window = np.hanning(len(samples) + 2)[1:-1]
+    return (samples - samples.mean()) * window / np.sqrt(np.mean(window**2))
+
+
 def _free_frequencies(drive: np.ndarray, response: np.ndarray) -> tuple[Autoregression, str]:
     """Frequencies above the drive's, from where the response no longer shows its products: an extrapolation."""
     n = len(response)
-    window = np.hanning(n + 2)[1:-1]
-    window = window / np.sqrt(np.mean(window**2))
-    exciting = np.cumsum(np.abs(np.fft.rfft((drive - drive.mean()) * window)) ** 2)
+    exciting = np.cumsum(np.abs(np.fft.rfft(windowed(drive))) ** 2)
     top = int(np.searchsorted(exciting, 0.999 * exciting[-1])) + 2
     last = n // 2
-    seen = (response - response.mean()) * window
+    seen = windowed(response)
     fits: list[tuple[int, Autoregression]] = []
     for multiple in (1.3, 2.2, 3.3, 5.0, 7.5, 11.0):
         low = int(multiple * top)
@@ -249,7 +264,7 @@ def _free_frequencies(drive: np.ndarray, response: np.ndarray) -> tuple[Autoregr
         fits.append((low, fit))
     for (low, fit), (next_low, above) in zip(fits, fits[1:], strict=False):
         if np.mean(fit.spectrum[next_low:]) < 1.15 * np.mean(above.spectrum[next_low:]):
-            error = min(1.0, float(np.hypot(1.5 * fit.relative_error, _EXTRAPOLATED)))
+            error = min(1.0, float(np.hypot(1.5 * fit.relative_error, EXTRAPOLATED)))
             share = 1 - low / last
             return replace(fit, relative_error=error), f"extrapolated from the upper {share:.0%} of the frequencies"
     # No plateau: products of the drive, or a filter, reach up to the highest frequencies.

@@ -9,13 +9,15 @@ import numpy as np
 
 from ..record import NoiseFloor
 from .autoregression import variance_of
+from .floor import EXTRAPOLATED, extrapolated
 
 
 def pooled(floors: Sequence[NoiseFloor], lengths: Sequence[int]) -> list[NoiseFloor]:
     """The noise floors with one common colour, if theirs agree within their errors; otherwise as they are.
 
     Each record keeps the strength of its own innovations, which is well known; the ratio of σ to it, which depends on
-    the slowest noise and is poorly known, is shared: log ratios are averaged with the weights of their errors.
+    the slowest noise and is poorly known, is shared: log ratios are averaged with the weights of their errors. What
+    extrapolation does not know is common to all.
 
     **Arguments:** `floors`: those that were estimated; `lengths`: samples of each record.
     """
@@ -33,6 +35,8 @@ def pooled(floors: Sequence[NoiseFloor], lengths: Sequence[int]) -> list[NoiseFl
     ar = _coefficients(np.tanh(np.sum(weights[:, None] * np.arctanh(reflections), axis=0)))
     common = 0.5 * np.log(variance_of(ar, 1.0))
     shared = float(np.sum(errors**-2) ** -0.5)
+    if all(extrapolated(floor) for floor in coloured):
+        shared = max(shared, EXTRAPOLATED)
     found = []
     for floor, gain, length in zip(coloured, gains, lengths, strict=True):
         error = float(np.hypot(shared, np.sqrt(0.5 / length)))

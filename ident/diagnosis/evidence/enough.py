@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from ...campaign.record import Sweep, Trace
+from ...effects.effect import AbstractEffect
 from ..linearised.regression import Regression
 from .criterion import Left, behind
 from .force_noise import Pushed, pushed_by_noise
@@ -70,11 +71,11 @@ def worth_a_name(drop: float, first: Regression) -> bool:
     return drop > _SHAPE * first.above_noise
 
 
-def role_of(regression: Regression, left: float, first: Regression) -> Role:
+def role_of(effect: AbstractEffect, regression: Regression, left: float, first: Regression) -> Role:
     """What a term is that lowers the χ² of a regression to what is `left`: an effect removes a share of the first
-    excess that is worth a name; the first one always is. So is one that leaves nothing of what it met: a law bent to
-    refine the shape of another leaves something."""
-    named = regression is first or worth_a_name(regression.best_chi2 - left, first)
+    excess that is worth a name; the first one always is, and a constant, which bends to no shape. So is one that leaves
+    nothing of what it met: a law bent to refine the shape of another leaves something."""
+    named = regression is first or effect.is_constant or worth_a_name(regression.best_chi2 - left, first)
     return "effect" if named or _nothing_left(regression, left) else "shape-refinement"
 
 

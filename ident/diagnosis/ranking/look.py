@@ -39,12 +39,15 @@ class Look:
     report: Report
 
     def at(self, regression: Regression) -> Look:
-        """The look at another fit of the same walk. What comes after constants alone is weighed by what these leave: a
-        constant has no other shape, as laws of one kind have, and may be large beside all others."""
-        known = self.first.fit.model.names
+        """The look at another fit of the same walk. Effects are weighed by what constants that were added leave: these
+        have no other shape, as laws of one kind have, and may be large beside all others."""
+        known, first = self.first.fit.model.names, self.first
         added = [effect for effect in regression.fit.model.effects if effect.name not in known]
-        constant = added and all(effect.is_constant for effect in added)
-        return Look(regression, regression if constant else self.first, self.library, self.report)
+        constants = {effect.name: self.library[effect.name] for effect in added if effect.is_constant}
+        if constants:
+            rows = [candidate.signature for candidate in score(first, constants)]
+            first = first.beside(np.concatenate(rows)) if rows else first
+        return Look(regression, first, self.library, self.report)
 
     @cached_property
     def worth_it(self) -> bool:

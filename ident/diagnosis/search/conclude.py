@@ -136,7 +136,7 @@ def _replayed(start: Fit, needed: Pruned, look: Look, gains: Mapping[str, float]
         found = confirm(regression, library[name], chosen)
         current = accept(found, current) if names else needed.fit
         ties, tied = weighed_ties(regression, found, significant(candidates), library, [found])
-        role = role_of(regression, found.chi2, look.first)
+        role = role_of(found.model.effects[-1], regression, found.chi2, look.first)
         steps.append(
             Step(
                 name, chosen.predicted_gain, found.gain, ties.names, role, current, ties.reasons, tied, regression,

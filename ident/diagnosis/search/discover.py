@@ -198,7 +198,7 @@ def _best(tried: list[Confirmed], regression: Regression, current: Fit, first: R
         if after.fitted.error_over_noise > current.fitted.error_over_noise:
             continue  # the excerpts do not speak for the records
         try:
-            role, left = role_of(regression, found.chi2, first), prepare(shown)
+            role, left = role_of(found.model.effects[-1], regression, found.chi2, first), prepare(shown)
         except Diverged:
             continue
         if (role == "shape-refinement" or adequate(left)) and hurts(current, after):
