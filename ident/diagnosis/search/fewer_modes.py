@@ -36,7 +36,7 @@ def without_a_mode(start: Fit, last: Fit, library: Registry, first: Regression, 
         return None
     report(f"does the model still need {' and '.join(chosen)}?")
     found = without_one(last, chosen, start)
-    if found is None or not _does_as_well(last, *found, library, first):
+    if found is None or not _does_as_well(last, *found, start, library, first):
         return None
     try:
         fewer = without(start, [found[2]])
@@ -65,13 +65,25 @@ def without_its_mode(
 
 
 def _does_as_well(
-    last: Fit, less: Fit, regression: Regression, mode: str, library: Registry, first: Regression
+    last: Fit, less: Fit, regression: Regression, mode: str, start: Fit, library: Registry, first: Regression
 ) -> bool:
+    """Whether the model without a mode does, or with an effect in its place, taken to its end: a mode that mimics
+    leaves a little, which had names of its own. With the true effect there is nothing for these to say."""
     full, rest = prepare(last), values_without(last, mode)
     if superfluous(regression, full, first) and not hurts(last, less):
         return True
+    others = [name for name in less.model.names if name not in start.model.names]
     for rival in rivals(mode, regression, library):
         found = confirm(regression, library[rival.name], rival, ENOUGH, rest)
-        if found.possible and behind(found, full) < 0 and not hurts_more(last, accept(found, less)):
+        if not found.possible or behind(found, regression) > 0:
+            continue
+        instead = accept(found, less)
+        best, names = prepare(instead), list(others)
+        while fewer := without_one(instead, names, start):
+            if behind(fewer[1], best) > 0:
+                break
+            instead, best, gone = fewer
+            names.remove(gone)
+        if behind(best, full) < 0 and not hurts_more(last, instead):
             return True
     return False
