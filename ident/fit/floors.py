@@ -2,8 +2,9 @@
 
 Beside a broadband drive or the blow of a hammer no frequency is free of motion, and a floor read off the response is
 too high by as much as moves there. In what a model leaves there is less motion, so that the same estimate gives less:
-it stays a bound, and is the noise once the model lacks nothing. And a floor read off other frequencies than those of
-the motion does not know of hum among these, which stands out of what a model leaves.
+it stays a bound, and is the noise once the model lacks nothing. Where only the frequencies above the drive tell it,
+those below do, too. And a floor read off other frequencies than those of the motion does not know of hum among these,
+which stands out of what a model leaves.
 """
 
 from __future__ import annotations
@@ -14,14 +15,16 @@ from dataclasses import replace
 import numpy as np
 
 from ..campaign.campaign import Campaign
-from ..campaign.noise.floor import noise_floor
+from ..campaign.noise.floor import EXTRAPOLATED, extrapolated, noise_floor
 from ..campaign.noise.hum import HUM, HUMS, PERIODS, SURROUNDINGS, knows, standing, told_apart, with_lines
+from ..campaign.noise.interpolated import interpolated
 from ..campaign.noise.surroundings import Heard, lines_of_surroundings, may_make, tones_of
-from ..campaign.record import VAGUE, Trace
+from ..campaign.record import VAGUE, NoiseFloor, Trace
 from ..model import FREQUENCY, QUALITY
 from .result import Fit
 
 _MANY = 8.0  # periods of hum that no level follows as it bends from one end to the other
+_SAME = 0.05  # relative: floors that differ by less leave a model adequate or not (`diagnosis.enough`)
 _LOWER = 0.8  # of the floor so far: up to a fifth above a floor in doubt a model is adequate (`diagnosis.enough`)
 
 
@@ -30,7 +33,8 @@ def sharpened(found: Fit, complete: bool = True) -> Campaign | None:
     None if no floor changes. `complete`: whether the model has all that was found; one that lacks an effect may miss a
     level that bends as a few periods of hum do, and is asked for longer ones only."""
     readings = iter(found.readings)
-    records = [_lowered(r, next(readings)) if isinstance(r, Trace) else r for r in found.campaign.records]
+    told = lambda record, reading: (complete and _interpolated(record, reading, found)) or _lowered(record, reading)
+    records = [told(r, next(readings)) if isinstance(r, Trace) else r for r in found.campaign.records]
     traces = [record for record in records if isinstance(record, Trace)]
     hum = iter(_with_hum(found, traces, PERIODS if complete else _MANY))
     records = [next(hum) if isinstance(record, Trace) else record for record in records]
@@ -43,6 +47,23 @@ def sharpened(found: Fit, complete: bool = True) -> Campaign | None:
         if (loud := [record.name for record in changed if words in record.noise.method])
     ]
     return replace(found.campaign, records=tuple(records), notes=(*found.campaign.notes, *notes))
+
+
+def _interpolated(record: Trace, reading: np.ndarray, found: Fit) -> Trace | None:
+    """The record with the noise floor between what a model leaves below and above the band of the drive, where its own
+    is extrapolated and another one."""
+    left = (record.response - reading)[record.skip :]
+    if not extrapolated(record.noise) or record.masked is not None or not np.all(np.isfinite(left)):
+        return None
+    resonance, quality = (float(found.values[i]) for i in (FREQUENCY, QUALITY))
+    at = resonance * record.step if found.model.form == "oscillator" else -1.0
+    fit = interpolated(record.drive[record.skip :], left, record.noise.unseen, at, abs(at) / quality)
+    if fit is None or fit.relative_error >= EXTRAPOLATED:
+        return None
+    if abs(np.log(fit.sigma / record.noise.sigma)) < _SAME:
+        return None
+    method = "what the model leaves below and above the drive's frequencies"
+    return replace(record, noise=NoiseFloor(fit.sigma, fit.ar, method, fit.relative_error))
 
 
 def _lowered(record: Trace, reading: np.ndarray) -> Trace:

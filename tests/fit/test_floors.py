@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.signal import lfilter
 
 import ident
 from ident.campaign.record import VAGUE
+from ident.fit.floors import sharpened
 
 STEP, SIGMA = 1 / 2048, 0.05
 
@@ -35,6 +37,28 @@ def test_a_floor_beside_a_broadband_drive_falls_to_the_noise():
     assert [r.noise.sigma for r in found.campaign.traces] == pytest.approx([SIGMA, SIGMA], rel=0.1)
     assert found.fitted.error_over_noise == pytest.approx(1.0, abs=0.1)
     assert all("what the model leaves" in r.noise.method for r in found.campaign.traces)
+
+
+def test_noise_that_sweeps_hide_is_told_by_what_a_complete_model_leaves_beside_them():
+    """White noise and a red one: extrapolated from above the sweeps, the floors were a fifth too low, and a model that
+    lacked nothing "does not describe the records"."""
+    rng, step, n, w = np.random.default_rng(5), 1 / 6000, 6000, 2 * np.pi * 146.0
+    time, records, sigmas = step * np.arange(n), [], []
+    for first, last in ((90.0, 210.0), (200.0, 100.0)):
+        drive = np.sin(2 * np.pi * (first + (last - first) / 2 * time / time[-1]) * time)
+        held = lambda t, u=drive: np.interp(t, time, u)
+        law = lambda t, y, u=held: [y[1], w * w * (u(t) - y[0]) - w / 40 * y[1]]
+        z, _ = solve_ivp(law, (0, time[-1]), [0, 0], t_eval=time, rtol=1e-8, atol=1e-10, max_step=step).y
+        red = lfilter([np.sqrt(1 - 0.9**2)], [1.0, -0.9], rng.normal(size=n + 500))[500:]
+        noise = 0.05 * (0.6 * rng.normal(size=n) + 0.8 * red)
+        sigmas.append(float(np.std(noise)))
+        records.append({"data": {"time": time, "drive": drive, "response": z + noise}, "start": "rest"})
+    found = ident.fit({"device": {"kind": "oscillator"}, "record": records}, effects=())
+    assert all(r.noise.sigma < 0.9 * s for r, s in zip(found.campaign.traces, sigmas, strict=True))
+    again = sharpened(found)
+    assert again is not None
+    assert [r.noise.sigma for r in again.traces] == pytest.approx(sigmas, rel=0.05)
+    assert all(r.noise.relative_error < 0.1 for r in again.traces)
 
 
 def test_a_floor_that_was_given_stays():
