@@ -190,13 +190,22 @@ def _answered(
     if not fitted.campaign.fitted:
         return answer(found)  # what a curve lacks beyond the library, and the next record, only traces tell
     written = beyond_library(found, regression, effect_file, keeps_walk, report)
-    answer = partial(answer, unknown=written.unknown, effect_file=written.path)
+    suspects = _beside_law(suspects, written.unknown)
+    answer = partial(answer, unknown=written.unknown, effect_file=written.path, suspects=suspects)
     if suspects and written.discovery is not found and written.discovery.steps:
         # The law that they had lacked may have made them suspects.
         answer = partial(answer, suspects=judged_again(suspects, written.discovery.final, report))
     if written.discovery.verdict == "not-in-library" or written.discovery is not found:
         return answer(written.discovery)
     return answer(found, next_experiments=measure_next(found, library, report))
+
+
+def _beside_law(suspects: tuple[Suspect, ...], unknown: Unknown | None) -> tuple[Suspect, ...]:
+    """The suspects without those that come before any physics but leave something, where a law of the device's
+    coordinates says that, too."""
+    if unknown is None or not unknown.chi2_after < AS_WELL:
+        return suspects
+    return tuple(one for one in suspects if one.settles or not one.first)
 
 
 def _starts_settle(last: Fit) -> bool:
