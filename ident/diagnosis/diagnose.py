@@ -23,6 +23,7 @@ from ..threads import one_thread
 from .apart import Apart, apart_after, apart_before
 from .evidence.enough import adequate
 from .faulty.between import differing
+from .faulty.odd_one import odd_one
 from .faulty.suspects import BY_OTHERS, find_suspects, judged_again
 from .linearised.regression import Regression, prepare
 from .linearised.shorten import working
@@ -239,7 +240,9 @@ def _read_apart(
     said = _answered(Walked(found.start, found.steps, found.confirmed), library, report, keep=keep)
     # An effect may be mistaken for what differs, as for what is faulty.
     sure = said.verdict == "identified"
-    return replace(said, discovery=replace(said.discovery, verdict="ambiguous")) if sure else said
+    said = replace(said, discovery=replace(said.discovery, verdict="ambiguous")) if sure else said
+    odd = odd_one(again)
+    return said if odd is None else replace(said, suspects=(*said.suspects, odd))
 
 
 def measure_next(found: Discovery, library: Registry, report: Report = lambda _: None) -> tuple[NextExperiment, ...]:

@@ -14,6 +14,9 @@ from ident.campaign.apart import Kind
 from ident.campaign.campaign import Campaign
 from ident.diagnosis.apart import apart_before
 from ident.diagnosis.faulty.between import KINDS, differing
+from ident.diagnosis.faulty.differing import Differing
+from ident.diagnosis.faulty.odd_one import odd_one
+from ident.diagnosis.faulty.suspects import BY_OTHERS
 from ident.diagnosis.ranking.look import first_look
 from ident.diagnosis.search.change import add
 from ident.effects.registry import built_in
@@ -87,6 +90,22 @@ def test_a_walk_goes_on_beside_what_differs():
     kept = state(found.final)["traces"]
     assert kept == [[("stiffness", (trace.stiffer,)), None] for trace in found.final.campaign.traces]
     assert all(trace.differs for trace in found.final.campaign.traces)
+
+
+@pytest.mark.parametrize(("kind", "off", "named", "size"), [
+    ("stiffness", -0.006, "time-scale", 0.997), ("sensitivity", 0.06, "gain", 1.06), ("delay", 1.5, "delay", 1.5),
+])  # fmt: skip
+def test_one_that_differs_from_all_the_others_is_suspect(kind, off, named, size):
+    """A time column that was 0.3 % off beside a squeezed film: "each has a resonance of its own"."""
+    fitted = ident.fit(_records(None, drag=0.0), effects=())
+    names = tuple(trace.name for trace in fitted.campaign.traces)
+    sizes = off * np.array([0.02, -0.02, 1.0, 0.0, 0.0])[:, None]
+    found = Differing(kind, names, sizes, np.full((5, 1), 1e-3), fitted, 4)
+    one = odd_one(found)
+    assert one is not None and (one.file, one.kind) == (names[2], named)
+    assert one.size == pytest.approx(size, rel=2e-3) and not one.first and one.kind in BY_OTHERS
+    assert odd_one(found._replace(sizes=TRUTH["stiffness"][:, None])) is None
+    assert odd_one(found._replace(kind="level")) is None
 
 
 def test_before_a_walk_the_effect_is_seen_beside_delays():

@@ -50,7 +50,7 @@ _FLOOR = 1.3  # error over noise up to which records agree; floors are known to 
 _FAR = 3.0  # times worse than the others agree, from which on a record disagrees
 _BACK = 1.5  # times as bad as the others agree, up to which a corrected held-out record is one of them
 _MOST = 8  # records that may be faulty, the worst first
-_SURE, _LIKELY = 0.95, 0.9
+_SURE, LIKELY = 0.95, 0.9
 """Of suspects that settle everything down to the noise, and of the others; see experiments/faulty_records."""
 
 
@@ -94,10 +94,10 @@ def alone_off(fitted: Fit) -> tuple[Suspect, ...]:
     weights = criteria([_beside(left, one.whole, one.numbers) for one in settled])
     best = settled[int(np.argmin(weights))]
     assert best.record is not None
-    words = f"{_words(best.told, traces)}; so read, all records stand at their noise. `ident diagnose` weighs that "
+    words = f"{words_of(best.told, traces)}; so read, all records stand at their noise. `ident diagnose` weighs that "
     words += "against effects"
     told = best.told
-    return (Suspect(traces[best.record].name, told.kind, told.size, told.unit, _LIKELY, words),)
+    return (Suspect(traces[best.record].name, told.kind, told.size, told.unit, LIKELY, words),)
 
 
 def _disagree(fitted: Fit) -> bool:
@@ -273,13 +273,13 @@ def _explained(
 def _suspect(fitted: Fit, best: Fault, sound: _Explained, faulty: _Explained) -> Suspect:
     told, traces = best.told, fitted.campaign.traces
     name = ALL if best.record is None else traces[best.record].name
-    words = f"{_words(told, traces)}; so read, error over noise falls from "
+    words = f"{words_of(told, traces)}; so read, error over noise falls from "
     words += f"{rms(_left(fitted), 1.0):.3g} to {rms(faulty.left, 1.0):.3g}"
     if sound.model.names != fitted.model.names:
         words += f", with {sound.model.names[-1]} instead to {rms(sound.left, 1.0):.3g}"
     if faulty.model.names != fitted.model.names:
         words += f", with {faulty.model.names[-1]} in the model"
-    sure = _SURE if best.worst <= _FLOOR else _LIKELY
+    sure = _SURE if best.worst <= _FLOOR else LIKELY
     settles = faulty.worst <= _FLOOR
     return Suspect(name, told.kind, told.size, told.unit, sure, words, first=True, settles=settles)
 
@@ -317,13 +317,14 @@ def _held_out(traces: Sequence[Trace], known: _Explained, i: int) -> Suspect | N
     told = next(iter(explanations(known.model, known.values, traces, i)), None)
     if told is None or told.error > _BACK * agree or not _beyond_its_width(told, known.values):
         return None
-    words = f"{_words(told, traces)}; so read, it agrees with the others (error over noise {before:.3g} → "
+    words = f"{words_of(told, traces)}; so read, it agrees with the others (error over noise {before:.3g} → "
     words += f"{told.error:.3g}, theirs {agree:.3g})"
-    return Suspect(record.name, told.kind, told.size, told.unit, _SURE if agree <= _FLOOR else _LIKELY, words)
+    return Suspect(record.name, told.kind, told.size, told.unit, _SURE if agree <= _FLOOR else LIKELY, words)
 
 
-def _words(one: Nuisance, traces: Sequence[Trace]) -> str:
-    size = f"{one.size:.3g}"
+def words_of(one: Nuisance, traces: Sequence[Trace]) -> str:
+    """What is wrong with a record."""
+    size = f"{one.size:.4g}" if one.kind == "time-scale" else f"{one.size:.3g}"
     if one.unit == DROPPED:
         return f"samples are missing: towards its end the response comes {abs(one.size):.3g} samples too early"
     if one.kind == "wrong-record":
