@@ -63,6 +63,10 @@ SAME_LOSS = Likeness(
     why="at one amplitude these are the same loss; only the law by which it grows differs",
     separate="the highest voltage at resonance beside the lowest, and free decay after a burst",
 )
+STRETCHES = Likeness(
+    why="a beam that is stretched as it bends stiffens with the square of the travel, as a cubic spring does",
+    separate="the highest voltage at resonance and a dc bias: stress stiffens one way more than the other",
+)
 STIFFENS = Likeness(
     why="a stop that is touched gently stiffens as a cubic spring does",
     separate="the highest voltage at resonance: a stop bends sharply, a spring does not",

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Protocol
+
 import numpy as np
 
+from ...campaign.campaign import Campaign
+from ...campaign.record import Trace
 from ...fit import Fit
 from ...fit.carry_over import expected_error
 from ...fit.linear.independent import independent_samples
+from ...fit.reading import read
+from ...model import Model
 from .enough import floor_of
 
 BEYOND_FLOORS = 3.0  # times what is expected, an error that no wrong noise floor makes: those are within 2
@@ -64,6 +71,26 @@ def hurts_more(before: Fit, after: Fit) -> bool:
     return after.holdout.chi2 - before.holdout.chi2 > before.fitted.chi2 - after.fitted.chi2
 
 
+class Predicting(Protocol):
+    """A model and its values (SI)."""
+
+    @property
+    def model(self) -> Model: ...
+    @property
+    def values(self) -> np.ndarray: ...
+
+
+def behind_held_out(campaign: Campaign, one: Predicting, other: Predicting) -> float:
+    """By how much another model predicts the held-out traces worse, in 2 ln(odds): neither was fitted to them, so that
+    no number has a price. 0 if there are none."""
+    held = [trace for trace in campaign.traces if trace.holdout]
+    if not held:
+        return 0.0
+    missed = [_left_of(held, read(told.model, told.values, held, compared=True)) for told in (one, other)]
+    was, now = (float(left @ left) for left in missed)
+    return independent_samples(missed[0]) * float(np.log(now / was)) if np.isfinite(was + now) else np.inf
+
+
 def _worse_in_each(before: Fit, after: Fit) -> bool:
     """Whether held-out records are predicted worse where each counts by its own error, whatever its noise floor: far
     above the floors the record with the lowest would else decide alone, and outvote another that became ten times
@@ -85,6 +112,11 @@ def _beyond_chance(before: Fit, after: Fit) -> bool:
 
 def _missed(fit: Fit) -> np.ndarray:
     """What a fit misses of its held-out records, in noise floors."""
-    pairs = zip(fit.campaign.traces, fit.readings, strict=True)
-    parts = [((r.response - told) / r.noise.sigma)[r.counted] for r, told in pairs if r.holdout]
+    pairs = [pair for pair in zip(fit.campaign.traces, fit.readings, strict=True) if pair[0].holdout]
+    return _left_of([trace for trace, _ in pairs], [told for _, told in pairs])
+
+
+def _left_of(traces: Sequence[Trace], readings: Sequence[np.ndarray]) -> np.ndarray:
+    pairs = zip(traces, readings, strict=True)
+    parts = [((trace.response - told) / trace.noise.sigma)[trace.counted] for trace, told in pairs]
     return np.concatenate(parts) if parts else np.zeros(0)

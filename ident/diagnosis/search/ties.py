@@ -16,6 +16,7 @@ from ..evidence.criterion import VERY_STRONG
 from ..evidence.enough import ANOTHER_LAW, at_floor
 from ..evidence.equivalences import equivalence, exact_partners, what_separates
 from ..evidence.family import is_that_member
+from ..evidence.held_out import behind_held_out
 from ..linearised.regression import Regression
 from ..ranking.confirm import Confirmed, confirm
 from ..ranking.look import possible
@@ -76,12 +77,12 @@ def tie_set(
     as long as it explains nearly as much, so that a misfit of the laws themselves widens the set. A parameter counts
     what chance gives it, 1, and not the ln n that selects a model: an effect that explains the data with one number
     more is still an explanation. Only a law that contains the best one as a part pays, where there are traces, the full
-    price for its other parts, and is that one itself where they take no more than chance; a family is its member also
-    where it takes less than puts a name in doubt, if the member leaves nothing to be seen. n counts the independent
-    samples in what the best one leaves. Refits replace predictions where there are any; where there are none, an effect
-    whose signature is nearly the same, or is known to pass for the other, stays in. Where noise is small against the
-    misfit, laws of one kind differ by more than noise: a refit within that stays in, unless it needs several numbers
-    more to come as close.
+    price for its other parts, unless it predicts the held-out records so much better, and is that one itself where they
+    take no more than chance; a family is its member also where it takes less than puts a name in doubt, if the member
+    leaves nothing to be seen. n counts the independent samples in what the best one leaves. Refits replace predictions
+    where there are any; where there are none, an effect whose signature is nearly the same, or is known to pass for the
+    other, stays in. Where noise is small against the misfit, laws of one kind differ by more than noise: a refit within
+    that stays in, unless it needs several numbers more to come as close.
 
     **Arguments:** `candidates`: as scored on the same regression; `confirmed`: refits of some of them.
     """
@@ -98,6 +99,10 @@ def tie_set(
         wider = best.name in library[other.name].contains and regression.fit.campaign.shows_shape
         price = float(np.log(regression.n)) if wider else 1.0
         behind = n * float(np.log(left / least)) + price * (other.dof - best.dof)
+        if (
+            wider and both and behind >= VERY_STRONG
+        ):  # what its further parts say, records that were not fitted may tell
+            behind += behind_held_out(regression.fit.campaign, refits[best.name], refits[other.name])
         as_much = left - least < max(VERY_STRONG, (1.0 - _AS_MUCH) * (regression.excess + regression.n - least))
         alike = reproduced(regression, best, other)
         enough = _KNOWN if equivalence(library[best.name], library[other.name]) else _TIED

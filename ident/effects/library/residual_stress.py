@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from ...campaign.device import Platform
 from ...mechanics import Restoring, Scalar, restoring, restoring_stiffness, stage_stiffness
 from ..effect import AbstractEffect, Drive, Expected, State, amplitude, choice, shape
-from ..likeness import QUADRATIC_FORCE, SAME_HARMONICS, SECOND_ORDER, STIFFENS
+from ..likeness import QUADRATIC_FORCE, SAME_HARMONICS, SECOND_ORDER, STIFFENS, STRETCHES
 from ..section import device_section
 
 _STRENGTH = 10e9  # Pa; micromachined silicon breaks at 1-8 GPa (Petersen, Silicon as a mechanical material, 1982)
@@ -42,7 +42,7 @@ class ResidualStress(AbstractEffect):
     equation = "F = −[K(N(z, V)) − K(0)] z"
     source = "Sensors 2020, 20, 3959, Eqs. 1-11"
     mistaken_for = ("quadratic-stiffness", "cubic-stiffness", "voltage-stiffness", "arch-force")
-    alike = (STIFFENS, QUADRATIC_FORCE, SECOND_ORDER, SAME_HARMONICS)
+    alike = (STRETCHES, STIFFENS, QUADRATIC_FORCE, SECOND_ORDER, SAME_HARMONICS)
     contains = ("quadratic-stiffness", "cubic-stiffness", "voltage-stiffness")
     platform_only = True
 
