@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
-from ident.diagnosis.evidence.held_out import contradicted, hurts
+from experiments.hidden_effects.campaigns import campaign_of
+from experiments.hidden_effects.generator import draw
+from ident.diagnosis.evidence.criterion import VERY_STRONG
+from ident.diagnosis.evidence.held_out import behind_held_out, contradicted, hurts
+from ident.effects.registry import built_in
+from ident.fit import fit
 from ident.fit.judge import RecordScore, combine
+from ident.model import Model
 
 
 def judged(*errors: float) -> Any:
@@ -32,3 +39,16 @@ def test_a_motion_without_bound_hurts_and_is_contradicted() -> None:
     away = judged(2.0, float("nan"))
     assert hurts(judged(300.0, 200.0), away) and not hurts(away, away)
     assert contradicted(away)
+
+
+def test_held_out_records_tell_a_law_from_one_that_is_a_tenth_off() -> None:
+    case = draw(44, ("cubic-stiffness",), size=0.05, noise=0.004, records=4, length=700, detail="plain")
+    campaign = campaign_of(case)
+    right = fit(Model(campaign.device) + built_in()["cubic-stiffness"](), campaign)
+    values = right.values.copy()
+    values[-1] *= 0.9
+    wrong = SimpleNamespace(model=right.model, values=values)
+    assert behind_held_out(campaign, right, wrong) > VERY_STRONG > 0 > behind_held_out(campaign, wrong, right)
+    assert behind_held_out(campaign, right, right) == 0.0
+    fitted = replace(campaign, records=tuple(record for record in campaign.records if not record.holdout))
+    assert behind_held_out(fitted, right, wrong) == 0.0
