@@ -36,6 +36,7 @@ from .search.one_law import one_law
 from .search.steps import Discovery, Verdict, Walked
 from .search.ties import Unseen, unseen
 from .search.written import AS_WELL, beyond_library
+from .search.zero import zero_of_the_sensor
 from .unknown.find import Unknown, find_unknown
 from .where.locate import Where, locate
 from .where.words import summary
@@ -144,6 +145,12 @@ def _answered(
     walked = fitted if isinstance(fitted, Walked) else Walked(fitted)
     fitted = walked.start
     library = registry(fitted.campaign.effect_files) if library is None else library
+    zero = zero_of_the_sensor(walked, library, report)
+    if zero is not None:
+        go_on = lambda walked: keep(zero.before(walked))
+        said = _answered(zero.beside(walked), library, report, effect_file, keeps_walk, go_on)
+        discovery = zero.whole(said.discovery, report)
+        return replace(said, discovery=discovery, where=locate(prepare(working(discovery.start)), discovery.start))
     report("locating the misfit")
     regression = prepare(working(fitted))
     where = locate(regression, fitted)

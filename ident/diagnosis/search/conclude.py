@@ -67,7 +67,7 @@ def concluded(ended: Ended) -> Discovery:
         regression = prepare(working(final))
         candidates = score(regression, library)
     blurred = [step for step in steps if step is not steps[-1] or step.partner]
-    steps = [_tied_at_the_end(s, final, first.fit, library, report) if s in blurred else s for s in steps]
+    steps = [tied_at_the_end(s, final, first.fit, library, report) if s in blurred else s for s in steps]
     steps = [_beside_its_even(_beside_parts(step, alike), even, library) for step in steps]
     remaining = tuple(significant(candidates))
     lacks = lacking(_after_effects(steps, regression), first, report) if steps else 0.0
@@ -146,7 +146,7 @@ def _replayed(start: Fit, needed: Pruned, look: Look, gains: Mapping[str, float]
     return steps
 
 
-def _tied_at_the_end(step: Step, last: Fit, start: Fit, library: Registry, report: Report) -> Step:
+def tied_at_the_end(step: Step, last: Fit, start: Fit, library: Registry, report: Report) -> Step:
     """A step with the ties that are left once the later terms are in: what they explain had blurred the comparison."""
     if len(step.tie_set) < 2 or step.role != "effect" or last.model.carries(step.added):
         return step

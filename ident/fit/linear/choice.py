@@ -79,7 +79,7 @@ def choose_linear(
     stretches = with_edge([stretch_of(record) for record in records], free, None)
     driven = any(stretch.driven for stretch in stretches)
     level = driven and all(record.start != "rest" for record in records)
-    off = driven and not level and _begin_off_zero(records)
+    off = driven and not level and begin_off_zero(records)
     guess = guess_linear(records) if told not in ("no-spring", "quasi-static") else None
     names = [
         name
@@ -127,7 +127,7 @@ def choose_linear(
     return LinearChoice(tuple(sorted([*found, *more], key=lambda c: c.criterion)), chosen, told)
 
 
-def _begin_off_zero(records: Sequence[Trace]) -> bool:
+def begin_off_zero(records: Sequence[Trace]) -> bool:
     """Whether most records that start from rest begin on one level that is not zero: that is the sensor's, though one
     of them may be read with another gain."""
     rest = [(zero, r.noise.sigma) for r in records if r.start == "rest" and r.driven

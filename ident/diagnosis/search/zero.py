@@ -1,0 +1,81 @@
+"""A platform's sensor whose zero is off, told by the first samples of records that start from rest, whatever else is
+missing: it is named before all that would bend to mimic it.
+
+An oscillator's constant is part of its linear start model (`fit.linear.choice`). A platform's linear part is known, so
+that its constant is a step of the walk, the first one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+from ...campaign.device import Platform
+from ...effects.linear_side import constant_on
+from ...effects.registry import Registry
+from ...fit import fit
+from ...fit.linear.choice import begin_off_zero
+from ...pulse import Report
+from ..evidence.criterion import behind
+from ..ranking.confirm import accept, confirm
+from ..ranking.look import Look, first_look
+from .conclude import tied_at_the_end
+from .rivals import rivals_of
+from .steps import Discovery, Step, Walked
+from .ties import weighed_ties
+
+
+class Zero(NamedTuple):
+    """The step that names the constant, and the look at the fit before."""
+
+    step: Step
+    look: Look
+
+    def beside(self, walked: Walked) -> Walked:
+        """The walk that goes on from the fit with the constant."""
+        return Walked(self.step.fit, walked.steps[1:], walked.gains)
+
+    def before(self, walked: Walked) -> Walked:
+        """The whole walk, of one that went on from there."""
+        return Walked(self.look.regression.fit, (self.step._replace(fit=walked.start), *walked.steps), walked.gains)
+
+    def whole(self, found: Discovery, report: Report) -> Discovery:
+        """The discovery with this step first; what it ties with, now that all others are in."""
+        start, step = self.look.regression.fit, self.step._replace(fit=found.start)
+        if found.start.campaign is not start.campaign:  # other noise floors, or records read otherwise
+            start = fit(start.model, found.start.campaign, initial=start.values)
+        if found.steps:
+            step = tied_at_the_end(step, found.final, start, self.look.library, report)
+        alone = "ambiguous" if len(step.tie_set) > 1 else "identified"
+        verdict = alone if found.verdict in ("adequate", "identified") else found.verdict
+        confirmed = {step.added: step.confirmed_gain}
+        ranking = tuple(self.look.candidates)
+        steps = (step, *found.steps)
+        return replace(found, verdict=verdict, start=start, steps=steps, ranking=ranking, confirmed=confirmed)
+
+
+def zero_of_the_sensor(walked: Walked, library: Registry, report: Report) -> Zero | None:
+    """The constant of a platform's sensor, if its records begin off zero, and the fit says so, too."""
+    start, constant = walked.start, constant_on("sensor", library)
+    there = any(effect.is_constant for effect in start.model.effects)
+    if constant is None or there or not isinstance(start.model.device, Platform):
+        return None
+    if not begin_off_zero(start.campaign.fitted):
+        return None
+    look = first_look(start, library, report)
+    candidate = next((c for c in look.real if c.name == constant.name), None)
+    if candidate is None or not look.regression.credible:
+        return None
+    if walked.steps:
+        return Zero(walked.steps[0], look) if walked.steps[0].added == constant.name else None
+    report(f"the records begin off zero: {constant.name}")
+    found = confirm(look.regression, constant, candidate)
+    if not found.possible or behind(found, look.regression) >= 0:
+        return None
+    ties, tied = weighed_ties(look.regression, found, look.real, library, [found])
+    name, predicted, rivals = constant.name, candidate.predicted_gain, rivals_of(constant.name, look.real, {})
+    with_it = accept(found, start)
+    step = Step(
+        name, predicted, found.gain, ties.names, "effect", with_it, ties.reasons, tied, look.regression, rivals=rivals
+    )
+    return Zero(step, look)
