@@ -20,6 +20,7 @@ from .guess import guess_device, guess_kind, match_any, renamed
 from .held_drive import jumps
 from .load import load_record, read_table
 from .quality.checks import PLATFORM_TRAVEL
+from .quality.rest_level import level_before
 from .record import Record, Sweep, Trace, same_level
 from .segments import segments
 from .spec import RecordSpec
@@ -272,7 +273,10 @@ def _known(column: Column) -> np.ndarray:
 
 
 def _start(record: Trace) -> tuple[str, str]:
-    """How the record begins, and by what it was told: at rest if drive and response begin near zero and still."""
+    """How the record begins, and by what it was told: at rest if drive and response begin near zero and still, or
+    nothing moves before the drive begins."""
+    if level_before(record) is not None:
+        return "rest", "guessed: nothing moves before the drive begins"
     response, drive, sigma = record.response, record.drive, record.noise.sigma
     size, step = float(np.max(np.abs(response))), float(np.sqrt(np.mean(np.diff(response) ** 2)))
     still = abs(float(np.mean(response[:3]))) < 3 * sigma + 0.02 * size

@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ident.campaign.propose import propose
+from ident.campaign.quality.rest_level import level_before
 from ident.campaign.read import read_campaign
 
 OFFSET = 0.6e-6
@@ -42,3 +44,17 @@ def test_a_level_that_a_biased_drive_makes_is_no_offset(tmp_path):
     told = read_campaign(campaign(tmp_path, OFFSET, bias=1.0))
     decay = next(trace for trace in told.traces if trace.name == "free.csv")
     assert np.mean(decay.response[-500:]) == pytest.approx(0.0, abs=2e-9)
+
+
+@pytest.mark.parametrize(("pause", "moving", "start"), [(40, 0.0, "rest"), (40, 0.3, "unknown"), (3, 0.0, "unknown")])
+def test_nothing_that_moves_before_the_drive_begins_is_a_rest_whatever_the_sensors_zero(tmp_path, pause, moving, start):
+    """Oscilloscope files of a platform that rested at 1.2 µm were begun with a motion of that size."""
+    t, rng = np.arange(2000) / 8000.0, np.random.default_rng(2)
+    u = np.where(np.arange(2000) < pause, 0.0, np.sin(2 * np.pi * 300 * (t - pause / 8000)))
+    y = 1.2 + u + moving * np.cos(2 * np.pi * 500 * t) + 0.01 * rng.normal(size=2000)
+    np.savetxt(tmp_path / "a.csv", np.c_[t, u, y], delimiter=",", header="t_s,u_V,y_um", comments="")
+    [trace] = read_campaign(tmp_path / "a.csv").traces
+    level = level_before(trace)
+    assert (level is not None) == (start == "rest") and trace.start == "unknown"
+    assert level is None or level == pytest.approx(1.2e-6, abs=1e-8)
+    assert f'start = "{start}"' in propose([tmp_path / "a.csv"], tmp_path)

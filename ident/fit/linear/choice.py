@@ -22,7 +22,7 @@ import numpy as np
 
 from ...campaign.campaign import MOST_MODES
 from ...campaign.held_drive import jumps
-from ...campaign.quality.rest_level import zero_of
+from ...campaign.quality.rest_level import level_before, zero_of
 from ...campaign.record import Trace
 from ...errors import UserError
 from ...model import ABOVE_THE_DRIVE
@@ -130,8 +130,8 @@ def choose_linear(
 def begin_off_zero(records: Sequence[Trace]) -> bool:
     """Whether most records that start from rest begin on one level that is not zero: that is the sensor's, though one
     of them may be read with another gain."""
-    rest = [(zero, r.noise.sigma) for r in records if r.start == "rest" and r.driven
-            and (zero := zero_of(r)) is not None]  # fmt: skip
+    shown = lambda record: zero_of(record) if record.start == "rest" else level_before(record)
+    rest = [(zero, r.noise.sigma) for r in records if r.driven and (zero := shown(r)) is not None]
     if not rest:
         return False
     first, sigma = (np.array(x) for x in zip(*rest, strict=True))
