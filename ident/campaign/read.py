@@ -197,8 +197,9 @@ def _with_common_noise(records: list[Record]) -> tuple[Record, ...]:
     own = [k for k, record in enumerate(records) if isinstance(record, Trace) and record.noise.relative_error > 0]
     traces = [record for k, record in enumerate(records) if k in own and isinstance(record, Trace)]
     floors = of_one_sensor(traces)
-    if all(floor is trace.noise for floor, trace in zip(floors, traces, strict=True)):
-        floors = pooled(floors, [len(trace.time) for trace in traces])
+    kept = [k for k, trace in enumerate(traces) if floors[k] is trace.noise]
+    for k, floor in zip(kept, pooled([floors[k] for k in kept], [len(traces[k].time) for k in kept]), strict=True):
+        floors[k] = floor
     for k, trace, floor in zip(own, traces, floors, strict=True):
         records[k] = replace(trace, noise=floor)
     return tuple(records)

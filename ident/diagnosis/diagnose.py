@@ -52,8 +52,8 @@ class Diagnosis:
     **Arguments:** `where`: where the first fit of the walk fails; `unknown`: what the library lacks, if it lacks
     something, and `effect_file`, where that was written; `next_experiments`: records that would separate what ties;
     `unseen`: effects of which these records cannot say anything; `suspects`: records that something is wrong with. The
-    walk has no steps if a faulty record explains more than any effect does, or if one law that the library lacks says
-    everything and nobody said where to write it.
+    walk has no steps, but for that of a sensor's zero, if a faulty record explains more than any effect does, or if one
+    law that the library lacks says everything and nobody said where to write it.
     """
 
     discovery: Discovery
@@ -150,7 +150,9 @@ def _answered(
         go_on = lambda walked: keep(zero.before(walked))
         said = _answered(zero.beside(walked), library, report, effect_file, keeps_walk, go_on)
         discovery = zero.whole(said.discovery, report)
-        return replace(said, discovery=discovery, where=locate(prepare(working(discovery.start)), discovery.start))
+        where = locate(prepare(working(discovery.start)), discovery.start)
+        records = said.next_experiments or measure_next(discovery, library, report)
+        return replace(said, discovery=discovery, where=where, next_experiments=records)
     report("locating the misfit")
     regression = prepare(working(fitted))
     where = locate(regression, fitted)

@@ -32,6 +32,8 @@ def diagnosis_dict(diagnosis: Diagnosis) -> dict[str, Any]:
         "records": [suspect.as_json() for suspect in diagnosis.suspects],
         "summary": diagnosis.summary,
     }
+    if found.shorter:
+        document["shorter"] = found.shorter  # one law that says more than the steps, with fewer numbers
     if diagnosis.unknown is not None:
         document["unknown"] = diagnosis.unknown.as_json()
     return document

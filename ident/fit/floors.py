@@ -25,6 +25,8 @@ from .result import Fit
 
 _MANY = 8.0  # periods of hum that no level follows as it bends from one end to the other
 _SAME = 0.05  # relative: floors that differ by less leave a model adequate or not (`diagnosis.enough`)
+_HIGHER = 5.0  # of its errors: of 300 floors that were extrapolated few were as far too low (`noise.interpolated`)
+_RINGING = ("oscillator", "base", "shaken")  # forms with a resonance
 _LOWER = 0.8  # of the floor so far: up to a fifth above a floor in doubt a model is adequate (`diagnosis.enough`)
 
 
@@ -56,11 +58,13 @@ def _interpolated(record: Trace, reading: np.ndarray, found: Fit) -> Trace | Non
     if not extrapolated(record.noise) or record.masked is not None or not np.all(np.isfinite(left)):
         return None
     resonance, quality = (float(found.values[i]) for i in (FREQUENCY, QUALITY))
-    at = resonance * record.step if found.model.form == "oscillator" else -1.0
-    fit = interpolated(record.drive[record.skip :], left, record.noise.unseen, at, abs(at) / quality)
+    at = resonance * record.step if found.model.form in _RINGING else -1.0
+    width = at / quality if at > 0 else 0.0
+    fit = interpolated(record.drive[record.skip :], left, record.noise.unseen, at, width)
     if fit is None or fit.relative_error >= EXTRAPOLATED:
         return None
-    if abs(np.log(fit.sigma / record.noise.sigma)) < _SAME:
+    higher = float(np.log(fit.sigma / record.noise.sigma))
+    if abs(higher) < _SAME or higher > _HIGHER * record.noise.relative_error:
         return None
     method = "what the model leaves below and above the drive's frequencies"
     return replace(record, noise=NoiseFloor(fit.sigma, fit.ar, method, fit.relative_error))

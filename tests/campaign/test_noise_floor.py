@@ -101,7 +101,7 @@ def test_what_a_drive_hides_of_a_red_noise_is_told_by_a_periodic_record(clean, s
         sigmas.append(float(np.std(noise)))
         read = response + noise
         floor = noise_floor(time, drive, read, find_period(drive))
-        traces.append(SimpleNamespace(noise=floor, response=read, masked=None, step=1 / rate))
+        traces.append(SimpleNamespace(noise=floor, response=read, masked=None, step=1 / rate, measures="displacement"))
     own, told = [trace.noise for trace in traces], of_one_sensor(traces)
     assert told[0] is own[0] and own[0].relative_error < 0.1 <= min(floor.relative_error for floor in own[1:])
     for floor, sigma in zip(told, sigmas, strict=True):
@@ -110,7 +110,9 @@ def test_what_a_drive_hides_of_a_red_noise_is_told_by_a_periodic_record(clean, s
     assert of_one_sensor([traces[0], other])[1] is other.noise
     time, drive, response = records[1]
     read = response + 0.006 * rng.standard_normal(n)  # another sensor
-    other = SimpleNamespace(noise=noise_floor(time, drive, read, None), response=read, masked=None, step=1 / rate)
+    other = SimpleNamespace(
+        noise=noise_floor(time, drive, read, None), response=read, masked=None, step=1 / rate, measures="displacement"
+    )
     assert of_one_sensor([traces[0], other])[1] is other.noise
 
 

@@ -61,11 +61,11 @@ def noise_floor(
     response = response / size
     n = len(response)
     step = float(time[-1] - time[0]) / (n - 1)
-    mains = tuple(2 * np.pi * hz * step for hz in HUM)
+    mains, free = tuple(2 * np.pi * hz * step for hz in HUM), False
     if np.ptp(drive) == 0:
         found = _short_period(response[:LONGEST], None, mains)
     elif period is None:
-        found = _free_frequencies(latest(drive), latest(response))
+        found, free = _free_frequencies(latest(drive), latest(response)), True
     elif period <= 8 * HARMONICS or _highest_harmonic(drive, period) <= HARMONICS // 3:
         found = _of_parts(response[-LONGEST:], period, mains, _short_period(response[-LONGEST:], period, mains))
     else:
@@ -73,13 +73,13 @@ def noise_floor(
     if np.ptp(drive) > 0 and found[0].relative_error > _SURER * EXTRAPOLATED:
         far_above = _free_frequencies(latest(drive), latest(response))
         if _SURER * far_above[0].relative_error < found[0].relative_error:
-            found = far_above  # a motion beyond description adds to what is left of it, but hardly so high
+            found, free = far_above, True  # a motion beyond description adds to what is left, but hardly so high
     fit, method = found
     quantum = _resolution(response)
     sigma = max(fit.sigma, quantum / math.sqrt(12.0), 1e-12)
     if sigma > fit.sigma:
         return NoiseFloor(sigma * size, method="the resolution of the response column", relative_error=0.5)
-    unseen = float(np.argmax(fit.used > 0)) / len(fit.used)
+    unseen = float(np.argmax(fit.used > 0)) / len(fit.used) if free else 0.0
     return NoiseFloor(float(sigma * size), fit.ar, method, float(fit.relative_error), unseen)
 
 

@@ -2,7 +2,8 @@
 nothing needs to be extrapolated.
 
 The response shows noise above that band alone, as below it the stage follows whatever leaks from the drive. In what a
-model leaves there is no such motion. What it lacks shows in the band itself, which is not asked.
+model leaves there is no such motion. Most of what it lacks shows in the band itself, which is not asked; but the
+mean that an even law makes lies below, and such a floor says itself that it is not known.
 """
 
 from __future__ import annotations
@@ -40,5 +41,7 @@ def interpolated(
     frequency = np.arange(count) / len(drive)
     hidden = np.abs(frequency - resonance) < _NEAR * width
     hidden[bottom : int(unseen * count)] = True
+    if np.count_nonzero(~hidden) < _LEAST:
+        return None
     found = fit_autoregression(windowed(left), None, excluded=hidden)
     return replace(found, relative_error=min(1.0, _WIDER * found.relative_error))

@@ -11,7 +11,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..quality.clipping import across_gaps
 from ..record import NoiseFloor, Trace
 from .autoregression import ORDER_PRICE, ar_spectrum, outliers, variance_of
 from .floor import EXTRAPOLATED, extrapolated, latest, windowed
@@ -26,14 +25,17 @@ colour and of their own levels alone would make 2 %."""
 
 def of_one_sensor(traces: Sequence[Trace]) -> list[NoiseFloor]:
     """The noise floors of records; those that were extrapolated, in the colour of the surest one that was not, if that
-    was sampled as they were."""
-    seen = [t for t in traces if not extrapolated(t.noise) and 0.0 < t.noise.relative_error < EXTRAPOLATED]
+    was read and sampled as they were. Where samples say nothing, curves across them have no noise, and say nothing of
+    its colour."""
+    whole = [t for t in traces if t.masked is None]
+    seen = [t for t in whole if not extrapolated(t.noise) and 0.0 < t.noise.relative_error < EXTRAPOLATED]
     seen.sort(key=lambda trace: trace.noise.relative_error)
     return [_in_the_best_colour(trace, seen) for trace in traces]
 
 
 def _in_the_best_colour(trace: Trace, seen: Sequence[Trace]) -> NoiseFloor:
-    surest = next((other.noise for other in seen if np.isclose(other.step, trace.step, rtol=_SAME, atol=0.0)), None)
+    alike = lambda other: other.measures == trace.measures and np.isclose(other.step, trace.step, rtol=_SAME, atol=0.0)
+    surest = next((other.noise for other in seen if alike(other)), None)
     return trace.noise if surest is None else _in_the_colour_of(surest, trace)
 
 
@@ -41,10 +43,9 @@ def _in_the_colour_of(surest: NoiseFloor, trace: Trace) -> NoiseFloor:
     """The floor of a record in another one's colour, where that describes the frequencies that it was read off as well
     as its own two coefficients do, by the criterion that chose these."""
     own = trace.noise
-    if not extrapolated(own):
+    if not extrapolated(own) or trace.masked is not None:
         return own
-    response = trace.response if trace.masked is None else across_gaps(trace.response, trace.masked)
-    seen = windowed(latest(response))
+    seen = windowed(latest(trace.response))
     n, power = len(seen), np.abs(np.fft.rfft(seen)) ** 2 / len(seen)
     mine, other = (_spectrum(floor, n) for floor in (own, surest))
     free = np.arange(len(power)) >= own.unseen * len(power)

@@ -11,7 +11,7 @@ import numpy as np
 from ..record import Record, Trace
 
 _LITTLE = 0.1  # of what a drive varies by: as a mean it moves a device that far off its zero
-_BEGUN, _BEFORE = 0.01, 10  # of its largest: a drive has begun; samples before it that tell whether anything moves
+_BEGUN, _BEFORE = 1e-4, 10  # of its largest: a drive has begun; samples before it that tell whether anything moves
 _STILL = 8.0  # noise floors from the lowest to the highest of these: of a thousand samples of noise they are 6.5 apart
 _CYCLES = 8  # in the record, of its strongest line: fewer do not average out under the window
 
@@ -47,9 +47,12 @@ def level_before(record: Trace) -> float | None:
     """Where a response lies before the drive begins, if that is a while and nothing moves in it: the sensor's zero,
     whatever is said of the start; None if nothing tells."""
     drive, response = record.drive, record.response
-    before = response[: int(np.argmax(np.abs(drive) > _BEGUN * np.max(np.abs(drive))))]
-    still = len(before) >= _BEFORE and record.order < 2 and float(np.ptp(before)) < _STILL * record.noise.sigma
-    return float(np.mean(before)) if still else None
+    begins = int(np.argmax(np.abs(drive) > _BEGUN * np.max(np.abs(drive))))
+    unknown = record.masked is not None and bool(np.any(record.masked[:begins]))
+    if begins < _BEFORE or unknown or record.order > 1 or record.start == "steady":
+        return None
+    before = response[:begins]
+    return float(np.mean(before)) if float(np.ptp(before)) < _STILL * record.noise.sigma else None
 
 
 def counted_from_rest(records: Sequence[Record], notes: list[str]) -> list[Record]:

@@ -88,7 +88,9 @@ def behind_held_out(campaign: Campaign, one: Predicting, other: Predicting) -> f
         return 0.0
     missed = [_left_of(held, read(told.model, told.values, held, compared=True)) for told in (one, other)]
     was, now = (float(left @ left) for left in missed)
-    return independent_samples(missed[0]) * float(np.log(now / was)) if np.isfinite(was + now) else np.inf
+    if not np.isfinite(was + now):
+        return np.inf if np.isfinite(was) else -np.inf
+    return independent_samples(missed[0]) * float(np.log(now / was))
 
 
 def _worse_in_each(before: Fit, after: Fit) -> bool:

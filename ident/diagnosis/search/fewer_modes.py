@@ -77,8 +77,11 @@ def _does_as_well(
         found = confirm(regression, library[rival.name], rival, ENOUGH, rest)
         if not found.possible or behind(found, regression) > 0:
             continue
-        instead = accept(found, less)
-        best, names = prepare(instead), list(others)
+        instead, names = accept(found, less), list(others)
+        try:
+            best = prepare(instead)
+        except Diverged:  # its motion has no bound
+            continue
         while fewer := without_one(instead, names, start):
             if behind(fewer[1], best) > 0:
                 break

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from ...effects.dependence import depends_on
+from ...errors import UserError
 from ...pulse import Report
 from ..evidence.enough import adequate, worth_a_name
 from ..evidence.held_out import contradicted, hurts
@@ -51,6 +52,8 @@ def one_law(look: Look, start: Regression, path: Path, report: Report) -> Writte
     try:
         beyond, gain = simulated(fitted, start, unknown, path, report)
         left = prepare(beyond.fit)
+    except UserError:  # the file is somebody's
+        raise
     except Diverged:  # with it the motion has no bound
         path.unlink(missing_ok=True)
         return None

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
+from ...errors import UserError
 from ...fit import Fit
 from ...pulse import Report
 from ..evidence.criterion import Left, clearly_better
@@ -98,6 +99,11 @@ def _with_shorter(found: Discovery, start: Regression, path: Path | None, report
         return kept
     try:
         beyond, _ = simulated(found.start, start, unknown, path, report)
+    except UserError:  # the file is somebody's
+        raise
+    except Diverged:  # with it the motion has no bound
+        path.unlink(missing_ok=True)
+        return kept
     except BaseException:  # stopped: a walk that is resumed asks again
         path.unlink(missing_ok=True)
         raise

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from ...campaign.device import Platform
 from ...effects.linear_side import constant_on
 from ...effects.registry import Registry
-from ...fit import fit
+from ...fit import Fit, fit
 from ...fit.linear.choice import begin_off_zero
 from ...pulse import Report
 from ..evidence.criterion import behind
@@ -26,8 +26,9 @@ from .ties import weighed_ties
 
 
 class Zero(NamedTuple):
-    """The step that names the constant, and the look at the fit before."""
+    """The fit with which the walk begins, the step that names the constant, and the look at that fit."""
 
+    start: Fit
     step: Step
     look: Look
 
@@ -37,11 +38,11 @@ class Zero(NamedTuple):
 
     def before(self, walked: Walked) -> Walked:
         """The whole walk, of one that went on from there."""
-        return Walked(self.look.regression.fit, (self.step._replace(fit=walked.start), *walked.steps), walked.gains)
+        return Walked(self.start, (self.step._replace(fit=walked.start), *walked.steps), walked.gains)
 
     def whole(self, found: Discovery, report: Report) -> Discovery:
         """The discovery with this step first; what it ties with, now that all others are in."""
-        start, step = self.look.regression.fit, self.step._replace(fit=found.start)
+        start, step = self.start, self.step._replace(fit=found.start)
         if found.start.campaign is not start.campaign:  # other noise floors, or records read otherwise
             start = fit(start.model, found.start.campaign, initial=start.values)
         if found.steps:
@@ -64,10 +65,10 @@ def zero_of_the_sensor(walked: Walked, library: Registry, report: Report) -> Zer
         return None
     look = first_look(start, library, report)
     candidate = next((c for c in look.real if c.name == constant.name), None)
-    if candidate is None or not look.regression.credible:
+    if candidate is None:
         return None
     if walked.steps:
-        return Zero(walked.steps[0], look) if walked.steps[0].added == constant.name else None
+        return Zero(start, walked.steps[0], look) if walked.steps[0].added == constant.name else None
     report(f"the records begin off zero: {constant.name}")
     found = confirm(look.regression, constant, candidate)
     if not found.possible or behind(found, look.regression) >= 0:
@@ -78,4 +79,4 @@ def zero_of_the_sensor(walked: Walked, library: Registry, report: Report) -> Zer
     step = Step(
         name, predicted, found.gain, ties.names, "effect", with_it, ties.reasons, tied, look.regression, rivals=rivals
     )
-    return Zero(step, look)
+    return Zero(start, step, look)
