@@ -9,8 +9,9 @@ effect has left. CPU seconds are user and system time of the whole process, read
 Reached, CPU seconds with an empty and with a filled cache, on a machine that others used: `fit` 4.4 and 3.5 (targets 6
 and 2), where 9ca4946 took 5.1 and 4.2 in the same run; `discover` 21.1 and 11.6 (20 and 5), where it took 20.8 and
 12.6. On a quieter one 18.7 and 11.1, with friction 18.5 and 7.7 (30 and 10); 100,000 samples 68 and 49 with a filled
-cache (60). So `--check` fails, and `docs/speed.md` says why. Before records came on one tape `discover` took 105 and
-47 s.
+cache (60). At the end of November 2026, on a slower machine, 4.9 and 3.5, 29 and 17, with friction 29 and 17, where
+cf3b15d took 5.8 and 4.1, 29 and 20, 27 and 18 in the same run. So `--check` fails, and `docs/speed.md` says why. Before
+records came on one tape `discover` took 105 and 47 s.
 """
 
 from __future__ import annotations
