@@ -151,7 +151,8 @@ def _answered(
         said = _answered(zero.beside(walked), library, report, effect_file, keeps_walk, go_on)
         discovery = zero.whole(said.discovery, report)
         where = locate(prepare(working(discovery.start)), discovery.start)
-        records = said.next_experiments or measure_next(discovery, library, report)
+        own = replace(discovery, steps=discovery.steps[:1])  # of the others the walk beyond it has said
+        records = said.next_experiments or measure_next(own, library, report)
         return replace(said, discovery=discovery, where=where, next_experiments=records)
     report("locating the misfit")
     regression = prepare(working(fitted))

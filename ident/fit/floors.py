@@ -25,13 +25,13 @@ from .result import Fit
 
 _MANY = 8.0  # periods of hum that no level follows as it bends from one end to the other
 _SAME = 0.05  # relative: floors that differ by less leave a model adequate or not (`diagnosis.enough`)
-_HIGHER = 5.0  # of its errors: of 300 floors that were extrapolated few were as far too low (`noise.interpolated`)
+_HIGHER = 5.0  # of its errors: of floors that were extrapolated few were as far too low (`experiments.hidden_noise`)
 _RINGING = ("oscillator", "base", "shaken")  # forms with a resonance
 _LOWER = 0.8  # of the floor so far: up to a fifth above a floor in doubt a model is adequate (`diagnosis.enough`)
 
 
 def sharpened(found: Fit, complete: bool = True) -> Campaign | None:
-    """The campaign of a fit with lower noise floors where its own are in doubt, and higher ones where the records hum;
+    """The campaign of a fit with other noise floors where its own are in doubt, and higher ones where the records hum;
     None if no floor changes. `complete`: whether the model has all that was found; one that lacks an effect may miss a
     level that bends as a few periods of hum do, and is asked for longer ones only."""
     readings = iter(found.readings)

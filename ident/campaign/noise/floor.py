@@ -245,11 +245,15 @@ def windowed(samples: np.ndarray) -> np.ndarray:
     return (samples - samples.mean()) * window / np.sqrt(np.mean(window**2))
 
 
+def exciting(drive: np.ndarray) -> np.ndarray:
+    """(n//2 + 1,) power of a drive up to each frequency."""
+    return np.cumsum(np.abs(np.fft.rfft(windowed(drive))) ** 2)
+
+
 def _free_frequencies(drive: np.ndarray, response: np.ndarray) -> tuple[Autoregression, str]:
     """Frequencies above the drive's, from where the response no longer shows its products: an extrapolation."""
-    n = len(response)
-    exciting = np.cumsum(np.abs(np.fft.rfft(windowed(drive))) ** 2)
-    top = int(np.searchsorted(exciting, 0.999 * exciting[-1])) + 2
+    n, reached = len(response), exciting(drive)
+    top = int(np.searchsorted(reached, 0.999 * reached[-1])) + 2
     last = n // 2
     seen = windowed(response)
     fits: list[tuple[int, Autoregression]] = []

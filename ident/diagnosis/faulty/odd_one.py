@@ -3,6 +3,8 @@ that record is suspect."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ...campaign.quality.suspect import Kind, Suspect
@@ -12,11 +14,13 @@ from .suspects import LIKELY, words_of
 
 _ALIKE = 0.1  # of what one is off: the others differ by no more
 _FEWEST = 4  # records: of three, two agree by chance
-_FAULTS: dict[str, tuple[Kind, str]] = {
-    "stiffness": ("time-scale", "1"),
-    "sensitivity": ("gain", "1"),
-    "delay": ("delay", "samples"),
+_FAULTS: dict[str, tuple[Kind, str, Callable[[float, float], float]]] = {
+    # A resonance moves by half of what its spring does, and is read too low where time runs too slowly.
+    "stiffness": ("time-scale", "1", lambda own, usual: ((1 + own) / (1 + usual)) ** 0.5),
+    "sensitivity": ("gain", "1", lambda own, usual: (1 + own) / (1 + usual)),
+    "delay": ("delay", "samples", lambda own, usual: own - usual),
 }
+"""The fault, its unit and its size, by what differs: the record's own number, and that of the others."""
 
 
 def odd_one(found: Differing) -> Suspect | None:
@@ -29,13 +33,8 @@ def odd_one(found: Differing) -> Suspect | None:
     usual = float(np.mean(others))
     if np.max(np.abs(others - usual)) > _ALIKE * abs(sizes[i] - usual):
         return None
-    kind, unit = _FAULTS[found.kind]
-    # A resonance moves by half of what its spring does, and is read too low where time runs too slowly.
-    size = {
-        "stiffness": ((1 + sizes[i]) / (1 + usual)) ** 0.5,
-        "sensitivity": (1 + sizes[i]) / (1 + usual),
-        "delay": sizes[i] - usual,
-    }[found.kind]
-    told = Nuisance(kind, float(size), unit, 1.0, found.fit.campaign.traces[i])
+    kind, unit, size_of = _FAULTS[found.kind]
+    size = size_of(float(sizes[i]), usual)
+    told = Nuisance(kind, size, unit, 1.0, found.fit.campaign.traces[i])
     words = f"{words_of(told, ())}; so read, it agrees with all the others, and these with one another"
-    return Suspect(found.names[i], kind, float(size), unit, LIKELY, words)
+    return Suspect(found.names[i], kind, size, unit, LIKELY, words)

@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 
 from ...effects.dependence import depends_on
-from ...errors import UserError
 from ...pulse import Report
 from ..evidence.enough import adequate, worth_a_name
 from ..evidence.held_out import contradicted, hurts
@@ -27,7 +26,7 @@ from ..unknown.subsets import NEAR, rank
 from .drive import other_drive
 from .steps import Discovery
 from .together import both
-from .written import AS_WELL, Written, as_good_as_named, ended, lacked_by, simulated, step_of
+from .written import AS_WELL, Written, as_good_as_named, ended, kept_if_it_ends, lacked_by, simulated, step_of
 
 
 def one_law(look: Look, start: Regression, path: Path, report: Report) -> Written | None:
@@ -50,16 +49,11 @@ def one_law(look: Look, start: Regression, path: Path, report: Report) -> Writte
     if other_drive(fitted, regression, report, look) is not None:
         return None
     try:
-        beyond, gain = simulated(fitted, start, unknown, path, report)
-        left = prepare(beyond.fit)
-    except UserError:  # the file is somebody's
-        raise
+        with kept_if_it_ends(path):
+            beyond, gain = simulated(fitted, start, unknown, path, report)
+            left = prepare(beyond.fit)
     except Diverged:  # with it the motion has no bound
-        path.unlink(missing_ok=True)
         return None
-    except BaseException:  # stopped: a walk that is resumed asks again
-        path.unlink(missing_ok=True)
-        raise
     if not adequate(left) or contradicted(beyond.fit) or hurts(fitted, beyond.fit):
         beyond.path.unlink()
         return None

@@ -99,9 +99,7 @@ def tie_set(
         wider = best.name in library[other.name].contains and regression.fit.campaign.shows_shape
         price = float(np.log(regression.n)) if wider else 1.0
         behind = n * float(np.log(left / least)) + price * (other.dof - best.dof)
-        if (
-            wider and both and behind >= VERY_STRONG
-        ):  # what its further parts say, records that were not fitted may tell
+        if wider and both and behind >= VERY_STRONG:  # what its other parts say, held-out records may tell
             behind += behind_held_out(regression.fit.campaign, refits[best.name], refits[other.name])
         as_much = left - least < max(VERY_STRONG, (1.0 - _AS_MUCH) * (regression.excess + regression.n - least))
         alike = reproduced(regression, best, other)

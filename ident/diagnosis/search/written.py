@@ -3,11 +3,12 @@ kept if it says more than they do."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-from ...errors import UserError
 from ...fit import Fit
 from ...pulse import Report
 from ..evidence.criterion import Left, clearly_better
@@ -85,6 +86,19 @@ def beyond_library(
     return Written(found, beyond.unknown, beyond.path)
 
 
+@contextmanager
+def kept_if_it_ends(path: Path) -> Iterator[None]:
+    """A file that is written on the way stays only if the way is gone to its end: a walk that is stopped and resumed
+    asks again. One that was there before is somebody's."""
+    before = path.exists()
+    try:
+        yield
+    except BaseException:
+        if not before:
+            path.unlink(missing_ok=True)
+        raise
+
+
 def _with_shorter(found: Discovery, start: Regression, path: Path | None, report: Report) -> Written:
     """The walk, in doubt where one law says more than its several names with fewer numbers, once it is simulated: a
     bent spring and a stop at its end make a sine of less than a turn. The names stay, for they are tried laws."""
@@ -98,15 +112,10 @@ def _with_shorter(found: Discovery, start: Regression, path: Path | None, report
     if formula.chi2_per_sample * last.n > last.fit_chi2:
         return kept
     try:
-        beyond, _ = simulated(found.start, start, unknown, path, report)
-    except UserError:  # the file is somebody's
-        raise
+        with kept_if_it_ends(path):
+            beyond, _ = simulated(found.start, start, unknown, path, report)
     except Diverged:  # with it the motion has no bound
-        path.unlink(missing_ok=True)
         return kept
-    except BaseException:  # stopped: a walk that is resumed asks again
-        path.unlink(missing_ok=True)
-        raise
     if not _says_more(found.final, beyond.fit, numbers_apart=True):
         path.unlink()
         return kept
