@@ -15,7 +15,7 @@ from ...pulse import Report
 from ..evidence.coloured_noise import chance_of
 from ..linearised.regression import Regression
 from ..unknown.coordinates import Stage
-from ..unknown.subsets import TRIED, rank, regress, smallest_sufficient, spline_rows
+from ..unknown.subsets import TRIED, Block, blocks_of, rank, regress, smallest_sufficient, spline_rows
 
 _DOUBT = 0.0001  # of the first excess: structured misfit beyond which a law may be another of the same kind
 _ANOTHER_CURVE = 0.00002  # the same for a curve over the law's own coordinates, one test instead of many
@@ -34,19 +34,18 @@ def lacking(regression: Regression, first: Regression, report: Report = lambda _
     report("does what is left have a structure?")
     stage, ranked = rank(regression)
     found = smallest_sufficient(ranked)[0]
-    share = _structure(regression, stage, found.side, found.coordinates, TRIED) / excess
+    share = _structure(regression, stage, found.side, found.blocks, TRIED) / excess
     if share >= _DOUBT:
         return share
-    laws = {law for effect in regression.fit.model.effects if (law := depends_on(effect)) is not None and law[1]}
-    curves = [_structure(regression, stage, *law, len(laws)) / excess for law in sorted(laws)]
+    known = {law for effect in regression.fit.model.effects if (law := depends_on(effect)) is not None}
+    laws = [law for law in known if 0 < len(law[1]) <= 2]
+    curves = [_structure(regression, stage, law[0], blocks_of(law[1]), len(laws)) / excess for law in laws]
     return max((share for share in curves if share >= _ANOTHER_CURVE), default=0.0)
 
 
-def _structure(regression: Regression, stage: Stage, side: Side, coordinates: tuple[str, ...], tried: int) -> float:
-    """Fall of χ² by splines of at most two coordinates, beyond that of noise; 0 if chance does it, so many tried."""
-    if len(coordinates) > 2:
-        return 0.0
-    rows = spline_rows(regression, stage, side, coordinates)
+def _structure(regression: Regression, stage: Stage, side: Side, blocks: tuple[Block, ...], tried: int) -> float:
+    """Fall of χ² by some functions, beyond that of noise; 0 if chance does it, so many tried."""
+    rows = spline_rows(regression, stage, side, blocks)
     solved = regress(rows, regression.residual)
     likely = tried * chance_of(regression, rows.T @ solved.spread) >= _CHANCE
     return 0.0 if likely else solved.drop - solved.dof

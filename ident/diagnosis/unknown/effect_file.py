@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ...campaign.trust import trust_for_now
+from ...effects.dependence import Side
 from ...errors import UserError
 from .find import Unknown
 from .formula import Formula
 from .splines import UNITS
-from .terms import Term
+from .terms import Term, amplitude_unit
 
 _STATE = {"z": "state.z", "v": "state.v", "V": "drive.V", "t": "t", "rate": "drive.rate"}
 _LOOP = "    dV = drive.rate / jnp.where(drive.omega > 0, drive.omega, jnp.inf)\n"
@@ -91,9 +92,9 @@ def effect_source(formula: Formula, name: str, found: str = "") -> str:
 
 
 def _term(
-    i: int, term: Term, amplitude: float, side: str, shapes: dict[tuple[str, float, bool], str], hidden: int
+    i: int, term: Term, amplitude: float, side: Side, shapes: dict[tuple[str, float, bool], str], hidden: int
 ) -> _Written:
-    unit = _unit("m" if side == "sensor" else "N", term)
+    unit = amplitude_unit(side, term.powers)
     declared = [f'c{i} = amplitude("{unit}", "of {term.text}", default={amplitude:.9g})']
     number = ""
     if term.number is not None:
@@ -117,22 +118,6 @@ def _term(
             rate = f"{speed} * dragged({rate}, {speed})"
     return _Written(f"self.c{i} * {code}" if code != "1.0" else f"self.c{i}", tuple(declared), rate,
                     UNITS[term.names[0]] if term.memory else "")  # fmt: skip
-
-
-def _unit(top: str, term: Term) -> str:
-    """Unit of a term's amplitude: that of the side over those of its coordinates."""
-    powers = {"m": 0, "s": 0, "V": 0}
-    for name, power in term.powers:
-        for symbol, own in {"z": {"m": 1}, "v": {"m": 1, "s": -1}, "t": {"s": 1}, "rate": {"V": 1, "s": -1}}.get(
-            name, {"V": 1}
-        ).items():
-            powers[symbol] -= own * power
-    if top == "m":
-        powers["m"] += 1
-    write = lambda symbol, power: symbol if power == 1 else f"{symbol}^{power}"
-    above = (["N"] if top == "N" else []) + [write(s, p) for s, p in powers.items() if p > 0]
-    below = "".join(f"/{write(s, -p)}" for s, p in powers.items() if p < 0)
-    return (" ".join(above) or "1") + below
 
 
 def _locals(names: list[str]) -> str:

@@ -18,8 +18,9 @@ from ...model import FREQUENCY, QUALITY
 from ..evidence.coloured_noise import chance_of
 from ..linearised.regression import Regression
 from .coordinates import Stage, rows_of
-from .formula import Formula, dictionary, long_formula, write_formula
+from .formula import Formula, dictionary, long_formula, tabled, write_formula
 from .picture import Picture, draw
+from .products import Product
 from .subsets import TRIED, Ranked, dimension, rank, regress, smallest_sufficient, spline_rows
 from .words import describe, noise_followed
 
@@ -41,6 +42,7 @@ class Unknown:
       by these or by the formula, whichever leaves less; `chi2_before`; `p_value`: of such a `drop` by chance, coloured
       noise and the number of tries allowed for.
     - `alike`: other sets that explain as much; `others`: the best of the rest.
+    - `product`: if it is best said as a function of one coordinate times another.
     - `picture`: the function with its error; `formula`: in at most three terms, None if no term helps; `written`: what
       an effect file is written from, the formula if it says as much as the splines; None if no term says anything.
     - `sentences`: all this in words.
@@ -60,6 +62,7 @@ class Unknown:
     formula: Formula | None
     written: Formula | None
     sentences: tuple[str, ...]
+    product: Product | None = None
 
     def as_json(self) -> dict[str, Any]:
         """The entry `unknown` of diagnosis.json."""
@@ -88,10 +91,10 @@ class Unknown:
 
     @property
     def of_one_law(self) -> bool:
-        """Whether it is one law and not several: a function of a single coordinate, or one term of two. What is
-        remembered the library may have in pieces."""
-        one_term = self.formula is not None and self.formula.complete and len(self.formula.terms) == 1
-        return self.dimension < 2 or (one_term and "history" not in self.coordinates)
+        """Whether it is one law and not several: a function of a single coordinate, or one term or product of two.
+        What is remembered the library may have in pieces."""
+        single = self.formula is not None and self.formula.complete and self.formula.one
+        return self.dimension < 2 or (single and "history" not in self.coordinates)
 
     def explained(self, formula: Formula | None) -> float:
         """Share of the excess over noise that a formula explains."""
@@ -110,7 +113,7 @@ def find_unknown(regression: Regression) -> Unknown:
     enough = smallest_sufficient(ranked)
     chosen, formula = _settle(regression, stage, enough)
     side, coordinates = chosen.side, chosen.coordinates
-    rows = spline_rows(regression, stage, side, coordinates)
+    rows = spline_rows(regression, stage, side, chosen.blocks)
     solved = regress(rows, regression.residual)
     p = min(1.0, TRIED * chance_of(regression, rows.T @ solved.spread))
     complete = formula is not None and formula.complete
@@ -119,10 +122,10 @@ def find_unknown(regression: Regression) -> Unknown:
         written = formula
     alike = tuple(r for r in enough if r is not chosen and dimension(r.coordinates) <= dimension(chosen.coordinates))
     others = tuple(r for r in ranked if r not in enough and not set(coordinates) < set(r.coordinates))[:3]
-    picture = draw(regression, stage, side, coordinates, solved)
+    picture = draw(regression, stage, chosen, solved)
     before = regression.chi2 / regression.n
     found = Unknown(side, coordinates, chosen.drop, chosen.dof, chosen.share, before, chosen.chi2_per_sample, p, alike,
-                    others, picture, formula, written, ())  # fmt: skip
+                    others, picture, formula, written, (), chosen.product)  # fmt: skip
     if formula is not None and formula.chi2_per_sample < chosen.chi2_per_sample and before > 1.0:
         # It has the law's own shape, and splines of two coordinates are few: what they leave is no measure.
         least = _as_much(regression, formula.drop)
@@ -146,13 +149,17 @@ def _settle(regression: Regression, stage: Stage, enough: Sequence[Ranked]) -> t
     least = _as_much(regression, weakest)
     judged = []
     for found in (first, *rivals):
-        words = dictionary(regression, stage, found.side, found.coordinates)
+        words = dictionary(regression, stage, found.side, found.coordinates, found.product)
         formula = write_formula(regression, stage, found.side, words, found.drop)
         says_it = formula if formula and formula.drop >= least else None
+        if not says_it and found.product is not None:
+            table = tabled(regression, stage, found.side, found.product, found.drop)
+            if table is not None and table.drop >= least:
+                says_it = formula = table
         if not says_it and len(enough) > 1:
             longer = write_formula(regression, stage, found.side, words, found.drop, _MOST_TERMS - 1)
             says_it = longer if longer and longer.drop >= least else None
-        terms = len(says_it.terms) if says_it else _MOST_TERMS
+        terms = min(len(says_it.terms), _MOST_TERMS) if says_it else _MOST_TERMS
         if says_it is not None and not _possible(regression, stage, says_it):
             says_it = None
         cost = dimension(found.coordinates) + _PER_TERM * terms + _WORDLESS * (says_it is None)

@@ -16,6 +16,7 @@ import numpy as np
 from ...effects.dependence import Side
 from ..linearised.regression import Regression
 from .coordinates import Stage, absorbed, rows_of
+from .products import Product
 from .subsets import regress
 from .terms import Term, monomial, number, paired, remembered, single, table
 
@@ -48,6 +49,11 @@ class Formula(NamedTuple):
     text: str
 
     @property
+    def one(self) -> bool:
+        """Whether it is a single law: one term, or the table of one function."""
+        return len(self.terms) == 1 or bool(self.terms[0].law)
+
+    @property
     def numbers(self) -> int:
         """How many numbers it has, one that several terms share counted once."""
         return len(self.terms) + len({(term.kind, term.number.value) for term in self.terms if term.number})
@@ -61,8 +67,10 @@ class Dictionary(NamedTuple):
     lengths: np.ndarray
 
 
-def dictionary(regression: Regression, stage: Stage, side: Side, coordinates: tuple[str, ...]) -> Dictionary:
-    """The simple terms of a set of coordinates that the model does not absorb."""
+def dictionary(
+    regression: Regression, stage: Stage, side: Side, coordinates: tuple[str, ...], product: Product | None = None
+) -> Dictionary:
+    """The simple terms of a set of coordinates that the model does not absorb; of one times the other, if told."""
     names = [name for name in coordinates if name not in ("1", "history")]
     terms = [monomial([])]
     for name in names:
@@ -71,6 +79,8 @@ def dictionary(regression: Regression, stage: Stage, side: Side, coordinates: tu
         terms += remembered(names[0], stage.ranges(side)[names[0]], regression.fit.scales.period)
     elif len(names) == 2:
         terms += paired(names[0], names[1])
+    if product is not None:
+        terms += product.words(stage.ranges(side))
     found = _measured(regression, stage, side, terms)
     for inside in (*[_within] * _FINER, _at_top):
         found = _between(regression, stage, side, found, inside)
@@ -242,7 +252,22 @@ def long_formula(
     return found if found is not None and found.drop > curve.drop else curve
 
 
+def tabled(regression: Regression, stage: Stage, side: Side, product: Product, spline_drop: float) -> Formula | None:
+    """A product with its function as a table; None if the model absorbs it."""
+    seen = stage.modelled if side == "sensor" else stage.moved
+    words = _measured(regression, stage, side, product.table(stage.ranges(side), seen))
+    if not words.terms:
+        return None
+    found = fitted(regression, stage, side, words, range(len(words.terms)), _goal(regression, spline_drop))
+    place = product.typical(stage.ranges(side), seen)
+    law = found.coefficients @ np.stack([term.value(place) for term in found.terms]) / product.scale(stage.ranges(side))
+    least, most = (number(float(x)).replace("-", "−") for x in (law.min(), law.max()))
+    return found._replace(text=f"{found.text}, g from {least} to {most}")
+
+
 def _text(side: Side, terms: Sequence[Term], coefficients: np.ndarray) -> str:
+    if law := terms[0].law:
+        return f"reading = z + {law}" if side == "sensor" else f"F = {law}"
     written = [(c / term.written, term.text) for term, c in zip(terms, coefficients, strict=True)]
     parts = [f"{'−' if c < 0 else '+'} {number(abs(c))}{'' if text == '1' else ' ' + text}" for c, text in written]
     joined = " ".join(parts)

@@ -10,7 +10,7 @@ G. Schwarz, 1978, Ann. Stat. 6, 461 (the criterion).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache, partial
 from typing import NamedTuple
 
@@ -19,25 +19,31 @@ import numpy as np
 from ...effects.dependence import Side
 from ..linearised.regression import Regression
 from .coordinates import Stage, rows_of, set_stage
+from .products import PIECES, Product, products
 from .splines import Places, one, pair
 
 SINGLES = (("z",), ("v",), ("V",), ("dV",), ("t",))
 PAIRS = (("z", "v"), ("z", "V"), ("z", "dV"), ("v", "V"), ("v", "dV"), ("V", "dV"), ("z", "t"), ("v", "t"), ("V", "t"))
 HISTORIES = (("z", "history"), ("V", "history"))
-TRIED = 50  # sets of coordinates, at most, coarse and fine: what a chance probability is multiplied by
+TRIED = 75  # sets of functions, at most, coarse and fine: what a chance probability is multiplied by
 NEAR = 0.01  # of the best set's gain: a smaller set that lacks no more explains "almost as much" …
 _NEARLY_ALL, _NEAR_ALL = 0.995, 0.003  # … but less may be lacking where the best set explains everything
+_PROMISING = 4  # pairs, those that explain most, that are tried as products
 _ALL = 0.999  # share from which nothing more is sought
 _FINER = ("z", "v", "V")  # coordinates over which a law may turn to and fro: cogs, fringes, steps of an amplifier
 _PIECES = (36, 72, 144)  # splines over one of them, where the first few leave more than these cost: up to thirty turns
 _NULL = 1e-7  # squared share of a combination of rows that must survive the projection
 
 
+Block = tuple[str, ...] | Product
+
+
 class Ranked(NamedTuple):
     """One set of coordinates on one side.
 
     **Arguments:** `drop`: fall of χ²; `dof`: directions used; `share`: of the excess over noise that it explains;
-    `chi2_per_sample` after; `criterion`: χ² + dof ln n, in units of what is left (Schwarz).
+    `chi2_per_sample` after; `criterion`: χ² + dof ln n, in units of what is left (Schwarz); `product`: whose functions
+    these are, where those of one coordinate times the other say it with less.
     """
 
     side: Side
@@ -47,6 +53,12 @@ class Ranked(NamedTuple):
     share: float
     chi2_per_sample: float
     criterion: float
+    product: Product | None = None
+
+    @property
+    def blocks(self) -> tuple[Block, ...]:
+        """The blocks of functions that say it."""
+        return blocks_of(self.coordinates) if self.product is None else (self.product,)
 
 
 def side_of(coordinates: Sequence[str]) -> Side:
@@ -54,8 +66,10 @@ def side_of(coordinates: Sequence[str]) -> Side:
     return "drive" if set(coordinates) & {"V", "dV"} and not set(coordinates) & {"z", "v"} else "force"
 
 
-def functions_of(stage: Stage, side: Side, block: tuple[str, ...], place: Places) -> np.ndarray:
+def functions_of(stage: Stage, side: Side, block: Block, place: Places) -> np.ndarray:
     """The functions of one block, without dimension, (k, lanes, points)."""
+    if isinstance(block, Product):
+        return block.functions(place, stage.ranges(side))
     if block == ("1",):
         return np.ones((1, *place["z"].shape))
     if block[-1] == "history":
@@ -65,7 +79,7 @@ def functions_of(stage: Stage, side: Side, block: tuple[str, ...], place: Places
     return pair((block[0], block[1]), place, stage.ranges(side))
 
 
-def blocks_of(coordinates: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:
+def blocks_of(coordinates: tuple[str, ...]) -> tuple[Block, ...]:
     """The blocks of functions of a set of coordinates: those of each alone, and those of both."""
     if len(coordinates) == 1:
         return (coordinates,)
@@ -98,7 +112,7 @@ def regress(rows: np.ndarray, target: np.ndarray) -> Solution:
     return Solution(float(along @ along), int(kept.sum()), spread @ along, spread)
 
 
-_Known = dict[tuple[bool, tuple[str, ...]], np.ndarray]  # rows of the blocks of a side
+_Known = dict[tuple[bool, Block], np.ndarray]  # rows of the blocks of a side
 
 
 @lru_cache(maxsize=4)  # several parts of a diagnosis ask the same
@@ -111,7 +125,11 @@ def rank(regression: Regression) -> tuple[Stage, tuple[Ranked, ...]]:
         stage, found = _resolved(regression, stage, found, known)
     found += [_judge(regression, stage, *tried, known) for tried in _candidates(HISTORIES)]
     if max(r.share for r in found if r.coordinates[-1] != "history") < _ALL:
-        found += [_judge(regression, stage, *tried, known) for tried in _candidates(PAIRS)]
+        pairs = [_judge(regression, stage, *tried, known) for tried in _candidates(PAIRS)]
+        if min(r.criterion for r in pairs) < min(regression.chi2, *(r.criterion for r in found)):
+            pairs.sort(key=lambda r: r.criterion)
+            pairs[:_PROMISING] = [_with_product(regression, stage, pair) for pair in pairs[:_PROMISING]]
+        found += pairs
     return stage, tuple(sorted(found, key=lambda r: r.criterion))
 
 
@@ -137,6 +155,18 @@ def _resolved(
     return stage, best
 
 
+def _with_product(regression: Regression, stage: Stage, pair: Ranked) -> Ranked:
+    """The same pair as a product, in as many splines as the criterion buys, where it prefers that."""
+    tried = partial(_judge, regression, stage, pair.side, pair.coordinates, {})
+    best = min((tried(one) for one in products(*pair.coordinates)), key=lambda r: r.criterion)
+    for pieces in PIECES[1:]:
+        finer = tried(best.product and best.product._replace(pieces=pieces))
+        if finer.criterion > best.criterion:
+            break
+        best = finer
+    return min(pair, best, key=lambda r: r.criterion)
+
+
 def _candidates(sets: Sequence[tuple[str, ...]]) -> Iterator[tuple[Side, tuple[str, ...]]]:
     for coordinates in sets:
         yield side_of(coordinates), coordinates
@@ -152,23 +182,25 @@ def _judge(
     side: Side,
     coordinates: tuple[str, ...],
     known: _Known,
+    product: Product | None = None,
 ) -> Ranked:
-    solved = regress(_rows(regression, stage, side, coordinates, known), regression.residual)
+    blocks = blocks_of(coordinates) if product is None else (product,)
+    solved = regress(_rows(regression, stage, side, blocks, known), regression.residual)
     after = (regression.chi2 - solved.drop) / regression.n
     criterion = regression.chi2 - solved.drop + solved.dof * np.log(regression.n) * max(1.0, after)
     share = (solved.drop - solved.dof) / max(regression.chi2 - regression.n, 1e-9)
-    return Ranked(side, coordinates, solved.drop, solved.dof, share, after, criterion)
+    return Ranked(side, coordinates, solved.drop, solved.dof, share, after, criterion, product)
 
 
 def _rows(
     regression: Regression,
     stage: Stage,
     side: Side,
-    coordinates: tuple[str, ...],
+    blocks: Iterable[Block],
     known: _Known,
 ) -> np.ndarray:
     parts = []
-    for block in blocks_of(coordinates):
+    for block in blocks:
         rows = known.get((side == "sensor", block))
         if rows is None:
             rows = regression.project(rows_of(regression, stage, side, partial(functions_of, stage, side, block)))
@@ -178,14 +210,14 @@ def _rows(
     return np.concatenate(parts)
 
 
-def spline_rows(regression: Regression, stage: Stage, side: Side, coordinates: tuple[str, ...]) -> np.ndarray:
-    """Projected whitened rows (k, n) of all functions of a set of coordinates."""
-    return _rows(regression, stage, side, coordinates, {})
+def spline_rows(regression: Regression, stage: Stage, side: Side, blocks: Iterable[Block]) -> np.ndarray:
+    """Projected whitened rows (k, n) of all functions of some blocks."""
+    return _rows(regression, stage, side, blocks, {})
 
 
-def spline_functions(stage: Stage, side: Side, coordinates: tuple[str, ...], place: Places) -> np.ndarray:
+def spline_functions(stage: Stage, side: Side, blocks: Iterable[Block], place: Places) -> np.ndarray:
     """The same functions at given places, (k, lanes, points)."""
-    return np.concatenate([functions_of(stage, side, block, place) for block in blocks_of(coordinates)])
+    return np.concatenate([functions_of(stage, side, block, place) for block in blocks])
 
 
 def smallest_sufficient(ranked: Sequence[Ranked]) -> list[Ranked]:

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...effects.dependence import Side
 from ...effects.effect import Scalar
 from .splines import UNITS, Places, Size, lagging, plays, quick, sharp
 
@@ -22,11 +23,12 @@ _HUMPS = (0.05, 0.1, 0.2, 0.4)  # widths of what acts near zero only, in parts o
 _TURNS = (0.006, 0.0125, 0.025, 0.05, 0.1, 0.2, 0.4, 0.7)  # widths of steps, up to a gentle saturation
 _GAPS = (0.3, 0.45, 0.6, 0.75)  # of the largest value, where a contact begins
 _LIMITS = (0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.75)  # of what is cut off; beside a straight line, of what is dead
-_STEP = 0.003  # width of a step that is too sharp to measure
+STEP = 0.003  # width of a step that is too sharp to measure
 _PLAYS = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7)  # half widths, in parts of the largest value
 _LATE = (0.04, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 15.0, 50.0)  # periods; a fixed step follows none shorter
 _CHANGES = (0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.5)  # durations
 _KNOTS = 12  # of a table: as many as a fit still determines
+_BASE = {"z": {"m": 1}, "v": {"m": 1, "s": -1}, "t": {"s": 1}, "rate": {"V": 1, "s": -1}}  # of the coordinates' units
 
 
 class Number(NamedTuple):
@@ -49,7 +51,7 @@ class Term(NamedTuple):
       in the text, where the number in the code divides out a unit that the text keeps.
     - `memory`: "", "play" or "late"; of which coordinate is the first of `names`.
     - `kind`, of terms that differ in their number alone, or share one and say most together, as a sine and a cosine
-      do; and `again`, the same with another number.
+      do; and `again`, the same with another number; `law`: of which all terms of a table are parts ("g(z) v").
     """
 
     text: str
@@ -62,6 +64,7 @@ class Term(NamedTuple):
     memory: str = ""
     kind: str = ""
     again: Callable[[float], Term] | None = None
+    law: str = ""
 
 
 def monomial(powers: Iterable[tuple[str, int]]) -> Term:
@@ -80,7 +83,7 @@ def single(name: str, size: Size) -> list[Term]:
     if name == "t":
         return found[:2] + [_exponential(n, part * largest) for part in _CHANGES]
     length = lambda value, doc, fitted=True: Number(f"scale_{n}", unit, value, doc, fitted)
-    step = length(_STEP * largest, f"{n} over which the term turns", False)
+    step = length(STEP * largest, f"{n} over which the term turns", False)
     found += [
         Term(f"|{n}|", f"jnp.abs({n})", (n,), ((n, 1),), lambda x: np.abs(x[n])),
         Term(f"|{n}| {n}", f"jnp.abs({n}) * {n}", (n,), ((n, 2),), lambda x: np.abs(x[n]) * x[n]),
@@ -175,19 +178,37 @@ def table(name: str, size: Size, gauge: bool) -> list[Term]:
 
     `gauge`: whether a straight line is in the model already; then the outermost spline is left out.
     """
+    found = bumps(name, size, gauge, _KNOTS)
+    if name != "t":
+        found += [t for t in single(name, size) if "exp" not in t.text and t.text.startswith(("|", "sign", "tanh"))]
+    return found
+
+
+def bumps(name: str, size: Size, gauge: bool, knots: int) -> list[Term]:
+    """Cubic B-splines on evenly spaced knots; the outermost is left out if the model has their sum already."""
     low, high = size.low / size.largest, size.high / size.largest
-    spacing = (high - low) / (_KNOTS - 3)
+    spacing = (high - low) / (knots - 3)
     own = Number(f"scale_{name}", UNITS[name], size.largest, f"{name} at which the table ends", False)
     found = []
-    for k in range(gauge, _KNOTS):
+    for k in range(gauge, knots):
         centre = low + (k - 1) * spacing
         code = f"bump((jnp.clip({name} / {{n}}, {low:.6g}, {high:.6g}) - {centre:.6g}) / {spacing:.6g})"
         code = code.replace("- -", "+ ")
         value = lambda x, c=centre: bump((np.clip(x[name] / size.largest, low, high) - c) / spacing)
         found.append(Term(f"bump {k}", code, (name,), (), value, own))
-    if name != "t":
-        found += [t for t in single(name, size) if "exp" not in t.text and t.text.startswith(("|", "sign", "tanh"))]
     return found
+
+
+def amplitude_unit(side: Side, powers: Iterable[tuple[str, int]]) -> str:
+    """Unit of what multiplies a product of coordinates: that of the side over theirs."""
+    count = {"m": int(side == "sensor"), "s": 0, "V": 0}
+    for name, power in powers:
+        for symbol, own in _BASE.get(name, {"V": 1}).items():
+            count[symbol] -= own * power
+    write = lambda symbol, power: symbol if power == 1 else f"{symbol}^{power}"
+    above = ([] if side == "sensor" else ["N"]) + [write(s, p) for s, p in count.items() if p > 0]
+    below = "".join(f"/{write(s, -p)}" for s, p in count.items() if p < 0)
+    return (" ".join(above) or "1") + below
 
 
 def number(value: float) -> str:

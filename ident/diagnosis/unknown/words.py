@@ -11,6 +11,7 @@ from ...fit.judge import GOOD
 
 if TYPE_CHECKING:
     from .find import Unknown
+    from .products import Product
 
 _NAMES = {"z": "the displacement z", "v": "the velocity v", "V": "the drive V",
           "dV": "the rate of the drive (dV = V̇/ω)", "t": "the time t"}  # fmt: skip
@@ -18,8 +19,10 @@ _SIDES = {"force": "a force on the stage", "drive": "a force through the drive",
 _FOLLOWED = 0.97  # error over noise below which functions of the measured motion must have followed its noise
 
 
-def what(side: Side, coordinates: tuple[str, ...]) -> str:
+def what(side: Side, coordinates: tuple[str, ...], product: Product | None = None) -> str:
     """ "a force on the stage that depends on the displacement z"."""
+    if product is not None:
+        return f"{_SIDES[side]} that is {product.text} times a function of {_NAMES[product.of]}"
     if coordinates == ("1",):
         return f"{_SIDES[side]} that is constant"
     names = [_NAMES[name] for name in coordinates if name != "history"]
@@ -32,7 +35,7 @@ def what(side: Side, coordinates: tuple[str, ...]) -> str:
 def describe(found: Unknown) -> tuple[str, ...]:
     """What was found, how sure it is, and what it could be instead."""
     before, after = np.sqrt(found.chi2_before), np.sqrt(found.chi2_after)
-    text = f"What the model lacks acts like {what(found.side, found.coordinates)}: that explains"
+    text = f"What the model lacks acts like {what(found.side, found.coordinates, found.product)}: that explains"
     left = f"{after:.2f}" if after > _FOLLOWED else f"the noise floor (to {after:.2f}: some noise is followed too)"
     sentences = [
         f"{text} {percent(found.share)} of the error above the noise, and error/noise falls from {before:.2f} to "
@@ -46,11 +49,11 @@ def describe(found: Unknown) -> tuple[str, ...]:
     elif after > GOOD:
         sentences.append(f"It is not all: an error of {after:.2f} noise floors remains.")
     if found.alike:
-        listed = "; ".join(what(r.side, r.coordinates) for r in found.alike)
+        listed = "; ".join(what(r.side, r.coordinates, r.product) for r in found.alike)
         sentences.append(f"These records cannot tell it from: {listed}.")
     if found.others:
         best = found.others[0]
-        words = what(best.side, best.coordinates)
+        words = what(best.side, best.coordinates, best.product)
         sentences.append(f"The best of the others, {words}, explains {percent(best.share)}.")
     sentences += _formula(found)
     return tuple(sentences)

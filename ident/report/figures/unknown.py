@@ -23,14 +23,16 @@ _SHADE = "#c9dcea"  # two standard errors around the curve
 _INNER = (
     97  # per cent of a map that its colours tell apart: at its edges a spline knows little, and would pale the rest
 )
+_KNOWN = {"curve": "proportional to the coordinate", "factor": "the same everywhere"}
 _NAMES = {"z": "displacement z", "v": "velocity v", "V": "drive V", "dV": "rate of the drive V̇/ω", "t": "time t"}
 
 
 def unknown_figure(unknown: Unknown, device: Device) -> Figure:
     """What is missing from the model as a function of what it depends on.
 
-    One coordinate gives a curve with a band of two standard errors, two a map with its errors beside it, a memory the
-    loop of a record's last period, a constant its value in words.
+    One coordinate gives a curve with a band of two standard errors, and so does a function of one by which another is
+    multiplied; two a map with its errors beside it, a memory the loop of a record's last period, a constant its value
+    in words.
     """
     picture = unknown.picture
     figure = new_figure(10.6 if picture.kind == "map" else 7.4, 4.7)
@@ -53,7 +55,7 @@ def unknown_figure(unknown: Unknown, device: Device) -> Figure:
 
 
 def _words(figure: Figure, unknown: Unknown) -> None:
-    words = what(unknown.side, unknown.coordinates)
+    words = what(unknown.side, unknown.coordinates, unknown.product)
     figure.text(0.02, 0.95, f"Missing: {words}", fontsize=10.5, weight="bold", color=INK, va="center")
     before, after = np.sqrt(unknown.chi2_before), np.sqrt(unknown.chi2_after)
     text = f"explains {percent(unknown.share)} of the error above the noise; error/noise {before:.2f} → {after:.2f}"
@@ -66,7 +68,7 @@ def _words(figure: Figure, unknown: Unknown) -> None:
 
 def _what(unknown: Unknown, unit: Scale) -> str:
     word = "sensor error" if unknown.side == "sensor" else "missing force"
-    return f"{word} ({unit.unit})"
+    return f"{word}{f' over {unknown.product.text}' if unknown.product else ''} ({unit.unit})"
 
 
 def _axis(name: str, grid: np.ndarray, device: Device) -> tuple[np.ndarray, str]:
@@ -77,15 +79,15 @@ def _axis(name: str, grid: np.ndarray, device: Device) -> tuple[np.ndarray, str]
 def _curve(axes: Axes, picture: Picture, unit: Scale, device: Device, what: str) -> None:
     x, words = _axis(picture.names[0], picture.grids[0], device)
     value, error = picture.value / unit.factor, picture.error / unit.factor
-    if picture.kind == "curve":
+    if picture.kind != "loop":
         axes.fill_between(x, value - 2 * error, value + 2 * error, color=_SHADE, lw=0)
-        note = "band: two standard errors. What is proportional to the coordinate is in the model already."
+        note = f"band: two standard errors. What is {_KNOWN[picture.kind]} is in the model already."
     else:
         note = f"last period of {picture.record}; typical standard error {np.median(error):.2g} {unit.unit}"
     axes.plot(x, value, color=MODEL, lw=1.4)
     axes.axhline(0, color=FAINT, lw=0.6)
     axes.set_xlim(float(np.min(x)), float(np.max(x)))
-    if picture.kind == "curve":
+    if picture.kind != "loop":
         inner = slice(4, -4)  # at its ends a spline knows little, and would flatten the rest
         axes.set_ylim(float(np.min((value - 2 * error)[inner])), float(np.max((value + 2 * error)[inner])))
     label(axes, words, what, note)

@@ -1,0 +1,120 @@
+"""A function of one coordinate times another coordinate: a damping, stiffness or drive that varies.
+
+Such a law has as many numbers as a function of one coordinate, so it can be resolved far finer than a function of two,
+and says more: the damper itself, over the place or the voltage, and not only that force depends on both.
+
+Source: T. Hastie, R. Tibshirani, 1993, J. R. Stat. Soc. B 55, 757 (varying-coefficient models).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from .splines import Places, Size, sharp, splines
+from .terms import STEP, Term, bumps, number, single
+
+PIECES = (12, 24, 48)  # splines over the coordinate with which it varies: more while they pay
+
+
+class Factor(NamedTuple):
+    """What the function is multiplied by.
+
+    **Arguments:** `text` and `code` with {n}, the coordinate, and {w}, the width of its step; `power` of its unit;
+    `value` of x/largest; `linear`: whether a model has it times a constant already.
+    """
+
+    text: str
+    code: str
+    power: int
+    value: Callable[[np.ndarray], np.ndarray]
+    linear: bool = False
+
+
+_LINEAR = Factor("{n}", "{n}", 1, lambda x: x, linear=True)
+_SIGN = Factor("sign({n})", "jnp.tanh({n} / {w})", 0, sharp)
+_SQUARE = Factor("{n}²", "{n}**2", 2, lambda x: x * x)
+_FACTORS = {"z": (_LINEAR,), "v": (_LINEAR, _SIGN), "V": (_LINEAR, _SQUARE), "dV": (_LINEAR,)}
+
+
+class Product(NamedTuple):
+    """A function of the coordinate `of`, in so many `pieces`, times a `factor` of the coordinate `by`."""
+
+    of: str
+    by: str
+    factor: Factor
+    pieces: int = PIECES[0]
+
+    def functions(self, place: Places, ranges: Mapping[str, Size]) -> np.ndarray:
+        """Splines of one coordinate times the factor of the other, without dimension, (k, lanes, points)."""
+        return self.curves(place, ranges) * self.factor.value(place[self.by] / ranges[self.by].largest)
+
+    def curves(self, place: Places, ranges: Mapping[str, Size]) -> np.ndarray:
+        """The splines alone, (k, …)."""
+        return splines(place[self.of], ranges[self.of], self.pieces)
+
+    def scale(self, ranges: Mapping[str, Size]) -> float:
+        """What the factor is divided by in `functions`."""
+        return ranges[self.by].largest ** self.factor.power
+
+    def typical(self, ranges: Mapping[str, Size], seen: Sequence[Places]) -> Places:
+        """Places where the one coordinate mostly was, and the factor is `scale`."""
+        been = np.quantile(np.concatenate([place[self.of].ravel() for place in seen]), np.linspace(0.01, 0.99, 99))
+        return {self.of: been, self.by: np.full_like(been, ranges[self.by].largest)}
+
+    @property
+    def powers(self) -> tuple[tuple[str, int], ...]:
+        """Of the coordinates by whose units those of the function are divided."""
+        return ((self.by, self.factor.power),) if self.factor.power else ()
+
+    @property
+    def text(self) -> str:
+        """ "v" or "sign(v)"."""
+        return self.factor.text.format(n=self.by)
+
+    def words(self, ranges: Mapping[str, Size]) -> list[Term]:
+        """Simple functions of the one coordinate times the factor."""
+        return [self._times(term, ranges) for term in single(self.of, ranges[self.of])]
+
+    def table(self, ranges: Mapping[str, Size], seen: Sequence[Places]) -> list[Term]:
+        """A table of the one coordinate times the factor.
+
+        Where the model has the factor times a constant already, each spline is written less its mean along the motion
+        `seen`, weighed by the work that it does there: so the model's own constant stays the one that it was fitted.
+        """
+        found = bumps(self.of, ranges[self.of], gauge=self.factor.linear, knots=self.pieces)
+        if self.factor.linear:
+            weights = np.concatenate([self.factor.value(place[self.by]).ravel() ** 2 for place in seen])
+            found = [_less(term, float(np.average(_along(term, seen), weights=weights))) for term in found]
+        return [self._times(term, ranges)._replace(law=f"g({self.of}) {self.text}") for term in found]
+
+    def _times(self, term: Term, ranges: Mapping[str, Size]) -> Term:
+        largest = ranges[self.by].largest
+        size = self.scale(ranges)
+        again = term.again
+        return term._replace(
+            text=f"{term.text} {self.text}",
+            code=f"{term.code} * {self.factor.code.format(n=self.by, w=number(STEP * largest))}",
+            names=tuple(dict.fromkeys((*term.names, self.by))),
+            powers=(*term.powers, *self.powers),
+            value=lambda x: term.value(x) * size * self.factor.value(x[self.by] / largest),
+            kind=term.kind and f"{term.kind} {self.text}",
+            again=again and (lambda x: self._times(again(x), ranges)),
+        )
+
+
+def _along(term: Term, seen: Sequence[Places]) -> np.ndarray:
+    return np.concatenate([term.value(place).ravel() for place in seen])
+
+
+def _less(term: Term, mean: float) -> Term:
+    return term._replace(code=f"({term.code} - {mean:.9g})", value=lambda x: term.value(x) - mean)
+
+
+def products(first: str, second: str) -> Iterator[Product]:
+    """The products of two coordinates: either may vary with the other."""
+    for of, by in ((first, second), (second, first)):
+        for factor in _FACTORS.get(by, ()):
+            yield Product(of, by, factor)
