@@ -96,24 +96,23 @@ def _term(
 ) -> _Written:
     unit = amplitude_unit(side, term.powers)
     declared = [f'c{i} = amplitude("{unit}", "of {term.text}", default={amplitude:.9g})']
-    number = ""
-    if term.number is not None:
-        key = (term.number.name, term.number.value, term.number.fitted)
+    own = {"{n}": "", "{w}": ""}
+    for place, number in (("{n}", term.number), ("{w}", term.width)):
+        if number is None:
+            continue
+        key = (number.name, number.value, number.fitted)
         if key not in shapes:
             taken = [n for n in shapes.values() if n == key[0] or n.startswith(f"{key[0]}_")]
             shapes[key] = f"{key[0]}_{len(taken) + 1}" if taken else key[0]
-            held = "" if term.number.fitted else ", fitted=False"
-            declared.append(
-                f'{shapes[key]} = shape("{term.number.unit}", "{term.number.doc}", '
-                f"grid=({term.number.value:.9g},){held})"
-            )
-        number = f"self.{shapes[key]}"
-    code = term.code.replace("{n}", number).replace("{h}", f"{{hidden}}[{hidden}]")
+            held = "" if number.fitted else ", fitted=False"
+            declared.append(f'{shapes[key]} = shape("{number.unit}", "{number.doc}", grid=({number.value:.9g},){held})')
+        own[place] = f"self.{shapes[key]}"
+    code = term.code.replace("{n}", own["{n}"]).replace("{w}", own["{w}"]).replace("{h}", f"{{hidden}}[{hidden}]")
     rate = ""
     if term.memory:
         x, h = _STATE[term.names[0]], f"state.hidden[{hidden}]"
         speed = "state.v" if term.names[0] == "z" else "drive.rate"
-        rate = f"({x} - {h}) / {number}"
+        rate = f"({x} - {h}) / {own['{n}']}"
         if term.memory == "play":
             rate = f"{speed} * dragged({rate}, {speed})"
     return _Written(f"self.c{i} * {code}" if code != "1.0" else f"self.c{i}", tuple(declared), rate,

@@ -151,11 +151,9 @@ def _settle(regression: Regression, stage: Stage, enough: Sequence[Ranked]) -> t
     for found in (first, *rivals):
         words = dictionary(regression, stage, found.side, found.coordinates, found.product)
         formula = write_formula(regression, stage, found.side, words, found.drop)
+        if found.product is not None and not (formula and formula.complete):
+            formula = tabled(regression, stage, found.side, found.product, found.drop)
         says_it = formula if formula and formula.drop >= least else None
-        if not says_it and found.product is not None:
-            table = tabled(regression, stage, found.side, found.product, found.drop)
-            if table is not None and table.drop >= least:
-                says_it = formula = table
         if not says_it and len(enough) > 1:
             longer = write_formula(regression, stage, found.side, words, found.drop, _MOST_TERMS - 1)
             says_it = longer if longer and longer.drop >= least else None

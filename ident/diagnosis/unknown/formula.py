@@ -50,7 +50,7 @@ class Formula(NamedTuple):
 
     @property
     def one(self) -> bool:
-        """Whether it is a single law: one term, or the table of one function."""
+        """Whether it is a single law: one term, or a function of one coordinate times another."""
         return len(self.terms) == 1 or bool(self.terms[0].law)
 
     @property
@@ -70,17 +70,18 @@ class Dictionary(NamedTuple):
 def dictionary(
     regression: Regression, stage: Stage, side: Side, coordinates: tuple[str, ...], product: Product | None = None
 ) -> Dictionary:
-    """The simple terms of a set of coordinates that the model does not absorb; of one times the other, if told."""
+    """The simple terms of a set of coordinates that the model does not absorb; of a product, its own alone."""
     names = [name for name in coordinates if name not in ("1", "history")]
-    terms = [monomial([])]
-    for name in names:
-        terms += single(name, stage.ranges(side)[name])
-    if "history" in coordinates:
-        terms += remembered(names[0], stage.ranges(side)[names[0]], regression.fit.scales.period)
-    elif len(names) == 2:
-        terms += paired(names[0], names[1])
+    ranges, terms = stage.ranges(side), [monomial([])]
     if product is not None:
-        terms += product.words(stage.ranges(side))
+        terms = product.words(ranges)
+    else:
+        for name in names:
+            terms += single(name, ranges[name])
+    if "history" in coordinates:
+        terms += remembered(names[0], ranges[names[0]], regression.fit.scales.period)
+    elif product is None and len(names) == 2:
+        terms += paired(names[0], names[1])
     found = _measured(regression, stage, side, terms)
     for inside in (*[_within] * _FINER, _at_top):
         found = _between(regression, stage, side, found, inside)
@@ -252,22 +253,20 @@ def long_formula(
     return found if found is not None and found.drop > curve.drop else curve
 
 
-def tabled(regression: Regression, stage: Stage, side: Side, product: Product, spline_drop: float) -> Formula | None:
-    """A product with its function as a table; None if the model absorbs it."""
-    seen = stage.modelled if side == "sensor" else stage.moved
-    words = _measured(regression, stage, side, product.table(stage.ranges(side), seen))
-    if not words.terms:
-        return None
+def tabled(regression: Regression, stage: Stage, side: Side, product: Product, spline_drop: float) -> Formula:
+    """A product with its function as a table."""
+    ranges, seen = stage.ranges(side), stage.modelled if side == "sensor" else stage.moved
+    words = _measured(regression, stage, side, product.table(ranges, seen))
     found = fitted(regression, stage, side, words, range(len(words.terms)), _goal(regression, spline_drop))
-    place = product.typical(stage.ranges(side), seen)
-    law = found.coefficients @ np.stack([term.value(place) for term in found.terms]) / product.scale(stage.ranges(side))
+    grid = np.linspace(*ranges[product.of].mostly, 99)
+    place = {product.of: grid, product.by: np.full_like(grid, ranges[product.by].largest)}
+    law = found.coefficients @ np.stack([term.value(place) for term in found.terms]) / product.scale(ranges)
     least, most = (number(float(x)).replace("-", "−") for x in (law.min(), law.max()))
-    return found._replace(text=f"{found.text}, g from {least} to {most}")
+    text = f"{'reading = z +' if side == 'sensor' else 'F ='} {found.terms[0].law}, g from {least} to {most}"
+    return found._replace(text=text)
 
 
 def _text(side: Side, terms: Sequence[Term], coefficients: np.ndarray) -> str:
-    if law := terms[0].law:
-        return f"reading = z + {law}" if side == "sensor" else f"F = {law}"
     written = [(c / term.written, term.text) for term, c in zip(terms, coefficients, strict=True)]
     parts = [f"{'−' if c < 0 else '+'} {number(abs(c))}{'' if text == '1' else ' ' + text}" for c, text in written]
     joined = " ".join(parts)

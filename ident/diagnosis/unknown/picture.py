@@ -87,9 +87,10 @@ def _noise(regression: Regression, solved: Solution) -> float:
 
 
 def _varying(regression: Regression, stage: Stage, side: Side, product: Product, solved: Solution) -> Picture:
-    """The function of a product, less the constant that the model has already where its factor is linear."""
+    """The function of a product, where the motion mostly was, less the constant that the model has already where its
+    factor is linear."""
     ranges, seen = stage.ranges(side), stage.modelled if side == "sensor" else stage.moved
-    axis = np.linspace(ranges[product.of].low, ranges[product.of].high, max(_CURVE, _PER_SPLINE * product.pieces))
+    axis = np.linspace(*ranges[product.of].mostly, max(_CURVE, _PER_SPLINE * product.pieces))
     curves = product.curves({product.of: axis}, ranges).T
     constant = [np.ones(len(axis))] if product.factor.linear and absorbed(side, product.by) else []
     curves = _without(curves, constant, _visits(seen, (product.of,), [axis]).ravel())

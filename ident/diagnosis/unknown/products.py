@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .splines import Places, Size, sharp, splines
-from .terms import STEP, Term, bumps, number, single
+from .terms import Term, bumps, monomial, single, step_width
 
 PIECES = (12, 24, 48)  # splines over the coordinate with which it varies: more while they pay
 
@@ -52,17 +52,17 @@ class Product(NamedTuple):
         return self.curves(place, ranges) * self.factor.value(place[self.by] / ranges[self.by].largest)
 
     def curves(self, place: Places, ranges: Mapping[str, Size]) -> np.ndarray:
-        """The splines alone, (k, …)."""
-        return splines(place[self.of], ranges[self.of], self.pieces)
+        """The splines alone, (k, …), constant where the coordinate seldom was: a law that follows the noise there is no
+        start for a simulation, which comes there too."""
+        return splines(place[self.of], self._inner(ranges), self.pieces)
 
     def scale(self, ranges: Mapping[str, Size]) -> float:
         """What the factor is divided by in `functions`."""
         return ranges[self.by].largest ** self.factor.power
 
-    def typical(self, ranges: Mapping[str, Size], seen: Sequence[Places]) -> Places:
-        """Places where the one coordinate mostly was, and the factor is `scale`."""
-        been = np.quantile(np.concatenate([place[self.of].ravel() for place in seen]), np.linspace(0.01, 0.99, 99))
-        return {self.of: been, self.by: np.full_like(been, ranges[self.by].largest)}
+    def _inner(self, ranges: Mapping[str, Size]) -> Size:
+        low, high = ranges[self.of].mostly
+        return ranges[self.of]._replace(low=low, high=high)
 
     @property
     def powers(self) -> tuple[tuple[str, int], ...]:
@@ -75,8 +75,8 @@ class Product(NamedTuple):
         return self.factor.text.format(n=self.by)
 
     def words(self, ranges: Mapping[str, Size]) -> list[Term]:
-        """Simple functions of the one coordinate times the factor."""
-        return [self._times(term, ranges) for term in single(self.of, ranges[self.of])]
+        """The factor, and simple functions of the one coordinate times it."""
+        return [self._times(term, ranges) for term in (monomial([]), *single(self.of, ranges[self.of]))]
 
     def table(self, ranges: Mapping[str, Size], seen: Sequence[Places]) -> list[Term]:
         """A table of the one coordinate times the factor.
@@ -84,24 +84,26 @@ class Product(NamedTuple):
         Where the model has the factor times a constant already, each spline is written less its mean along the motion
         `seen`, weighed by the work that it does there: so the model's own constant stays the one that it was fitted.
         """
-        found = bumps(self.of, ranges[self.of], gauge=self.factor.linear, knots=self.pieces)
+        found = bumps(self.of, self._inner(ranges), gauge=self.factor.linear, knots=self.pieces)
         if self.factor.linear:
             weights = np.concatenate([self.factor.value(place[self.by]).ravel() ** 2 for place in seen])
             found = [_less(term, float(np.average(_along(term, seen), weights=weights))) for term in found]
-        return [self._times(term, ranges)._replace(law=f"g({self.of}) {self.text}") for term in found]
+        return [self._times(term, ranges) for term in found]
 
     def _times(self, term: Term, ranges: Mapping[str, Size]) -> Term:
         largest = ranges[self.by].largest
-        size = self.scale(ranges)
-        again = term.again
+        size, again = self.scale(ranges), term.again
+        code = self.factor.code.format(n=self.by, w="{w}")
         return term._replace(
-            text=f"{term.text} {self.text}",
-            code=f"{term.code} * {self.factor.code.format(n=self.by, w=number(STEP * largest))}",
+            text=self.text if term.text == "1" else f"{term.text} {self.text}",
+            code=code if term.code == "1.0" else f"{term.code} * {code}",
             names=tuple(dict.fromkeys((*term.names, self.by))),
             powers=(*term.powers, *self.powers),
             value=lambda x: term.value(x) * size * self.factor.value(x[self.by] / largest),
+            law=f"g({self.of}) {self.text}",
             kind=term.kind and f"{term.kind} {self.text}",
             again=again and (lambda x: self._times(again(x), ranges)),
+            width=step_width(self.by, ranges[self.by]) if "{w}" in self.factor.code else None,
         )
 
 

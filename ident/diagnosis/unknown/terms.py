@@ -23,7 +23,7 @@ _HUMPS = (0.05, 0.1, 0.2, 0.4)  # widths of what acts near zero only, in parts o
 _TURNS = (0.006, 0.0125, 0.025, 0.05, 0.1, 0.2, 0.4, 0.7)  # widths of steps, up to a gentle saturation
 _GAPS = (0.3, 0.45, 0.6, 0.75)  # of the largest value, where a contact begins
 _LIMITS = (0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.75)  # of what is cut off; beside a straight line, of what is dead
-STEP = 0.003  # width of a step that is too sharp to measure
+_STEP = 0.003  # width of a step that is too sharp to measure
 _PLAYS = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7)  # half widths, in parts of the largest value
 _LATE = (0.04, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 15.0, 50.0)  # periods; a fixed step follows none shorter
 _CHANGES = (0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.5)  # durations
@@ -46,12 +46,14 @@ class Term(NamedTuple):
 
     **Arguments:**
 
-    - `text`: for people ("z³"); `code`: in the names z, v, V, dV, t and `{n}`, its number, and `{h}`, its hidden state.
+    - `text`: for people ("z³"); `code`: in the names z, v, V, dV, t and `{n}`, its number, `{w}`, its `width`, and
+      `{h}`, its hidden state.
     - `powers`: of the coordinates by whose units its amplitude's is divided; `written`: amplitude over the coefficient
       in the text, where the number in the code divides out a unit that the text keeps.
     - `memory`: "", "play" or "late"; of which coordinate is the first of `names`.
     - `kind`, of terms that differ in their number alone, or share one and say most together, as a sine and a cosine
-      do; and `again`, the same with another number; `law`: of which all terms of a table are parts ("g(z) v").
+      do; and `again`, the same with another number.
+    - `law`: "g(z) v" for all terms that are a function of z times v; `width`: of a step that these are multiplied by.
     """
 
     text: str
@@ -64,6 +66,7 @@ class Term(NamedTuple):
     memory: str = ""
     kind: str = ""
     again: Callable[[float], Term] | None = None
+    width: Number | None = None
     law: str = ""
 
 
@@ -83,7 +86,7 @@ def single(name: str, size: Size) -> list[Term]:
     if name == "t":
         return found[:2] + [_exponential(n, part * largest) for part in _CHANGES]
     length = lambda value, doc, fitted=True: Number(f"scale_{n}", unit, value, doc, fitted)
-    step = length(STEP * largest, f"{n} over which the term turns", False)
+    step = step_width(n, size)
     found += [
         Term(f"|{n}|", f"jnp.abs({n})", (n,), ((n, 1),), lambda x: np.abs(x[n])),
         Term(f"|{n}| {n}", f"jnp.abs({n}) * {n}", (n,), ((n, 2),), lambda x: np.abs(x[n]) * x[n]),
@@ -102,6 +105,11 @@ def single(name: str, size: Size) -> list[Term]:
         gaps = [part * largest for part in _GAPS if part * largest < end]
         found += _family(f"contact {sign} {n}", partial(_contact, n, length, sign), gaps)
     return found
+
+
+def step_width(name: str, size: Size) -> Number:
+    """Of a step that is too sharp to measure."""
+    return Number(f"scale_{name}", UNITS[name], _STEP * size.largest, f"{name} over which the term turns", False)
 
 
 def _family(kind: str, of: Callable[[float], Term], values: Iterable[float]) -> list[Term]:

@@ -1,0 +1,81 @@
+"""A function of one coordinate times another: which varies with which is told, and how; it can be fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.interpolate import make_interp_spline
+
+import ident
+from ident.diagnosis.linearised.regression import prepare
+from ident.diagnosis.unknown.effect_file import write_effect
+from ident.diagnosis.unknown.find import find_unknown
+from ident.effects.registry import registry
+from ident.report.figures.style import png
+from ident.report.figures.unknown import unknown_figure
+
+W, NOISE, RATE = 2 * np.pi * 33.0, 0.003, 900.0
+_Law = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+
+
+def brake(z: np.ndarray) -> np.ndarray:
+    """A brake at one side of a motion of ±10, as a part of the damping of quality one."""
+    return 0.1 * np.exp(-(((z - 2.0) / 1.5) ** 2))
+
+
+def softer(voltage: np.ndarray) -> np.ndarray:
+    """A stiffness that a bias lowers, up to where it saturates; as a part."""
+    return 0.12 / (1 + np.exp(-3.0 * (voltage - 0.5)))
+
+
+LAWS: dict[str, tuple[_Law, str, str, Callable[[np.ndarray], np.ndarray]]] = {
+    "v": (lambda z, v, voltage: -W * brake(z) * v, "z", "N s/m", lambda z: -W * brake(z)),
+    "z": (lambda z, v, voltage: W * W * softer(voltage) * z, "V", "N/m", lambda u: W * W * softer(u)),
+    "sign(v)": (lambda z, v, voltage: -W * W * (0.02 + 0.5 * brake(z)) * np.tanh(v / (1e-3 * W)), "z", "N",
+                lambda z: -W * W * (0.02 + 0.5 * brake(z))),
+}  # fmt: skip
+
+
+def campaign(law: _Law) -> ident.Campaign:
+    """Three records of an oscillator of unit mass by SciPy, multisines about its resonance."""
+    time, rng, records = np.arange(1800) / RATE, np.random.default_rng(11), []
+    for size in (0.5, 1.0, 1.8):
+        tones = rng.uniform(3, 60, 24)
+        drive = np.sum(np.sin(2 * np.pi * np.outer(tones, time) + rng.uniform(0, 6.3, (24, 1))), axis=0)
+        drive *= size / np.std(drive)
+        seen = make_interp_spline(time, drive)
+        rate = lambda t, y, seen=seen: [y[1], W * W * (seen(t) - y[0]) - W / 15 * y[1] + law(y[0], y[1], seen(t))]
+        z = solve_ivp(rate, (0, time[-1]), [0, 0], t_eval=time, rtol=1e-7, atol=1e-9, max_step=0.5 / RATE).y[0]
+        z = z + rng.normal(0, NOISE * np.std(z), len(time))
+        records.append({"data": {"time": time, "drive": drive, "response": z}, "start": "rest"})
+    return ident.read_campaign({"device": {"kind": "oscillator"}, "record": records})
+
+
+@pytest.mark.parametrize("factor", LAWS)
+def test_what_varies_with_what_and_how(factor: str, tmp_path: Path):
+    law, of, unit, truth = LAWS[factor]
+    fitted = ident.fit(campaign(law), effects=())
+    found = find_unknown(prepare(fitted))
+    assert found.side == "force" and found.product is not None
+    assert (found.product.text, found.product.of) == (factor, of)
+    assert found.chi2_after < 1.1 and found.of_one_law
+    assert f"{factor} times a function of" in found.sentences[0]
+
+    picture = found.picture
+    assert (picture.kind, picture.names, picture.unit) == ("factor", (of,), unit)
+    height = np.ptp(truth(picture.grids[0]))
+    known = picture.error < 0.1 * height
+    off = (picture.value - truth(picture.grids[0]))[known]
+    off -= np.mean(off) if found.product.factor.linear else 0.0  # the model has the factor times a constant already
+    assert np.mean(known) > 0.5
+    assert np.sqrt(np.mean(off**2)) < 0.1 * height
+    assert png(unknown_figure(found, fitted.campaign.device))[:4] == b"\x89PNG"
+
+    path = tmp_path / "varying.py"
+    write_effect(found, path, "varying")
+    last = ident.add(ident.fit(campaign(law), effects=()), registry((path,))["varying"])
+    assert last.fitted.error_over_noise < 1.05
