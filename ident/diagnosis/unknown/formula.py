@@ -256,7 +256,7 @@ def long_formula(
 def tabled(regression: Regression, stage: Stage, side: Side, product: Product, spline_drop: float) -> Formula:
     """A product with its function as a table."""
     ranges, seen = stage.ranges(side), stage.modelled if side == "sensor" else stage.moved
-    words = _measured(regression, stage, side, product.table(ranges, seen))
+    words = _measured(regression, stage, side, product.table(side, ranges, seen))
     found = fitted(regression, stage, side, words, range(len(words.terms)), _goal(regression, spline_drop))
     grid = np.linspace(*ranges[product.of].mostly, 99)
     place = {product.of: grid, product.by: np.full_like(grid, ranges[product.by].largest)}

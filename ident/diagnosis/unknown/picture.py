@@ -92,7 +92,7 @@ def _varying(regression: Regression, stage: Stage, side: Side, product: Product,
     ranges, seen = stage.ranges(side), stage.modelled if side == "sensor" else stage.moved
     axis = np.linspace(*ranges[product.of].mostly, max(_CURVE, _PER_SPLINE * product.pieces))
     curves = product.curves({product.of: axis}, ranges).T
-    constant = [np.ones(len(axis))] if product.factor.linear and absorbed(side, product.by) else []
+    constant = [np.ones(len(axis))] if product.known(side) else []
     curves = _without(curves, constant, _visits(seen, (product.of,), [axis]).ravel())
     size = (stage.sensor_unit if side == "sensor" else stage.force_unit) / product.scale(ranges)
     error = size * _noise(regression, solved) * np.linalg.norm(curves @ solved.spread, axis=1)

@@ -13,6 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...effects.dependence import Side
+from .coordinates import absorbed
 from .splines import Places, Size, sharp, splines
 from .terms import Term, bumps, monomial, single, step_width
 
@@ -23,7 +25,7 @@ class Factor(NamedTuple):
     """What the function is multiplied by.
 
     **Arguments:** `text` and `code` with {n}, the coordinate, and {w}, the width of its step; `power` of its unit;
-    `value` of x/largest; `linear`: whether a model has it times a constant already.
+    `value` of x/largest; `linear`: whether it is the coordinate itself.
     """
 
     text: str
@@ -78,14 +80,18 @@ class Product(NamedTuple):
         """The factor, and simple functions of the one coordinate times it."""
         return [self._times(term, ranges) for term in (monomial([]), *single(self.of, ranges[self.of]))]
 
-    def table(self, ranges: Mapping[str, Size], seen: Sequence[Places]) -> list[Term]:
+    def known(self, side: Side) -> bool:
+        """Whether the model has the factor times a constant already."""
+        return self.factor.linear and absorbed(side, self.by)
+
+    def table(self, side: Side, ranges: Mapping[str, Size], seen: Sequence[Places]) -> list[Term]:
         """A table of the one coordinate times the factor.
 
-        Where the model has the factor times a constant already, each spline is written less its mean along the motion
-        `seen`, weighed by the work that it does there: so the model's own constant stays the one that it was fitted.
+        Where the model has the factor's constant already, each spline is written less its mean along the motion `seen`,
+        weighed by the work that it does there: so the model's own stays as it was fitted.
         """
-        found = bumps(self.of, self._inner(ranges), gauge=self.factor.linear, knots=self.pieces)
-        if self.factor.linear:
+        found = bumps(self.of, self._inner(ranges), gauge=self.known(side), knots=self.pieces)
+        if self.known(side):
             weights = np.concatenate([self.factor.value(place[self.by]).ravel() ** 2 for place in seen])
             found = [_less(term, float(np.average(_along(term, seen), weights=weights))) for term in found]
         return [self._times(term, ranges) for term in found]

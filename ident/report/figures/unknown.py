@@ -23,7 +23,6 @@ _SHADE = "#c9dcea"  # two standard errors around the curve
 _INNER = (
     97  # per cent of a map that its colours tell apart: at its edges a spline knows little, and would pale the rest
 )
-_KNOWN = {"curve": "proportional to the coordinate", "factor": "the same everywhere"}
 _NAMES = {"z": "displacement z", "v": "velocity v", "V": "drive V", "dV": "rate of the drive V̇/ω", "t": "time t"}
 
 
@@ -50,7 +49,8 @@ def unknown_figure(unknown: Unknown, device: Device) -> Figure:
         _map(figure, (0.565, 0.125, 0.36, top - 0.125), picture, picture.error, errors, device,
              f"its standard error ({errors.unit})")  # fmt: skip
     else:
-        _curve(new_axes(figure, 0.11, 0.125, 0.86, top - 0.125), picture, unit, device, _what(unknown, unit))
+        axes = new_axes(figure, 0.11, 0.125, 0.86, top - 0.125)
+        _curve(axes, picture, unit, device, _what(unknown, unit), _known(unknown))
     return figure
 
 
@@ -71,17 +71,25 @@ def _what(unknown: Unknown, unit: Scale) -> str:
     return f"{word}{f' over {unknown.product.text}' if unknown.product else ''} ({unit.unit})"
 
 
+def _known(unknown: Unknown) -> str:
+    """What the curve lacks, as the model has it."""
+    product = unknown.product
+    if product is None:
+        return " What is proportional to the coordinate is in the model already."
+    return " What is the same everywhere is in the model already." if product.known(unknown.side) else ""
+
+
 def _axis(name: str, grid: np.ndarray, device: Device) -> tuple[np.ndarray, str]:
     unit = scale(float(np.max(np.abs(grid))), UNITS[name], device)
     return grid / unit.factor, f"{_NAMES[name]} ({unit.unit})"
 
 
-def _curve(axes: Axes, picture: Picture, unit: Scale, device: Device, what: str) -> None:
+def _curve(axes: Axes, picture: Picture, unit: Scale, device: Device, what: str, known: str) -> None:
     x, words = _axis(picture.names[0], picture.grids[0], device)
     value, error = picture.value / unit.factor, picture.error / unit.factor
     if picture.kind != "loop":
         axes.fill_between(x, value - 2 * error, value + 2 * error, color=_SHADE, lw=0)
-        note = f"band: two standard errors. What is {_KNOWN[picture.kind]} is in the model already."
+        note = f"band: two standard errors.{known}"
     else:
         note = f"last period of {picture.record}; typical standard error {np.median(error):.2g} {unit.unit}"
     axes.plot(x, value, color=MODEL, lw=1.4)
