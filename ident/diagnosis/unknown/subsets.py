@@ -123,13 +123,14 @@ def rank(regression: Regression) -> tuple[Stage, tuple[Ranked, ...]]:
     found = [_judge(regression, stage, *tried, known) for tried in _candidates((("1",), *SINGLES))]
     if max(r.share for r in found) < _ALL:
         stage, found = _resolved(regression, stage, found, known)
-    found += [_judge(regression, stage, *tried, known) for tried in _candidates(HISTORIES)]
-    if max(r.share for r in found if r.coordinates[-1] != "history") < _ALL:
+    histories = [_judge(regression, stage, *tried, known) for tried in _candidates(HISTORIES)]
+    if max(r.share for r in found) < _ALL:
         pairs = [_judge(regression, stage, *tried, known) for tried in _candidates(PAIRS)]
         if min(r.criterion for r in pairs) < min(regression.chi2, *(r.criterion for r in found)):
             pairs.sort(key=lambda r: r.criterion)
             pairs[:_PROMISING] = [_with_product(regression, stage, pair) for pair in pairs[:_PROMISING]]
         found += pairs
+    found += histories
     return stage, tuple(sorted(found, key=lambda r: r.criterion))
 
 
