@@ -61,7 +61,7 @@ def test_what_varies_with_what_and_how(factor: str, tmp_path: Path):
     fitted = ident.fit(campaign(law), effects=())
     found = find_unknown(prepare(fitted))
     assert found.side == "force" and found.product is not None
-    assert (found.product.text, found.product.of) == (factor, of)
+    assert (found.product.name, found.product.of) == (factor, of)
     assert found.chi2_after < 1.1 and found.of_one_law
     assert f"{factor} times a function of" in found.sentences[0]
 

@@ -16,7 +16,7 @@ import numpy as np
 from ...effects.dependence import Side
 from .coordinates import absorbed
 from .splines import Places, Size, sharp, splines
-from .terms import Term, bumps, monomial, single, step_width
+from .terms import TURNS, Term, bumps, monomial, number, single, step_width
 
 PIECES = (12, 24, 48)  # splines over the coordinate with which it varies: more while they pay
 
@@ -25,7 +25,8 @@ class Factor(NamedTuple):
     """What the function is multiplied by.
 
     **Arguments:** `text` and `code` with {n}, the coordinate, and {w}, the width of its step; `power` of its unit;
-    `value` of x/largest; `linear`: whether it is the coordinate itself.
+    `value` of x/largest; `linear`: whether it is the coordinate itself; `width` of its step over the largest, if that
+    is to be fitted.
     """
 
     text: str
@@ -33,12 +34,19 @@ class Factor(NamedTuple):
     power: int
     value: Callable[[np.ndarray], np.ndarray]
     linear: bool = False
+    width: float = 0.0
 
 
+def _turning(width: float) -> Factor:
+    return Factor("tanh({n}/{w})", _TURNS_OVER, 0, lambda x: np.tanh(x / width), width=width)
+
+
+_TURNS_OVER = "jnp.tanh({n} / {w})"
 _LINEAR = Factor("{n}", "{n}", 1, lambda x: x, linear=True)
-_SIGN = Factor("sign({n})", "jnp.tanh({n} / {w})", 0, sharp)
+_SIGN = Factor("sign({n})", _TURNS_OVER, 0, sharp)
 _SQUARE = Factor("{n}²", "{n}**2", 2, lambda x: x * x)
 _FACTORS = {"z": (_LINEAR,), "v": (_LINEAR, _SIGN), "V": (_LINEAR, _SQUARE), "dV": (_LINEAR,)}
+_SOFTER = {_SIGN: tuple(_turning(width) for width in TURNS)}
 
 
 class Product(NamedTuple):
@@ -72,9 +80,18 @@ class Product(NamedTuple):
         return ((self.by, self.factor.power),) if self.factor.power else ()
 
     @property
-    def text(self) -> str:
-        """ "v" or "sign(v)"."""
-        return self.factor.text.format(n=self.by)
+    def softer(self) -> tuple[Product, ...]:
+        """The same where a step may be as wide as to be seen."""
+        return tuple(self._replace(factor=factor) for factor in _SOFTER.get(self.factor, ()))
+
+    @property
+    def name(self) -> str:
+        """ "v", "sign(v)" or "tanh(v/w)"."""
+        return self.factor.text.format(n=self.by, w="w")
+
+    def text(self, ranges: Mapping[str, Size]) -> str:
+        """The same with its width."""
+        return self.factor.text.format(n=self.by, w=number(self.factor.width * ranges[self.by].largest))
 
     def words(self, ranges: Mapping[str, Size]) -> list[Term]:
         """The factor, and simple functions of the one coordinate times it."""
@@ -98,18 +115,18 @@ class Product(NamedTuple):
 
     def _times(self, term: Term, ranges: Mapping[str, Size]) -> Term:
         largest = ranges[self.by].largest
-        size, again = self.scale(ranges), term.again
+        size, again, text = self.scale(ranges), term.again, self.text(ranges)
         code = self.factor.code.format(n=self.by, w="{w}")
         return term._replace(
-            text=self.text if term.text == "1" else f"{term.text} {self.text}",
+            text=text if term.text == "1" else f"{term.text} {text}",
             code=code if term.code == "1.0" else f"{term.code} * {code}",
             names=tuple(dict.fromkeys((*term.names, self.by))),
             powers=(*term.powers, *self.powers),
             value=lambda x: term.value(x) * size * self.factor.value(x[self.by] / largest),
-            law=f"g({self.of}) {self.text}",
-            kind=term.kind and f"{term.kind} {self.text}",
+            law=f"g({self.of}) {text}",
+            kind=term.kind and f"{term.kind} {text}",
             again=again and (lambda x: self._times(again(x), ranges)),
-            width=step_width(self.by, ranges[self.by]) if "{w}" in self.factor.code else None,
+            width=step_width(self.by, ranges[self.by], self.factor.width) if self.factor.code == _TURNS_OVER else None,
         )
 
 

@@ -159,13 +159,16 @@ def _resolved(
 def _with_product(regression: Regression, stage: Stage, pair: Ranked) -> Ranked:
     """The same pair as a product, in as many splines as the criterion buys, where it prefers that."""
     tried = partial(_judge, regression, stage, pair.side, pair.coordinates, {})
-    best = min((tried(one) for one in products(*pair.coordinates)), key=lambda r: r.criterion)
+    by_criterion = lambda r: r.criterion
+    best = min((tried(one) for one in products(*pair.coordinates)), key=by_criterion)
+    assert best.product is not None
+    best = min((best, *(tried(one) for one in best.product.softer)), key=by_criterion)
     for pieces in PIECES[1:]:
         finer = tried(best.product and best.product._replace(pieces=pieces))
         if finer.criterion > best.criterion:
             break
         best = finer
-    return min(pair, best, key=lambda r: r.criterion)
+    return min(pair, best, key=by_criterion)
 
 
 def _candidates(sets: Sequence[tuple[str, ...]]) -> Iterator[tuple[Side, tuple[str, ...]]]:

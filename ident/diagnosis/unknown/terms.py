@@ -20,7 +20,7 @@ _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _SLOWEST, _APART = 1.5, 0.5  # of waves: radians over half the range, and how far from one to the next
 _QUICKEST = 0.8  # the same for each spline over it: four splines to a turn, which they follow to a hundredth
 _HUMPS = (0.05, 0.1, 0.2, 0.4)  # widths of what acts near zero only, in parts of the largest value
-_TURNS = (0.006, 0.0125, 0.025, 0.05, 0.1, 0.2, 0.4, 0.7)  # widths of steps, up to a gentle saturation
+TURNS = (0.006, 0.0125, 0.025, 0.05, 0.1, 0.2, 0.4, 0.7)  # widths of steps, up to a gentle saturation
 _GAPS = (0.3, 0.45, 0.6, 0.75)  # of the largest value, where a contact begins
 _LIMITS = (0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.75)  # of what is cut off; beside a straight line, of what is dead
 _STEP = 0.003  # width of a step that is too sharp to measure
@@ -95,7 +95,7 @@ def single(name: str, size: Size) -> list[Term]:
              lambda x: np.sign(x[n]) * np.abs(x[n] / largest) ** 1.5,
              length(largest, f"{n} at which the term is its amplitude", False), largest**1.5),
     ]  # fmt: skip
-    found += _family(f"step {n}", partial(_step, n, length), [part * largest for part in _TURNS])
+    found += _family(f"step {n}", partial(_step, n, length), [part * largest for part in TURNS])
     waves = [0.5 * (size.high - size.low) / w for w in np.arange(_SLOWEST, _QUICKEST * size.pieces, _APART)]
     found += _family(f"wave {n}", partial(_wave, n, length, "sin", np.sin), waves)
     found += _family(f"wave {n}", partial(_wave, n, length, "cos", np.cos), waves)
@@ -107,9 +107,10 @@ def single(name: str, size: Size) -> list[Term]:
     return found
 
 
-def step_width(name: str, size: Size) -> Number:
-    """Of a step that is too sharp to measure."""
-    return Number(f"scale_{name}", UNITS[name], _STEP * size.largest, f"{name} over which the term turns", False)
+def step_width(name: str, size: Size, width: float = 0.0) -> Number:
+    """Of a step of a `width` in parts of the largest value, or too sharp to measure."""
+    value = (width or _STEP) * size.largest
+    return Number(f"scale_{name}", UNITS[name], value, f"{name} over which the term turns", width > 0)
 
 
 def _family(kind: str, of: Callable[[float], Term], values: Iterable[float]) -> list[Term]:

@@ -22,7 +22,7 @@ _FOLLOWED = 0.97  # error over noise below which functions of the measured motio
 def what(side: Side, coordinates: tuple[str, ...], product: Product | None = None) -> str:
     """ "a force on the stage that depends on the displacement z"."""
     if product is not None:
-        return f"{_SIDES[side]} that is {product.text} times a function of {_NAMES[product.of]}"
+        return f"{_SIDES[side]} that is {product.name} times a function of {_NAMES[product.of]}"
     if coordinates == ("1",):
         return f"{_SIDES[side]} that is constant"
     names = [_NAMES[name] for name in coordinates if name != "history"]

@@ -68,7 +68,7 @@ def _words(figure: Figure, unknown: Unknown) -> None:
 
 def _what(unknown: Unknown, unit: Scale) -> str:
     word = "sensor error" if unknown.side == "sensor" else "missing force"
-    return f"{word}{f' over {unknown.product.text}' if unknown.product else ''} ({unit.unit})"
+    return f"{word}{f' over {unknown.product.name}' if unknown.product else ''} ({unit.unit})"
 
 
 def _known(unknown: Unknown) -> str:
