@@ -51,8 +51,8 @@ def apart_before(look: Look, report: Report) -> Apart | None:
     walk that would look for more of them is spared."""
     regression = look.regression
     campaign = regression.fit.campaign
-    if is_long(campaign) or any(record.differs for record in campaign.records):
-        return None
+    if any(record.excerpt or record.differs for record in campaign.records):
+        return None  # what differs between excerpts may be what changes within a record
     if not comparable(regression.fit) or not look.worth_it:
         return None
     settles = [found.candidate.name for found in look.tried if found.possible and found.chi2 < AS_WELL * regression.n]
