@@ -51,7 +51,7 @@ def apart_before(look: Look, report: Report) -> Apart | None:
     walk that would look for more of them is spared."""
     regression = look.regression
     campaign = regression.fit.campaign
-    if any(record.excerpt or record.differs for record in campaign.records):
+    if any(record.differs for record in campaign.records) or any(record.excerpt for record in campaign.traces):
         return None  # what differs between excerpts may be what changes within a record
     if not comparable(regression.fit) or not look.worth_it:
         return None

@@ -172,9 +172,17 @@ def _answered(
     if first and not held:
         nothing = Discovery("ambiguous", fitted, (), (), {}, (), regression)
         return Diagnosis(nothing, where, suspects=suspects)
+
+    def with_floors(campaign: Campaign) -> Diagnosis:
+        report("what the last model leaves tells the noise floors better: once more, with these")
+        again = Walked(fit(fitted.model, campaign, initial=fitted.values))
+        return _answered(again, library, report, effect_file, keeps_walk, keep)
+
     if not (walked.steps or first or (keeps_walk and effect_file is None)):
         with TemporaryDirectory() as folder:
             law = one_law(look, regression, effect_file or Path(folder) / "law.py", report)
+            if isinstance(law, Campaign):
+                return with_floors(law)
             if law is not None:
                 hidden = unseen(regression, law.discovery.ranking, library)
                 suspects = judged_again(suspects, law.discovery.final, report)
@@ -182,9 +190,7 @@ def _answered(
                 return Diagnosis(told, where, law.unknown, effect_file, unseen=hidden, suspects=suspects)
     found = concluded_or_sharper(walk_on(walked, library, report, keep=keep, look=look))
     if isinstance(found, Campaign):
-        report("what the last model leaves tells the noise floors better: once more, with these")
-        again = Walked(fit(fitted.model, found, initial=fitted.values))
-        return _answered(again, library, report, effect_file, keeps_walk, keep)
+        return with_floors(found)
     if found.start is not fitted:  # the walk has begun again, from a better first model
         regression = prepare(working(found.start))
         where = locate(regression, found.start)

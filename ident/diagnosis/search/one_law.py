@@ -7,11 +7,14 @@ effects of these coordinates together do not say it, no names will, however many
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from ...campaign.campaign import Campaign
 from ...effects.dependence import depends_on
+from ...fit.floors import sharpened
 from ...pulse import Report
 from ..evidence.enough import adequate, worth_a_name
 from ..evidence.held_out import contradicted, hurts
@@ -29,9 +32,10 @@ from .together import both
 from .written import AS_WELL, Written, as_good_as_named, ended, kept_if_it_ends, lacked_by, simulated, step_of
 
 
-def one_law(look: Look, start: Regression, path: Path, report: Report) -> Written | None:
-    """The answer with the law written, if there is one and its simulation reaches the noise; `start`: of the fit with
-    which a walk would begin; `path`: where no file is yet."""
+def one_law(look: Look, start: Regression, path: Path, report: Report) -> Written | Campaign | None:
+    """The answer with the law written, if there is one and its simulation reaches the noise; or the campaign with the
+    noise floors that it tells better. `start`: of the fit with which a walk would begin; `path`: where no file is yet.
+    """
     regression = look.regression
     fitted = start.fit
     asked = fitted.campaign.fitted and not fitted.campaign.fitted_sweeps
@@ -57,6 +61,10 @@ def one_law(look: Look, start: Regression, path: Path, report: Report) -> Writte
     if not adequate(left) or contradicted(beyond.fit) or hurts(fitted, beyond.fit):
         beyond.path.unlink()
         return None
+    sharper = sharpened(beyond.fit)
+    if sharper is not None:
+        beyond.path.unlink()
+        return replace(sharper, effect_files=fitted.campaign.effect_files)
     step = step_of(beyond._replace(fit=ended(beyond.fit)), gain)
     gains = {one.candidate.name: one.gain for one in look.tried}
     found = Discovery("not-in-library", fitted, (step,), tuple(look.candidates), gains, (), regression)
