@@ -9,6 +9,7 @@ import numpy as np
 
 from ...campaign.record import Sweep, Trace
 from ...effects.effect import AbstractEffect
+from ...fit import Fit
 from ..linearised.regression import Regression
 from .criterion import Left, behind
 from .force_noise import Pushed, pushed_by_noise
@@ -38,6 +39,12 @@ def adequate(regression: Regression, promise: float = 0.0) -> bool:
     """
     may_be_noise = promise < _LEFT_AT_FLOOR * regression.chi2 or not regression.fit.campaign.fitted
     return may_be_noise and (at_floor(regression.chi2, regression) or noise_of_force(regression) is not None)
+
+
+def speaks_for(regression: Regression, whole: Fit) -> bool:
+    """Whether what a model leaves of excerpts is what it leaves of all samples: a slow memory shows in these alone."""
+    part = regression.chi2 / regression.n
+    return regression.fit is whole or whole.fitted.error_over_noise**2 < _FAR * part
 
 
 def noise_of_force(regression: Regression) -> Pushed | None:

@@ -14,7 +14,7 @@ from ...effects.registry import Registry
 from ...fit import Fit
 from ...fit.floors import sharpened
 from ...pulse import Report
-from ..evidence.enough import ANOTHER_LAW, adequate, role_of
+from ..evidence.enough import ANOTHER_LAW, adequate, role_of, speaks_for
 from ..evidence.equivalences import what_separates
 from ..evidence.held_out import contradicted, foretold, hurts, predicts_better
 from ..linearised.regression import Regression, prepare
@@ -71,7 +71,7 @@ def concluded(ended: Ended) -> Discovery:
     steps = [_beside_its_even(_beside_parts(step, alike), even, library) for step in steps]
     remaining = tuple(significant(candidates))
     lacks = lacking(_after_effects(steps, regression), first, report) if steps else 0.0
-    verdict = _verdict(steps, regression, first, lacks, contradicted(final))
+    verdict = _verdict(steps, regression, first, lacks, final)
     return Discovery(verdict, start, tuple(steps), ranking, walked.gains, remaining, regression, lacks)
 
 
@@ -184,13 +184,13 @@ def _beside_its_even(step: Step, even: Mapping[str, str], library: Registry) -> 
     return step._replace(tie_set=(*step.tie_set, rival), reasons=(*step.reasons, reason))
 
 
-def _verdict(steps: list[Step], regression: Regression, first: Regression, lacks: float, contradicted: bool) -> Verdict:
+def _verdict(steps: list[Step], regression: Regression, first: Regression, lacks: float, final: Fit) -> Verdict:
     """A name is given as sure only if what it leaves is noise, or as little as laws of one kind differ by, and nothing
     is where held-out records say otherwise."""
-    fine = adequate(regression)
+    fine, against = adequate(regression) and speaks_for(regression, final), contradicted(final)
     if not steps:
-        return "adequate" if fine and not contradicted else "not-in-library"
+        return "adequate" if fine and not against else "not-in-library"
     if not fine and max(lacks, (regression.chi2 - regression.n) / first.above_noise) > ANOTHER_LAW:
         return "not-in-library"
     tied = any(len(s.tie_set) > 1 for s in steps if s.role == "effect")
-    return "ambiguous" if lacks or tied or contradicted else "identified"
+    return "ambiguous" if lacks or tied or against else "identified"
