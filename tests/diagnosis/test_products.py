@@ -40,6 +40,17 @@ LAWS: dict[str, tuple[_Law, str, str, Callable[[np.ndarray], np.ndarray]]] = {
 }  # fmt: skip
 
 
+def decays(law: _Law) -> ident.Campaign:
+    """Three free decays of the same oscillator."""
+    time, rng, records = np.arange(900) / RATE, np.random.default_rng(12), []
+    for begin in (3.0, 6.0, 9.0):
+        rate = lambda t, y: [y[1], -W * W * y[0] - W / 15 * y[1] + law(y[0], y[1], np.zeros(1)[0])]
+        z = solve_ivp(rate, (0, time[-1]), [begin, 0], t_eval=time, rtol=1e-8, atol=1e-10, max_step=0.5 / RATE).y[0]
+        z = z + rng.normal(0, NOISE * np.std(z), len(time))
+        records.append({"data": {"time": time, "response": z}, "drive": "none"})
+    return ident.read_campaign({"device": {"kind": "oscillator"}, "record": records})
+
+
 def campaign(law: _Law) -> ident.Campaign:
     """Three records of an oscillator of unit mass by SciPy, multisines about its resonance."""
     time, rng, records = np.arange(1800) / RATE, np.random.default_rng(11), []
@@ -79,3 +90,10 @@ def test_what_varies_with_what_and_how(factor: str, tmp_path: Path):
     write_effect(found, path, "varying")
     last = ident.add(ident.fit(campaign(law), effects=()), registry((path,))["varying"])
     assert last.fitted.error_over_noise < 1.05
+
+
+def test_in_free_decays_nothing_is_multiplied_by_a_drive_that_there_was_not():
+    found = find_unknown(prepare(ident.fit(decays(LAWS["v"][0]), effects=())))
+    assert found.side == "force" and found.product is not None
+    assert (found.product.name, found.product.of) == ("v", "z")
+    assert found.chi2_after < 1.2

@@ -103,7 +103,8 @@ def regress(rows: np.ndarray, target: np.ndarray) -> Solution:
     """Least squares on rows (k, n), in the directions that the rows determine."""
     gram = rows @ rows.T
     scale = np.sqrt(np.diag(gram))
-    scale = np.maximum(scale, 1e-9 * np.max(scale))  # a function that is absorbed entirely weighs nothing
+    # A function that is absorbed entirely weighs nothing, as one of a drive that there was not.
+    scale = np.maximum(scale, max(1e-9 * np.max(scale), np.finfo(float).tiny))
     values, vectors = np.linalg.eigh(gram / scale / scale[:, None])
     kept = values > _NULL * values[-1]
     directions = vectors[:, kept] / np.sqrt(values[kept])
