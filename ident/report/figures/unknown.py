@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_POINTS = 108  # size of bold letters times how many of them fill an inch
 _SHADE = "#c9dcea"  # two standard errors around the curve
 _INNER = (
     97  # per cent of a map that its colours tell apart: at its edges a spline knows little, and would pale the rest
@@ -55,8 +56,9 @@ def unknown_figure(unknown: Unknown, device: Device) -> Figure:
 
 
 def _words(figure: Figure, unknown: Unknown) -> None:
-    words = what(unknown.side, unknown.coordinates, unknown.product)
-    figure.text(0.02, 0.95, f"Missing: {words}", fontsize=10.5, weight="bold", color=INK, va="center")
+    words = f"Missing: {what(unknown.side, unknown.coordinates, unknown.product)}"
+    size = min(10.5, _POINTS * figure.get_figwidth() / len(words))
+    figure.text(0.02, 0.95, words, fontsize=size, weight="bold", color=INK, va="center")
     before, after = np.sqrt(unknown.chi2_before), np.sqrt(unknown.chi2_after)
     text = f"explains {percent(unknown.share)} of the error above the noise; error/noise {before:.2f} → {after:.2f}"
     figure.text(0.02, 0.895, text, fontsize=9.5, color=FAINT, va="center")
