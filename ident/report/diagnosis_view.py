@@ -144,6 +144,8 @@ def why_not_written(found: Diagnosis) -> str:
         return "a law beyond the library is looked for in traces only, and none is fitted"
     if loop.verdict == "not-in-library" and unknown is not None:
         return "no term describes what is missing"
+    if loop.verdict == "not-in-library" and not contradicted(loop.final):
+        return "the excerpts on which laws are compared lack nothing: what is missing shows in whole records only"
     if loop.verdict == "not-in-library":
         return "the fitted records lack nothing, it is the held-out ones that contradict"
     if not loop.steps:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,9 +12,12 @@ from scipy.integrate import solve_ivp
 from scipy.interpolate import make_interp_spline
 
 import ident
+from ident.diagnosis.evidence.enough import speaks_for
 from ident.diagnosis.linearised.regression import prepare
 from ident.diagnosis.unknown.effect_file import write_effect
 from ident.diagnosis.unknown.find import find_unknown
+from ident.diagnosis.unknown.products import products
+from ident.diagnosis.unknown.splines import Size
 from ident.effects.registry import registry
 from ident.report.figures.style import png
 from ident.report.figures.unknown import unknown_figure
@@ -24,7 +28,7 @@ _Law = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
 def brake(z: np.ndarray) -> np.ndarray:
     """A brake at one side of a motion of ±10, as a part of the damping of quality one."""
-    return 0.1 * np.exp(-(((z - 2.0) / 1.5) ** 2))
+    return 0.1 * np.exp(-(((z - 2.0) / 2.0) ** 2))
 
 
 def softer(voltage: np.ndarray) -> np.ndarray:
@@ -98,3 +102,16 @@ def test_in_free_decays_nothing_is_multiplied_by_a_drive_that_there_was_not():
     assert found.side == "force" and found.product is not None
     assert (found.product.name, found.product.of) == ("v", "z")
     assert found.chi2_after < 1.2
+
+
+def test_a_coordinate_that_never_moves_is_in_no_product():
+    still, moving = Size(2.0, 2.0, 2.0, mostly=(2.0, 2.0)), Size(-1.0, 1.0, 1.0, mostly=(-0.9, 0.9))
+    assert not list(products("z", "V", {"z": moving, "V": still}))
+    assert {one.by for one in products("z", "V", {"z": moving, "V": moving})} == {"z", "V"}
+
+
+def test_excerpts_speak_for_whole_records_only_where_these_are_explained_too():
+    whole, part = (SimpleNamespace(fitted=SimpleNamespace(error_over_noise=e)) for e in (5.0, 1.0))
+    regression = SimpleNamespace(fit=part, chi2=1010.0, n=1000)
+    assert not speaks_for(regression, whole)  # type: ignore[arg-type]
+    assert speaks_for(regression, part)  # type: ignore[arg-type]

@@ -187,7 +187,9 @@ def _beside_its_even(step: Step, even: Mapping[str, str], library: Registry) -> 
 def _verdict(steps: list[Step], regression: Regression, first: Regression, lacks: float, final: Fit) -> Verdict:
     """A name is given as sure only if what it leaves is noise, or as little as laws of one kind differ by, and nothing
     is where held-out records say otherwise."""
-    fine, against = adequate(regression) and speaks_for(regression, final), contradicted(final)
+    fine, against = adequate(regression), contradicted(final)
+    if not speaks_for(regression, final):
+        return "not-in-library"
     if not steps:
         return "adequate" if fine and not against else "not-in-library"
     if not fine and max(lacks, (regression.chi2 - regression.n) / first.above_noise) > ANOTHER_LAW:

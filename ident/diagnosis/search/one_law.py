@@ -1,8 +1,8 @@
 """One law that says everything, kept before a walk whose names could only mimic it.
 
-Where no effect reaches the noise, nor two promise to, but one function of a single coordinate does, or one term of two,
-the library may still have that function in pieces: a cubic and a quintic spring are one function of z. If all its
-effects of these coordinates together do not say it, no names will, however many a walk puts side by side.
+Where no effect reaches the noise, nor two promise to, but one function of a single coordinate does, or one term or
+product of two, the library may still have that function in pieces: a cubic and a quintic spring are one function of z.
+If all its effects of these coordinates together do not say it, no names will, however many a walk puts side by side.
 """
 
 from __future__ import annotations
@@ -61,11 +61,12 @@ def one_law(look: Look, start: Regression, path: Path, report: Report) -> Writte
     if not adequate(left) or contradicted(beyond.fit) or hurts(fitted, beyond.fit):
         beyond.path.unlink()
         return None
-    sharper = sharpened(beyond.fit)
+    last = ended(beyond.fit)
+    sharper = sharpened(last)
     if sharper is not None:
         beyond.path.unlink()
         return replace(sharper, effect_files=fitted.campaign.effect_files)
-    step = step_of(beyond._replace(fit=ended(beyond.fit)), gain)
+    step = step_of(beyond._replace(fit=last), gain)
     gains = {one.candidate.name: one.gain for one in look.tried}
     found = Discovery("not-in-library", fitted, (step,), tuple(look.candidates), gains, (), regression)
     return Written(found, beyond.unknown, beyond.path)

@@ -59,7 +59,7 @@ def beyond_library(
         step = step_of(beyond._replace(fit=ended(beyond.fit)), gain)
         return Written(replace(found, steps=(step,), verdict="not-in-library"), beyond.unknown, beyond.path)
     if not found.steps and adequate(found.regression):
-        return Written(found)  # the fitted records lack nothing: it is the held-out ones that contradict
+        return Written(found)  # they lack nothing: it is the held-out records that contradict, or the whole ones
     if path is None:
         return Written(found, lacked_by(start, report))
     beside = keeps_walk and _nearly_explained(found)

@@ -43,8 +43,9 @@ class Unknown:
       noise and the number of tries allowed for.
     - `alike`: other sets that explain as much; `others`: the best of the rest.
     - `product`: if it is best said as a function of one coordinate times another.
-    - `picture`: the function with its error; `formula`: in at most three terms, None if no term helps; `written`: what
-      an effect file is written from, the formula if it says as much as the splines; None if no term says anything.
+    - `picture`: the function with its error; `formula`: in at most three terms, or the table of a product, None if no
+      term helps; `written`: what an effect file is written from, the formula if it says as much as the splines; None if
+      no term says anything.
     - `sentences`: all this in words.
     """
 
@@ -74,14 +75,15 @@ class Unknown:
             "formula_explains": self.explained(self.formula),
             "explains": self.share,
             "p_value": self.p_value,
+            "product": None if self.product is None else {"of": self.product.of, "by": self.product.name},
             "alike": alike,
             "sentences": list(self.sentences),
         }
 
     @property
     def told(self) -> bool:
-        """Whether a short formula says it, or at least no other coordinates explain the same: else it is one of many
-        descriptions, and no law."""
+        """Whether a short formula or a product says it, or at least no other coordinates explain the same: else it is
+        one of many descriptions, and no law."""
         return (self.formula is not None and self.formula.complete) or not self.alike
 
     @property

@@ -56,7 +56,8 @@ class Formula(NamedTuple):
     @property
     def numbers(self) -> int:
         """How many numbers it has, one that several terms share counted once."""
-        return len(self.terms) + len({(term.kind, term.number.value) for term in self.terms if term.number})
+        widths = {term.width for term in self.terms if term.width and term.width.fitted}
+        return len(self.terms) + len(widths) + len({(t.kind, t.number.value) for t in self.terms if t.number})
 
 
 class Dictionary(NamedTuple):
@@ -260,9 +261,12 @@ def tabled(regression: Regression, stage: Stage, side: Side, product: Product, s
     found = fitted(regression, stage, side, words, range(len(words.terms)), _goal(regression, spline_drop))
     grid = np.linspace(*ranges[product.of].mostly, 99)
     place = {product.of: grid, product.by: np.full_like(grid, ranges[product.by].largest)}
-    law = found.coefficients @ np.stack([term.value(place) for term in found.terms]) / product.scale(ranges)
+    factor = product.scale(ranges) * product.height
+    law = found.coefficients @ np.stack([term.value(place) for term in found.terms]) / factor
     least, most = (number(float(x)).replace("-", "−") for x in (law.min(), law.max()))
     text = f"{'reading = z +' if side == 'sensor' else 'F ='} {found.terms[0].law}, g from {least} to {most}"
+    if product.known(side):
+        text += " beside the model's own"
     return found._replace(text=text)
 
 

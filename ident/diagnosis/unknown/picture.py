@@ -93,7 +93,7 @@ def _varying(regression: Regression, stage: Stage, side: Side, product: Product,
     axis = np.linspace(*ranges[product.of].mostly, max(_CURVE, _PER_SPLINE * product.pieces))
     curves = product.curves({product.of: axis}, ranges).T
     constant = [np.ones(len(axis))] if product.known(side) else []
-    curves = _without(curves, constant, _visits(seen, (product.of,), [axis]).ravel())
+    curves = _without(curves, constant, _visits(seen, (product.of,), [axis], product.work(seen)).ravel())
     size = (stage.sensor_unit if side == "sensor" else stage.force_unit) / product.scale(ranges)
     error = size * _noise(regression, solved) * np.linalg.norm(curves @ solved.spread, axis=1)
     unit = amplitude_unit(side, product.powers)
@@ -110,14 +110,16 @@ def _without(functions: np.ndarray, lines: list[np.ndarray], weights: np.ndarray
     return functions - x @ np.linalg.lstsq(root * x, root * functions, rcond=None)[0]
 
 
-def _visits(seen: tuple[Places, ...], names: tuple[str, ...], axes: list[np.ndarray]) -> np.ndarray:
-    """How often the records have been near each point of the grid."""
+def _visits(
+    seen: tuple[Places, ...], names: tuple[str, ...], axes: list[np.ndarray], weights: np.ndarray | None = None
+) -> np.ndarray:
+    """How often the records have been near each point of the grid, by their weights."""
     edges = [np.concatenate([[-np.inf], 0.5 * (a[1:] + a[:-1]), [np.inf]]) for a in axes]
     points = np.concatenate([np.stack([place[n].ravel() for n in names], axis=1) for place in seen])
     index = [np.searchsorted(e, points[:, i]) - 1 for i, e in enumerate(edges)]
     shape = tuple(len(a) for a in axes)
     flat = np.ravel_multi_index([np.clip(i, 0, n - 1) for i, n in zip(index, shape, strict=True)], shape)
-    count = np.bincount(flat, minlength=int(np.prod(shape))).reshape(shape).astype(float)
+    count = np.bincount(flat, weights, minlength=int(np.prod(shape))).reshape(shape).astype(float)
     return count if len(names) == 2 else count[None]
 
 

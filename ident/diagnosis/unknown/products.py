@@ -18,7 +18,8 @@ from .coordinates import absorbed
 from .splines import Places, Size, sharp, splines
 from .terms import TURNS, Term, bumps, monomial, number, single, step_width
 
-PIECES = (12, 24, 48)  # splines over the coordinate with which it varies: more while they pay
+PIECES = 24  # splines over the coordinate with which it varies, as many as a refit still determines
+_FIRST = 12  # at first
 
 
 class Factor(NamedTuple):
@@ -46,7 +47,7 @@ _LINEAR = Factor("{n}", "{n}", 1, lambda x: x, linear=True)
 _SIGN = Factor("sign({n})", _TURNS_OVER, 0, sharp)
 _SQUARE = Factor("{n}²", "{n}**2", 2, lambda x: x * x)
 _FACTORS = {"z": (_LINEAR,), "v": (_LINEAR, _SIGN), "V": (_LINEAR, _SQUARE), "dV": (_LINEAR,)}
-_SOFTER = {_SIGN: tuple(_turning(width) for width in TURNS)}
+_SOFTER = {"v": tuple(_turning(width) for width in TURNS)}
 
 
 class Product(NamedTuple):
@@ -55,15 +56,17 @@ class Product(NamedTuple):
     of: str
     by: str
     factor: Factor
-    pieces: int = PIECES[0]
+    pieces: int = _FIRST
 
     def functions(self, place: Places, ranges: Mapping[str, Size]) -> np.ndarray:
         """Splines of one coordinate times the factor of the other, without dimension, (k, lanes, points)."""
         return self.curves(place, ranges) * self.factor.value(place[self.by] / ranges[self.by].largest)
 
     def curves(self, place: Places, ranges: Mapping[str, Size]) -> np.ndarray:
-        """The splines alone, (k, …), constant where the coordinate seldom was: a law that follows the noise there is no
-        start for a simulation, which comes there too."""
+        """The splines alone, (k, …), constant where the coordinate seldom was.
+
+        They would follow the noise there, and a simulation that comes there had no bound.
+        """
         return splines(place[self.of], self._inner(ranges), self.pieces)
 
     def scale(self, ranges: Mapping[str, Size]) -> float:
@@ -81,8 +84,8 @@ class Product(NamedTuple):
 
     @property
     def softer(self) -> tuple[Product, ...]:
-        """The same where a step may be as wide as to be seen."""
-        return tuple(self._replace(factor=factor) for factor in _SOFTER.get(self.factor, ()))
+        """The same with a step that is as wide as to be seen."""
+        return tuple(self._replace(factor=factor) for factor in _SOFTER.get(self.by, ()))
 
     @property
     def name(self) -> str:
@@ -109,9 +112,18 @@ class Product(NamedTuple):
         """
         found = bumps(self.of, self._inner(ranges), gauge=self.known(side), knots=self.pieces)
         if self.known(side):
-            weights = np.concatenate([self.factor.value(place[self.by]).ravel() ** 2 for place in seen])
-            found = [_less(term, float(np.average(_along(term, seen), weights=weights))) for term in found]
+            work = self.work(seen)
+            found = [_less(term, float(np.average(_along(term, seen), weights=work))) for term in found]
         return [self._times(term, ranges) for term in found]
+
+    def work(self, seen: Sequence[Places]) -> np.ndarray:
+        """What a constant in the place of the function would do along the motion `seen`, (points,)."""
+        return np.concatenate([self.factor.value(place[self.by]).ravel() ** 2 for place in seen])
+
+    @property
+    def height(self) -> float:
+        """The factor at the largest value, over `scale`."""
+        return float(self.factor.value(np.ones(3))[0])
 
     def _times(self, term: Term, ranges: Mapping[str, Size]) -> Term:
         largest = ranges[self.by].largest
@@ -138,8 +150,10 @@ def _less(term: Term, mean: float) -> Term:
     return term._replace(code=f"({term.code} - {mean:.9g})", value=lambda x: term.value(x) - mean)
 
 
-def products(first: str, second: str) -> Iterator[Product]:
-    """The products of two coordinates: either may vary with the other."""
+def products(first: str, second: str, ranges: Mapping[str, Size]) -> Iterator[Product]:
+    """The products of two coordinates: either may vary with the other, if they move at all."""
     for of, by in ((first, second), (second, first)):
+        if any(ranges[name].low == ranges[name].high for name in (of, by)):
+            continue
         for factor in _FACTORS.get(by, ()):
             yield Product(of, by, factor)

@@ -24,7 +24,7 @@ from ..linearised.trajectory import Path
 UNITS = {"z": "m", "v": "m/s", "V": "V", "dV": "V", "t": "s", "rate": "V/s"}
 
 _SINGLE, _PAIRED, _DEGREE = 18, 6, 3  # splines of one coordinate at first, of each of two; and their degree
-_SELDOM = 0.002  # of the points: on either side, as many are where a coordinate seldom was
+_SELDOM = 0.002  # of the points of a record: on either side, as many are where its coordinate seldom was
 _WIDTHS = (0.02, 0.05, 0.1, 0.18, 0.3, 0.45, 0.6, 0.8)  # of the plays, in parts of the largest value
 _TIMES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 40.0)  # of the relaxations, in periods of the resonance
 
@@ -37,7 +37,7 @@ Places = dict[str, np.ndarray]
 
 class Size(NamedTuple):
     """Range of one coordinate in the records, and its largest absolute value (SI); `pieces`: splines over it, of a
-    function of this coordinate alone; `mostly`: the range without what was seldom."""
+    function of this coordinate alone; `mostly`: the range without where no record was but seldom."""
 
     low: float
     high: float
@@ -77,8 +77,10 @@ def sizes(found: Sequence[Places]) -> dict[str, Size]:
     for name in COORDINATES:
         low = min(float(np.min(place[name])) for place in found)
         high = max(float(np.max(place[name])) for place in found)
-        mostly = np.quantile(np.concatenate([place[name].ravel() for place in found]), (_SELDOM, 1 - _SELDOM))
-        ranges[name] = Size(low, high, max(abs(low), abs(high)) or 1.0, mostly=(float(mostly[0]), float(mostly[1])))
+        inner = np.array([np.quantile(place[name], (_SELDOM, 1 - _SELDOM)) for place in found])  # of each record
+        mostly = float(inner[:, 0].min()), float(inner[:, 1].max())
+        mostly = mostly if mostly[0] < mostly[1] else (low, high)
+        ranges[name] = Size(low, high, max(abs(low), abs(high)) or 1.0, mostly=mostly)
     return ranges
 
 

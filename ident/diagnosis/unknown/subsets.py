@@ -25,10 +25,11 @@ from .splines import Places, one, pair
 SINGLES = (("z",), ("v",), ("V",), ("dV",), ("t",))
 PAIRS = (("z", "v"), ("z", "V"), ("z", "dV"), ("v", "V"), ("v", "dV"), ("V", "dV"), ("z", "t"), ("v", "t"), ("V", "t"))
 HISTORIES = (("z", "history"), ("V", "history"))
-TRIED = 75  # sets of functions, at most, coarse and fine: what a chance probability is multiplied by
+TRIED = 105  # sets of functions, at most, coarse and fine: what a chance probability is multiplied by
 NEAR = 0.01  # of the best set's gain: a smaller set that lacks no more explains "almost as much" …
 _NEARLY_ALL, _NEAR_ALL = 0.995, 0.003  # … but less may be lacking where the best set explains everything
-_PROMISING = 4  # pairs, those that explain most, that are tried as products
+_PROMISING = 4  # pairs, the best by the criterion, that are tried as products
+_FEW = 3  # forms of a product, the best of them, that are resolved more finely
 _ALL = 0.999  # share from which nothing more is sought
 _FINER = ("z", "v", "V")  # coordinates over which a law may turn to and fro: cogs, fringes, steps of an amplifier
 _PIECES = (36, 72, 144)  # splines over one of them, where the first few leave more than these cost: up to thirty turns
@@ -161,15 +162,14 @@ def _with_product(regression: Regression, stage: Stage, pair: Ranked) -> Ranked:
     """The same pair as a product, in as many splines as the criterion buys, where it prefers that."""
     tried = partial(_judge, regression, stage, pair.side, pair.coordinates, {})
     by_criterion = lambda r: r.criterion
-    best = min((tried(one) for one in products(*pair.coordinates)), key=by_criterion)
-    assert best.product is not None
-    best = min((best, *(tried(one) for one in best.product.softer)), key=by_criterion)
-    for pieces in PIECES[1:]:
-        finer = tried(best.product and best.product._replace(pieces=pieces))
-        if finer.criterion > best.criterion:
-            break
-        best = finer
-    return min(pair, best, key=by_criterion)
+    first, second = pair.coordinates
+    forms = list(products(first, second, stage.ranges(pair.side)))
+    coarse = sorted((tried(form) for form in forms), key=by_criterion)
+    if coarse and (best := coarse[0].product):
+        coarse = sorted([*coarse, *(tried(form) for form in best.softer)], key=by_criterion)
+    near = [one.product for one in coarse[:_FEW] if one.product is not None]
+    fine = [tried(form._replace(pieces=PIECES)) for form in near]
+    return min([pair, *coarse, *fine], key=by_criterion)
 
 
 def _candidates(sets: Sequence[tuple[str, ...]]) -> Iterator[tuple[Side, tuple[str, ...]]]:

@@ -70,7 +70,8 @@ def _words(figure: Figure, unknown: Unknown) -> None:
 
 def _what(unknown: Unknown, unit: Scale) -> str:
     word = "sensor error" if unknown.side == "sensor" else "missing force"
-    return f"{word}{f' over {unknown.product.name}' if unknown.product else ''} ({unit.unit})"
+    words = f"{word}{f' ÷ {unknown.product.name}' if unknown.product else ''}"
+    return f"{words} ({unit.unit})" if unit.unit else words
 
 
 def _known(unknown: Unknown) -> str:
