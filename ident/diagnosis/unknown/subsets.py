@@ -25,11 +25,11 @@ from .splines import Places, one, pair
 SINGLES = (("z",), ("v",), ("V",), ("dV",), ("t",))
 PAIRS = (("z", "v"), ("z", "V"), ("z", "dV"), ("v", "V"), ("v", "dV"), ("V", "dV"), ("z", "t"), ("v", "t"), ("V", "t"))
 HISTORIES = (("z", "history"), ("V", "history"))
-TRIED = 105  # sets of functions, at most, coarse and fine: what a chance probability is multiplied by
+TRIED = 115  # sets of functions, at most, coarse and fine: what a chance probability is multiplied by
 NEAR = 0.01  # of the best set's gain: a smaller set that lacks no more explains "almost as much" …
 _NEARLY_ALL, _NEAR_ALL = 0.995, 0.003  # … but less may be lacking where the best set explains everything
 _PROMISING = 4  # pairs, the best by the criterion, that are tried as products
-_FEW = 3  # forms of a product, the best of them, that are resolved more finely
+_FEW = 2  # blurred forms of a product, the best of them, that are resolved more finely
 _ALL = 0.999  # share from which nothing more is sought
 _FINER = ("z", "v", "V")  # coordinates over which a law may turn to and fro: cogs, fringes, steps of an amplifier
 _PIECES = (36, 72, 144)  # splines over one of them, where the first few leave more than these cost: up to thirty turns
@@ -43,8 +43,8 @@ class Ranked(NamedTuple):
     """One set of coordinates on one side.
 
     **Arguments:** `drop`: fall of χ²; `dof`: directions used; `share`: of the excess over noise that it explains;
-    `chi2_per_sample` after; `criterion`: χ² + dof ln n, in units of what is left (Schwarz); `product`: whose functions
-    these are, where those of one coordinate times the other say it with less.
+    `chi2_per_sample` after; `criterion`: χ² + dof ln n, a width counted too, in units of what is left (Schwarz);
+    `product`: whose functions these are, where those of one coordinate times the other say it with less.
     """
 
     side: Side
@@ -164,12 +164,12 @@ def _with_product(regression: Regression, stage: Stage, pair: Ranked) -> Ranked:
     by_criterion = lambda r: r.criterion
     first, second = pair.coordinates
     forms = list(products(first, second, stage.ranges(pair.side)))
-    coarse = sorted((tried(form) for form in forms), key=by_criterion)
-    if coarse and (best := coarse[0].product):
-        coarse = sorted([*coarse, *(tried(form) for form in best.softer)], key=by_criterion)
-    near = [one.product for one in coarse[:_FEW] if one.product is not None]
+    plain = sorted((tried(form) for form in forms), key=by_criterion)
+    softer = plain[0].product.softer if plain and plain[0].product else ()
+    blurred = sorted((tried(form) for form in softer), key=by_criterion)
+    near = [one.product for one in (*plain, *blurred[:_FEW]) if one.product is not None]
     fine = [tried(form._replace(pieces=PIECES)) for form in near]
-    return min([pair, *coarse, *fine], key=by_criterion)
+    return min([pair, *plain, *blurred, *fine], key=by_criterion)
 
 
 def _candidates(sets: Sequence[tuple[str, ...]]) -> Iterator[tuple[Side, tuple[str, ...]]]:
@@ -192,7 +192,8 @@ def _judge(
     blocks = blocks_of(coordinates) if product is None else (product,)
     solved = regress(_rows(regression, stage, side, blocks, known), regression.residual)
     after = (regression.chi2 - solved.drop) / regression.n
-    criterion = regression.chi2 - solved.drop + solved.dof * np.log(regression.n) * max(1.0, after)
+    numbers = solved.dof + (product is not None and product.factor.width > 0)
+    criterion = regression.chi2 - solved.drop + numbers * np.log(regression.n) * max(1.0, after)
     share = (solved.drop - solved.dof) / max(regression.chi2 - regression.n, 1e-9)
     return Ranked(side, coordinates, solved.drop, solved.dof, share, after, criterion, product)
 
