@@ -17,7 +17,8 @@ from ident.report.diagnosis_view import why_not_written
         ("wrong with the records", "ambiguous", {"suspects": (SimpleNamespace(first=True),)}),
         ("in traces only", "not-in-library", {"traces": ()}),
         ("no term describes", "not-in-library", {"unknown": object()}),
-        ("held-out ones", "not-in-library", {}),
+        ("held-out ones", "not-in-library", {"holdout": SimpleNamespace(error_over_noise=float("inf"))}),
+        ("in whole records only", "not-in-library", {}),
         ("no law that a simulation keeps", "ambiguous", {"unknown": object()}),
         ("come near", "ambiguous", {"steps": (object(),), "lacking": 0.1, "unknown": object()}),
         ("effects of the library explain", "identified", {"steps": (object(),)}),
@@ -25,7 +26,8 @@ from ident.report.diagnosis_view import why_not_written
     ],
 )
 def test_it_says_the_true_reason(said: str, verdict: str, told: dict[str, Any]) -> None:
-    final = SimpleNamespace(campaign=SimpleNamespace(fitted=told.get("traces", (object(),))))
+    campaign = SimpleNamespace(fitted=told.get("traces", (object(),)))
+    final = SimpleNamespace(campaign=campaign, holdout=told.get("holdout"))
     steps, lacking = told.get("steps", ()), told.get("lacking", 0.0)
     loop = SimpleNamespace(verdict=verdict, final=final, steps=steps, lacking=lacking)
     found: Any = SimpleNamespace(discovery=loop, unknown=told.get("unknown"), suspects=told.get("suspects", ()))
