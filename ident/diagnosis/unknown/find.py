@@ -154,7 +154,7 @@ def _settle(regression: Regression, stage: Stage, enough: Sequence[Ranked]) -> t
         words = dictionary(regression, stage, found.side, found.coordinates, found.product)
         formula = write_formula(regression, stage, found.side, words, found.drop)
         if found.product is not None and not (formula and formula.complete):
-            formula = tabled(regression, stage, found.side, found.product, found.drop)
+            formula = tabled(regression, stage, found.side, found.product, found.drop) or formula
         says_it = formula if formula and formula.drop >= least else None
         if not says_it and len(enough) > 1:
             longer = write_formula(regression, stage, found.side, words, found.drop, _MOST_TERMS - 1)

@@ -254,10 +254,12 @@ def long_formula(
     return found if found is not None and found.drop > curve.drop else curve
 
 
-def tabled(regression: Regression, stage: Stage, side: Side, product: Product, spline_drop: float) -> Formula:
-    """A product with its function as a table."""
+def tabled(regression: Regression, stage: Stage, side: Side, product: Product, spline_drop: float) -> Formula | None:
+    """A product with its function as a table; None if the model absorbs all of it."""
     ranges, seen = stage.ranges(side), stage.modelled if side == "sensor" else stage.moved
     words = _measured(regression, stage, side, product.table(side, ranges, seen))
+    if not words.terms:
+        return None
     found = fitted(regression, stage, side, words, range(len(words.terms)), _goal(regression, spline_drop))
     grid = np.linspace(*ranges[product.of].mostly, 99)
     place = {product.of: grid, product.by: np.full_like(grid, ranges[product.by].largest)}

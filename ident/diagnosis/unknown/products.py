@@ -18,8 +18,9 @@ from .coordinates import absorbed
 from .splines import Places, Size, sharp, splines
 from .terms import TURNS, Term, bumps, monomial, number, single, step_width
 
-PIECES = 24  # splines over the coordinate with which it varies, as many as a refit still determines
-_FIRST = 12  # at first
+# Splines over the coordinate with which it varies: for a brake over a tenth of the motion 12 leave 1.18 times the χ² of
+# noise and 24 leave 1.00; a refit with 48 had no bound where the motion seldom was.
+_FIRST, PIECES = 12, 24
 
 
 class Factor(NamedTuple):
