@@ -34,18 +34,23 @@ def add(
     others: int = 4,
     most: int = MAX_STEPS,
 ) -> Fit:
-    """The parent's model with one effect more, fitted from the parent's values and the size that the score predicts,
-    and from so many `others` of its grids, in at most so many steps from each.
+    """The parent's model with one effect more, fitted from the size that the score predicts, with the parent's values
+    or those to which it moves them, whichever leads further, and from so many `others` of its grids, in at most so many
+    steps from each.
 
     **Raises:** UserError if there is no such effect, the model has it, or it cannot act on this device.
     """
     effect = find(effect, registry(parent.campaign.effect_files)) if isinstance(effect, str) else effect
     report(f"estimating {effect.name} along the measured motion")
     found = score(prepare(parent), {effect.name: effect}, forms=True)
-    words = found[0].words if found else None
-    model = without_unseen(with_effect(parent, effect, words), found[0] if found else None)
-    first = np.concatenate([parent.values, start_of(model, found[0] if found else None, parent.scales)])
+    scored = found[0] if found else None
+    model = without_unseen(with_effect(parent, effect, scored and scored.words), scored)
+    own = start_of(model, scored, parent.scales)
+    first = np.concatenate([parent.values, own])
     grid = starting_points(model, first, parent.scales, others)[1:]
+    if scored is not None and scored.beside is not None:
+        starts = [first, np.concatenate([scored.beside, own])]
+        first = minimise(model, parent.campaign, initial=starts, most=_FEW, compared=True).values
     return fit(model, parent.campaign, initial=[first, *grid], report=report, most=most)
 
 

@@ -25,7 +25,7 @@ from ..linearised.trajectory import Diverged
 from ..ranking.look import Look
 from ..ranking.pairs import Pair, best_pair
 from ..unknown.find import Unknown
-from ..unknown.subsets import NEAR, rank
+from ..unknown.subsets import rank
 from .drive import other_drive
 from .steps import Discovery
 from .together import both
@@ -42,11 +42,14 @@ def one_law(look: Look, start: Regression, path: Path, report: Report) -> Writte
     if not asked or is_long(fitted.campaign) or not look.worth_it:
         return None
     pair = best_pair(regression, look.candidates)
-    if _names_reach_it(look, pair) or not _may_be_one(start):
+    named = _left_by_names(look, pair)
+    if as_good_as_named(named, regression) or not _may_be_one(start, named):
         return None
     unknown = lacked_by(start, report)
     formula = unknown.formula
-    if formula is None or not (unknown.of_one_law and formula.complete and formula.chi2_per_sample < AS_WELL):
+    if formula is None or not (
+        unknown.of_one_law and formula.complete and _says_more(formula.chi2_per_sample, named, start)
+    ):
         return None
     if _said_in_pieces(look, unknown) or _two_names_do(look, pair, start, report):
         return None
@@ -72,17 +75,23 @@ def one_law(look: Look, start: Regression, path: Path, report: Report) -> Writte
     return Written(found, beyond.unknown, beyond.path)
 
 
-def _may_be_one(start: Regression) -> bool:
-    """Whether splines of one or two coordinates say nearly everything; a formula that has its kinks may say the
+def _may_be_one(start: Regression, named: float) -> bool:
+    """Whether splines of one or two coordinates say more than names do; a formula that has its kinks may say the
     rest."""
-    traces = start.of_traces()
-    few = [found for found in rank(traces)[1] if "history" not in found.coordinates]
-    return any(found.share > 1.0 - NEAR or found.chi2_per_sample < AS_WELL for found in few)
+    few = [found for found in rank(start.of_traces())[1] if "history" not in found.coordinates]
+    return any(_says_more(found.chi2_per_sample, named, start) for found in few)
 
 
-def _names_reach_it(look: Look, pair: Pair | None) -> bool:
+def _says_more(left: float, named: float, start: Regression) -> bool:
+    """Whether a law that leaves so much χ² per sample says everything, or more than the names that leave `named`: along
+    a motion that was measured a kink leaves what noise does to it, and how much there is only its simulation tells."""
+    return left < AS_WELL or left * start.n < named
+
+
+def _left_by_names(look: Look, pair: Pair | None) -> float:
+    """The least χ² that an effect leaves, refitted, or two promise to leave."""
     promised = np.inf if pair is None else float(pair.left @ pair.left)
-    return as_good_as_named(min([promised, *(one.chi2 for one in look.tried if one.possible)]), look.regression)
+    return min([promised, *(one.chi2 for one in look.tried if one.possible)])
 
 
 def _two_names_do(look: Look, pair: Pair | None, start: Regression, report: Report) -> bool:
