@@ -150,8 +150,8 @@ def is_number(cell: str) -> bool:
 _SUFFIX_UNITS = frozenset(
     re.split(
         " ",
-        "s ms us ns min V mV uV kV m mm um nm pm micron Hz kHz MHz rad deg A mA uA N mN uN Nm mNm uNm Pa kPa MPa K C "
-        "kg mg dB dBV dBm volt volts second seconds hertz m/s mm/s rad/s m/s^2 m/s2",
+        "s ms us ns min V mV uV kV m cm mm um nm pm micron Hz kHz MHz rad deg A mA uA kA N mN uN kN MN Nm mNm uNm kNm "
+        "Pa kPa MPa bar mbar K C kg mg dB dBV dBm volt volts second seconds hertz m/s mm/s rad/s m/s^2 m/s2",
     )
 )
 

@@ -26,18 +26,17 @@ from ..linearised.columns import push_columns
 from ..linearised.regression import Regression, by_record, prepare
 from ..linearised.shorten import CRAWLS
 from ..linearised.trajectory import Diverged
-from ..ranking.look import Look
 
 _EDGES = np.arange(-1.0, 2.01, 0.25)  # of drives that jump, in sampling intervals; between them a parabola tells
 _CLOSER = (0.25, 0.1, 0.05)  # sampling intervals between the three through which it is drawn
 
 
-def other_drive(fitted: Fit, regression: Regression, report: Report, look: Look | None = None) -> Campaign | None:
+def other_drive(fitted: Fit, regression: Regression, report: Report, promise: float) -> Campaign | None:
     """The campaign of a fit with another drive between the samples, if the records clearly ask for it by now; what it
     says itself stays.
 
-    **Arguments:** `regression`: of the fit; `look`: at it, if an effect may be added: the drive must explain as much as
-    the best one promises.
+    **Arguments:** `regression`: of the fit; `promise`: fall of χ² by an effect that may be added, or was: the
+    drive must explain as much.
     """
     records = [r for r in fitted.campaign.fitted if _may_be_otherwise(r)]
     if not records or not isinstance(fitted.model.device, Oscillator) or not regression.credible:
@@ -57,7 +56,7 @@ def other_drive(fitted: Fit, regression: Regression, report: Report, look: Look 
     *others, _ = criteria([*weighed, here])
     best = int(np.argmin(others))
     edge, drop = edges[best], regression.chi2 - float(left[best] @ left[best])
-    if not clearly_better(weighed[best], here) or (look is not None and drop < look.promise - VERY_STRONG):
+    if not clearly_better(weighed[best], here) or drop < promise - VERY_STRONG:
         return None
     changed = with_edges(fitted.campaign, edge)
     try:

@@ -63,14 +63,15 @@ def with_other_starts(one: Fit) -> Fit | None:
 
 def drive_beside(more: list[Step], current: Fit, look: Look) -> Campaign | None:
     """The campaign with another drive between the samples, if the records ask for it beside what was added, and no
-    effect promises more; beside the first of two, too, for the second may be its lag. `look`: at the fit with them."""
-    report = look.report
+    effect promises more; beside the first of two, too, for the second may be its lag, where it explains no more than
+    that drive does. `look`: at the fit with them."""
     if len(more) > 1:
+        first = more[0].fit
         try:
-            first = more[0].fit
-            other = other_drive(first, prepare(working(first)), report)
+            alone = prepare(working(first))
+            other = other_drive(first, alone, look.report, alone.chi2 - look.regression.chi2)
         except Diverged:
             other = None
         if other is not None:
             return other
-    return other_drive(current, look.regression, report, look)
+    return other_drive(current, look.regression, look.report, look.promise)

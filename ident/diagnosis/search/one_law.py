@@ -14,6 +14,7 @@ import numpy as np
 
 from ...campaign.campaign import Campaign
 from ...effects.dependence import depends_on
+from ...fit import Fit
 from ...fit.floors import sharpened
 from ...pulse import Report
 from ..evidence.enough import adequate, worth_a_name
@@ -24,8 +25,9 @@ from ..linearised.shorten import is_long
 from ..linearised.trajectory import Diverged
 from ..ranking.look import Look
 from ..ranking.pairs import Pair, best_pair
-from ..unknown.find import Unknown
+from ..unknown.find import Unknown, as_table
 from ..unknown.subsets import rank
+from .beyond import Beyond
 from .drive import other_drive
 from .steps import Discovery
 from .together import both
@@ -53,17 +55,12 @@ def one_law(look: Look, start: Regression, path: Path, report: Report) -> Writte
         return None
     if _said_in_pieces(look, unknown) or _two_names_do(look, pair, start, report):
         return None
-    if other_drive(fitted, regression, report, look) is not None:
+    if other_drive(fitted, regression, report, look.promise) is not None:
         return None
-    try:
-        with kept_if_it_ends(path):
-            beyond, gain = simulated(fitted, start, unknown, path, report)
-            left = prepare(beyond.fit)
-    except Diverged:  # with it the motion has no bound
+    told = _holds(fitted, start, unknown, path, report)
+    if told is None:
         return None
-    if not adequate(left) or contradicted(beyond.fit) or hurts(fitted, beyond.fit):
-        beyond.path.unlink()
-        return None
+    beyond, gain = told
     last = ended(beyond.fit)
     sharper = sharpened(last)
     if sharper is not None:
@@ -73,6 +70,24 @@ def one_law(look: Look, start: Regression, path: Path, report: Report) -> Writte
     gains = {one.candidate.name: one.gain for one in look.tried}
     found = Discovery("not-in-library", fitted, (step,), tuple(look.candidates), gains, (), regression)
     return Written(found, beyond.unknown, beyond.path)
+
+
+def _holds(fitted: Fit, start: Regression, unknown: Unknown, path: Path, report: Report) -> tuple[Beyond, float] | None:
+    """The fit with a law whose simulation reaches the noise, and which held-out records do not refute; of a product
+    they may refute how its formula runs on beyond the fitted ones, and not that it is one."""
+    for law in (unknown, as_table(start, unknown)):
+        if law is None:
+            continue
+        try:
+            with kept_if_it_ends(path):
+                beyond, gain = simulated(fitted, start, law, path, report)
+                left = prepare(beyond.fit)
+        except Diverged:  # with it the motion has no bound
+            continue
+        if adequate(left) and not contradicted(beyond.fit) and not hurts(fitted, beyond.fit):
+            return beyond, gain
+        beyond.path.unlink()
+    return None
 
 
 def _may_be_one(start: Regression, named: float) -> bool:

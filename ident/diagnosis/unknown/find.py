@@ -136,6 +136,23 @@ def find_unknown(regression: Regression) -> Unknown:
     return replace(found, sentences=describe(found))
 
 
+def as_table(regression: Regression, found: Unknown) -> Unknown | None:
+    """A product that a short formula says, with its function as a table in the place of that; None if there is none.
+
+    Where the records have been it says the same. Beyond, where held-out ones may go, terms run on as they will, each
+    its own way, and the table goes on level.
+    """
+    if found.product is None or found.formula is None or found.formula.tabled:
+        return None
+    regression = regression.of_traces()
+    stage, _ = rank(regression)
+    table = tabled(regression, stage, found.side, found.product, found.drop)
+    if table is None or not table.complete:
+        return None
+    found = replace(found, formula=table, written=table, chi2_after=table.chi2_per_sample, share=found.explained(table))
+    return replace(found, sentences=describe(found))
+
+
 def followed_noise(found: Unknown, kept: float) -> Unknown:
     """What was estimated, with the word that its simulation keeps only a share `kept` of what it explains along the
     measured motion: slow noise that no floor holds moves that too, and is then read as its own cause."""

@@ -36,7 +36,8 @@ class Formula(NamedTuple):
     """A sum of terms.
 
     **Arguments:** `coefficients` and standard `errors`, one per term, SI; `drop` of χ²; `chi2_per_sample` after;
-    `complete`: whether it explains nearly as much as the splines; `text`: "F = −3.1e9 z³".
+    `complete`: whether it explains nearly as much as the splines; `text`: "F = −3.1e9 z³"; `tabled`: whether it is the
+    table of a product.
     """
 
     side: Side
@@ -47,6 +48,7 @@ class Formula(NamedTuple):
     chi2_per_sample: float
     complete: bool
     text: str
+    tabled: bool = False
 
     @property
     def one(self) -> bool:
@@ -269,7 +271,7 @@ def tabled(regression: Regression, stage: Stage, side: Side, product: Product, s
     text = f"{'reading = z +' if side == 'sensor' else 'F ='} {found.terms[0].law}, g from {least} to {most}"
     if product.known(side):
         text += " beside the model's own"
-    return found._replace(text=text)
+    return found._replace(text=text, tabled=True)
 
 
 def _text(side: Side, terms: Sequence[Term], coefficients: np.ndarray) -> str:
