@@ -116,6 +116,26 @@ def test_what_a_drive_hides_of_a_red_noise_is_told_by_a_periodic_record(clean, s
     assert of_one_sensor([traces[0], other])[1] is other.noise
 
 
+def _read_alike(*floors: NoiseFloor) -> list[SimpleNamespace]:
+    return [SimpleNamespace(noise=floor, masked=None, step=1e-4, measures="displacement") for floor in floors]
+
+
+def test_a_floor_that_no_frequency_shows_is_weighed_with_the_others_of_its_sensor():
+    """Beneath a broadband drive red noise was taken for white: the right model stood at 1.7 of its noise floors."""
+    vague, sure = NoiseFloor(4.7, (), "just above", 0.5), [NoiseFloor(s, (0.5,), "a", 0.05) for s in (7.9, 8.0, 8.1)]
+    told = of_one_sensor(_read_alike(*sure, vague))  # type: ignore[arg-type]
+    assert told[:3] == sure
+    assert told[3].sigma == pytest.approx(8.0, rel=0.03) and told[3].ar == (0.5,)
+    assert 0.03 < told[3].relative_error < 0.1
+
+
+def test_others_that_disagree_tell_little_and_two_nothing():
+    vague, others = NoiseFloor(4.7, (), "just above", 0.5), [NoiseFloor(s, (), "a", 0.05) for s in (2.0, 8.0, 32.0)]
+    told = of_one_sensor(_read_alike(*others, vague))[3]  # type: ignore[arg-type]
+    assert told.sigma == pytest.approx(4.7, rel=0.2) and told.relative_error > 0.4
+    assert of_one_sensor(_read_alike(*others[:2], vague))[2] is vague  # type: ignore[arg-type]
+
+
 def test_mains_hum_is_noise():
     rng = np.random.default_rng(2)
     time, drive, response = respond(sine(317), 2000, 317 * 25, lead=0.4)

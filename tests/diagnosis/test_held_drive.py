@@ -12,6 +12,7 @@ from ident.campaign import Channel, NoiseFloor, Trace
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.diagnosis.linearised.regression import prepare
+from ident.diagnosis.search import once_more
 from ident.diagnosis.search.drive import other_drive
 from ident.fit import fit
 from ident.fit.linear.forms import FORMS
@@ -35,7 +36,7 @@ def campaign_of(edge: float | None, **told: object) -> Campaign:
 
 def asked(campaign: Campaign) -> Campaign | None:
     found = fit(start_model(campaign), campaign)
-    return other_drive(found, prepare(found), lambda _: None)
+    return other_drive(found, prepare(found), lambda _: None, 0.0)
 
 
 @pytest.mark.parametrize("edge", [-0.9, -0.1, 1.0])
@@ -52,9 +53,18 @@ def test_an_effect_that_promises_more_goes_first():
     found = fit(start_model(campaign_of(1.0)), campaign_of(1.0))
     regression = prepare(found)
     for promise, asked_for in ((0.5 * regression.chi2, True), (2.0 * regression.chi2, False)):
-        look = SimpleNamespace(promise=promise)
-        other = other_drive(found, regression, lambda _: None, look)  # type: ignore[arg-type]
-        assert (other is not None) is asked_for
+        assert (other_drive(found, regression, lambda _: None, promise) is not None) is asked_for
+
+
+def test_beside_the_first_of_two_it_must_explain_what_the_second_does(monkeypatch):
+    """The drive of a loudspeaker was said to be held, for beside its spring alone that mimicked the loss of its
+    surround; with both the smooth drive had reached the noise."""
+    found, promised = fit(start_model(campaign_of(None)), campaign_of(None)), []
+    monkeypatch.setattr(once_more, "other_drive", lambda *told: promised.append(told[-1]))
+    look = SimpleNamespace(regression=SimpleNamespace(chi2=100.0), promise=7.0, report=lambda _: None)
+    steps = [SimpleNamespace(fit=found)] * 2
+    assert once_more.drive_beside(steps, found, look) is None  # type: ignore[arg-type]
+    assert promised == [prepare(found).chi2 - 100.0, 7.0]
 
 
 def test_a_smooth_drive_and_one_that_is_told_stay_as_they_are():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -15,7 +16,7 @@ import ident
 from ident.diagnosis.evidence.enough import speaks_for
 from ident.diagnosis.linearised.regression import prepare
 from ident.diagnosis.unknown.effect_file import write_effect
-from ident.diagnosis.unknown.find import find_unknown
+from ident.diagnosis.unknown.find import as_table, find_unknown
 from ident.diagnosis.unknown.products import products
 from ident.diagnosis.unknown.splines import Size
 from ident.effects.registry import registry
@@ -95,6 +96,20 @@ def test_what_varies_with_what_and_how(factor: str, tmp_path: Path):
     write_effect(found, path, "varying")
     last = ident.add(ident.fit(campaign(law), effects=()), registry((path,))["varying"])
     assert last.fitted.error_over_noise < 1.05
+
+
+def test_a_formula_runs_on_beyond_the_records_and_its_table_goes_on_level():
+    """Friction that depends on the place, held out further than it was fitted: z² of it was four noise floors off."""
+    regression = prepare(ident.fit(campaign(LAWS["v"][0]), effects=()))
+    found = find_unknown(regression)
+    assert found.formula is not None
+    table = as_table(regression, replace(found, formula=found.formula._replace(tabled=False)))
+    assert table is not None and table.formula is not None
+    assert table.formula.tabled and table.chi2_after < 1.1
+    assert "g from" in table.sentences[-1]
+    assert as_table(regression, table) is None
+    beyond = {"z": np.array([1.5, 3.0]) * regression.fit.scales.displacement, "v": np.ones(2)}
+    assert np.ptp(table.formula.coefficients @ np.stack([t.value(beyond) for t in table.formula.terms])) < 1e-9
 
 
 def test_in_free_decays_nothing_is_multiplied_by_a_drive_that_there_was_not():

@@ -47,7 +47,10 @@ def describe(found: Unknown) -> tuple[str, ...]:
             "be nothing missing at all."
         )
     elif after > GOOD:
-        sentences.append(f"It is not all: an error of {after:.2f} noise floors remains.")
+        sentences.append(
+            f"Along the measured motion it leaves an error of {after:.2f} noise floors: more is missing, or the law is "
+            "sharper than the noise of that motion lets one see."
+        )
     if found.alike:
         listed = "; ".join(what(r.side, r.coordinates, r.product) for r in found.alike)
         sentences.append(f"These records cannot tell it from: {listed}.")
