@@ -57,6 +57,19 @@ def decays(law: _Law) -> ident.Campaign:
     return ident.read_campaign({"device": {"kind": "oscillator"}, "record": records})
 
 
+def sines(law: _Law) -> ident.Campaign:
+    """Steady sines of an oscillator of unit mass by SciPy, which begin at rest."""
+    time, rng, records = np.arange(1500) / RATE, np.random.default_rng(13), []
+    for tone, size in ((24.0, 1.0), (31.5, 0.7), (33.0, 0.5), (34.5, 0.8), (38.0, 1.0)):
+        drive = size * np.sin(2 * np.pi * tone * time)
+        seen = lambda t, a=size, hz=tone: a * np.sin(2 * np.pi * hz * t)
+        rate = lambda t, y, seen=seen: [y[1], W * W * (seen(t) - y[0]) - W / 15 * y[1] + law(y[0], y[1], seen(t))]
+        z = solve_ivp(rate, (0, time[-1]), [0, 0], t_eval=time, rtol=1e-8, atol=1e-10, max_step=0.5 / RATE).y[0]
+        z = z + rng.normal(0, NOISE * np.std(z), len(time))
+        records.append({"data": {"time": time, "drive": drive, "response": z}, "start": "rest"})
+    return ident.read_campaign({"device": {"kind": "oscillator"}, "record": records})
+
+
 def campaign(law: _Law) -> ident.Campaign:
     """Three records of an oscillator of unit mass by SciPy, multisines about its resonance."""
     time, rng, records = np.arange(1800) / RATE, np.random.default_rng(11), []
@@ -96,6 +109,13 @@ def test_what_varies_with_what_and_how(factor: str, tmp_path: Path):
     write_effect(found, path, "varying")
     last = ident.add(ident.fit(campaign(law), effects=()), registry((path,))["varying"])
     assert last.fitted.error_over_noise < 1.05
+
+
+def test_many_splines_of_one_coordinate_do_not_hide_a_product():
+    """Under sines a hundred turns over the displacement say all that any force does, and were told in its place."""
+    found = find_unknown(prepare(ident.fit(sines(lambda z, v, u: -W * W * 0.01 * z * z * u), effects=())))
+    assert found.product is not None and (found.product.of, found.product.name) == ("z", "V")
+    assert found.formula is not None and found.formula.text.endswith(" z² V") and len(found.formula.terms) == 1
 
 
 def test_a_formula_runs_on_beyond_the_records_and_its_table_goes_on_level():

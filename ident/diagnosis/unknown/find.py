@@ -160,9 +160,11 @@ def followed_noise(found: Unknown, kept: float) -> Unknown:
 
 
 def _settle(regression: Regression, stage: Stage, enough: Sequence[Ranked]) -> tuple[Ranked, Formula | None]:
-    """Of sets that explain the same, the one with the shortest formula: one coordinate's splines may mimic a memory."""
+    """Of sets that explain the same, the one with the shortest formula: one coordinate's splines may mimic a memory,
+    and many of them a product of two."""
     first = enough[0]
-    rivals = [r for r in enough[1:] if not set(first.coordinates) <= set(r.coordinates) or r.side != first.side]
+    within = lambda r: set(first.coordinates) <= set(r.coordinates) and r.side == first.side
+    rivals = [r for r in enough[1:] if not within(r) or (r.product is not None and r.dof < first.dof)]
     rivals = [r for r in rivals if dimension(r.coordinates) <= 2][:4]
     weakest = min(r.drop - r.dof for r in (first, *rivals))
     least = _as_much(regression, weakest)
