@@ -5,8 +5,9 @@ noise, red noise, or both. The floor is read off three ways: from the frequencie
 of a sine that the same sensor has recorded (`ident.campaign.noise.one_sensor`); from what a model that lacks nothing
 leaves below and above the drive's frequencies, which is the noise itself (`ident.campaign.noise.interpolated`). And a
 drive of broadband noise, which leaves none free: its floor beside those of four sweeps of the same sensor, whose levels
-differ by nothing, a tenth or a half. Printed and asserted: the rms of ln(floor / true), and of that over the error that
-the floor claims. The errors of the two better ways were set on seed 1; the figures here are of others.
+differ by nothing, a tenth or a half (`ident.campaign.noise.of_others`). Printed and asserted: the rms of ln(floor /
+true), and of that over the error that the floor claims. The errors of the two better ways were set on seed 1; the
+figures here are of others.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from scipy.signal import lfilter
 
 from ident.campaign.noise.floor import extrapolated, noise_floor
 from ident.campaign.noise.interpolated import interpolated
+from ident.campaign.noise.of_others import beside_others
 from ident.campaign.noise.one_sensor import of_one_sensor
 from ident.campaign.period import find_period
 
@@ -66,7 +68,7 @@ def broadband(rng: np.random.Generator, kind: str) -> list[tuple[float, float, f
     sizes = 0.01 * np.std(motions[0]) * np.exp(spread * rng.standard_normal(len(drives)))
     reads = [z + size * noise(rng, kind, n, *colour) for z, size in zip(motions, sizes, strict=True)]
     records = [read_as(time, drive, read) for drive, read in zip(drives, reads, strict=True)]
-    own, floor = records[-1].noise, of_one_sensor(records)[-1]
+    own, floor = records[-1].noise, beside_others(records, of_one_sensor(records))[-1]
     if own is floor:
         return []
     true = float(sizes[-1])

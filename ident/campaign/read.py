@@ -25,6 +25,7 @@ from .document import Section, read_document, record_sections, shown
 from .guess import guess_device, in_units_of, renamed
 from .in_memory import document_of, is_path
 from .load import load_record, read_table
+from .noise.of_others import beside_others
 from .noise.one_sensor import of_one_sensor
 from .noise.pool import pooled
 from .quality.rest_level import counted_from_rest
@@ -193,14 +194,14 @@ def _modes(model: Section, device: Device, linear: str) -> int | None:
 
 
 def _with_common_noise(records: list[Record]) -> tuple[Record, ...]:
-    """The records, with the colour of the estimated noise shared where it agrees."""
+    """The records, with the colour of the estimated noise shared where it agrees, and the level of what shows none."""
     own = [k for k, record in enumerate(records) if isinstance(record, Trace) and record.noise.relative_error > 0]
     traces = [record for k, record in enumerate(records) if k in own and isinstance(record, Trace)]
     floors = of_one_sensor(traces)
     kept = [k for k, trace in enumerate(traces) if floors[k] is trace.noise]
     for k, floor in zip(kept, pooled([floors[k] for k in kept], [len(traces[k].time) for k in kept]), strict=True):
         floors[k] = floor
-    for k, trace, floor in zip(own, traces, floors, strict=True):
+    for k, trace, floor in zip(own, traces, beside_others(traces, floors), strict=True):
         records[k] = replace(trace, noise=floor)
     return tuple(records)
 

@@ -12,6 +12,7 @@ from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
 from ident.campaign.noise.autoregression import fit_autoregression, levinson, variance_of
 from ident.campaign.noise.floor import noise_floor
+from ident.campaign.noise.of_others import beside_others
 from ident.campaign.noise.one_sensor import of_one_sensor
 from ident.campaign.noise.pool import pooled
 from ident.campaign.period import find_period
@@ -116,24 +117,39 @@ def test_what_a_drive_hides_of_a_red_noise_is_told_by_a_periodic_record(clean, s
     assert of_one_sensor([traces[0], other])[1] is other.noise
 
 
-def _read_alike(*floors: NoiseFloor) -> list[SimpleNamespace]:
-    return [SimpleNamespace(noise=floor, masked=None, step=1e-4, measures="displacement") for floor in floors]
+def _beside_others(*floors: NoiseFloor) -> list[NoiseFloor]:
+    traces = [SimpleNamespace(noise=floor, masked=None, step=1e-4, measures="displacement") for floor in floors]
+    return beside_others(traces, floors)
 
 
 def test_a_floor_that_no_frequency_shows_is_weighed_with_the_others_of_its_sensor():
     """Beneath a broadband drive red noise was taken for white: the right model stood at 1.7 of its noise floors."""
-    vague, sure = NoiseFloor(4.7, (), "just above", 0.5), [NoiseFloor(s, (0.5,), "a", 0.05) for s in (7.9, 8.0, 8.1)]
-    told = of_one_sensor(_read_alike(*sure, vague))  # type: ignore[arg-type]
-    assert told[:3] == sure
-    assert told[3].sigma == pytest.approx(8.0, rel=0.03) and told[3].ar == (0.5,)
-    assert 0.03 < told[3].relative_error < 0.1
+    vague, sure = NoiseFloor(4.7, (), "just above", 0.5), [NoiseFloor(s, (0.5,), "a", 0.05) for s in (7.9, 8, 8.1, 8)]
+    told = _beside_others(*sure, vague)
+    assert told[:4] == sure
+    assert told[4].sigma == pytest.approx(8.0, rel=0.03) and told[4].ar == (0.5,)
+    assert 0.04 < told[4].relative_error < 0.1
 
 
-def test_others_that_disagree_tell_little_and_two_nothing():
-    vague, others = NoiseFloor(4.7, (), "just above", 0.5), [NoiseFloor(s, (), "a", 0.05) for s in (2.0, 8.0, 32.0)]
-    told = of_one_sensor(_read_alike(*others, vague))[3]  # type: ignore[arg-type]
+def test_others_that_disagree_tell_little():
+    vague, others = NoiseFloor(4.7, (), "just above", 0.5), [NoiseFloor(s, (), "a", 0.05) for s in (2, 4, 16, 32.0)]
+    told = _beside_others(*others, vague)[4]
     assert told.sigma == pytest.approx(4.7, rel=0.2) and told.relative_error > 0.4
-    assert of_one_sensor(_read_alike(*others[:2], vague))[2] is vague  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    "own",
+    [
+        NoiseFloor(100.0, (), "the resolution", 0.5),  # a coarser range, whose steps are its floor
+        NoiseFloor(0.1, (), "just above", 0.5),
+        NoiseFloor(4.7, (0.9,), "extrapolated from the highest frequencies", 0.5, 0.4),  # it has its own colour
+    ],
+    ids=["far above", "far below", "seen"],
+)
+def test_a_floor_of_another_kind_stays(own):
+    sure = [NoiseFloor(s, (0.5,), "a", 0.05) for s in (7.9, 8, 8.1, 8)]
+    assert _beside_others(*sure, own)[4] is own
+    assert _beside_others(*sure[:3], NoiseFloor(4.7, (), "just above", 0.5))[3].sigma == 4.7  # three are too few
 
 
 def test_mains_hum_is_noise():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +11,6 @@ from ident.campaign import Channel, NoiseFloor, Trace
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.diagnosis.linearised.regression import prepare
-from ident.diagnosis.search import once_more
 from ident.diagnosis.search.drive import other_drive
 from ident.fit import fit
 from ident.fit.linear.forms import FORMS
@@ -36,7 +34,7 @@ def campaign_of(edge: float | None, **told: object) -> Campaign:
 
 def asked(campaign: Campaign) -> Campaign | None:
     found = fit(start_model(campaign), campaign)
-    return other_drive(found, prepare(found), lambda _: None, 0.0)
+    return other_drive(found, prepare(found), lambda _: None)
 
 
 @pytest.mark.parametrize("edge", [-0.9, -0.1, 1.0])
@@ -56,15 +54,14 @@ def test_an_effect_that_promises_more_goes_first():
         assert (other_drive(found, regression, lambda _: None, promise) is not None) is asked_for
 
 
-def test_beside_the_first_of_two_it_must_explain_what_the_second_does(monkeypatch):
+def test_in_the_place_of_an_effect_it_must_do_no_worse():
     """The drive of a loudspeaker was said to be held, for beside its spring alone that mimicked the loss of its
     surround; with both the smooth drive had reached the noise."""
-    found, promised = fit(start_model(campaign_of(None)), campaign_of(None)), []
-    monkeypatch.setattr(once_more, "other_drive", lambda *told: promised.append(told[-1]))
-    look = SimpleNamespace(regression=SimpleNamespace(chi2=100.0), promise=7.0, report=lambda _: None)
-    steps = [SimpleNamespace(fit=found)] * 2
-    assert once_more.drive_beside(steps, found, look) is None  # type: ignore[arg-type]
-    assert promised == [prepare(found).chi2 - 100.0, 7.0]
+    found = fit(start_model(campaign_of(1.0)), campaign_of(1.0))
+    regression = prepare(found)
+    for left, asked_for in ((0.5, True), (0.01, False)):
+        second = replace(regression, residual=left * regression.residual)
+        assert (other_drive(found, regression, lambda _: None, instead_of=second) is not None) is asked_for
 
 
 def test_a_smooth_drive_and_one_that_is_told_stay_as_they_are():

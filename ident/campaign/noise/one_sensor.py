@@ -1,13 +1,7 @@
-"""A sensor's noise, from records that show it to those that do not.
+"""The colour of a sensor's noise, from a record that shows all of it to those that show a part.
 
 Where a drive leaves no frequency of its band free, the noise there is extrapolated from above, and red noise beside
-white has more below than two coefficients tell. A record whose drive is periodic shows it between the lines: its colour
-is taken. Where a drive leaves no frequency free at all, the others of its sensor tell the level too, as far as they
-agree with one another: a range, or a laser's spot, may differ from record to record.
-
-Source: R. DerSimonian, N. Laird, Meta-analysis in clinical trials, 1986, Controlled Clinical Trials 7, 177 (levels that
-differ by more than their errors); J. P. T. Higgins, S. G. Thompson, D. J. Spiegelhalter, 2009, J. R. Stat. Soc. A 172,
-137, §4 (what the next one will be).
+white has more below than two coefficients tell. A record whose drive is periodic shows it between the lines.
 """
 
 from __future__ import annotations
@@ -17,12 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..record import VAGUE, NoiseFloor, Trace
+from ..record import NoiseFloor, Trace
 from .autoregression import ORDER_PRICE, ar_spectrum, outliers, variance_of
 from .floor import EXTRAPOLATED, extrapolated, latest, windowed
 
 _SAME = 0.001  # relative: sampling intervals that differ by less are one
-_FEWEST = 3  # others, whose levels tell by how much they differ
 
 _WIDER = 1.5
 """Times: no autoregression is white noise beside a red one. Set on 150 floors beneath sweeps, of which the errors of
@@ -32,48 +25,22 @@ much (`experiments.hidden_noise`)."""
 
 def of_one_sensor(traces: Sequence[Trace]) -> list[NoiseFloor]:
     """The noise floors of records; those that were extrapolated, in the colour of the surest one that was not, if that
-    was read and sampled as they were; and those that are vague, beside the level of the others. Where samples say
-    nothing, curves across them have no noise, and say nothing of its colour."""
+    was read and sampled as they were. Where samples say nothing, curves across them have no noise, and say nothing of
+    its colour."""
     whole = [t for t in traces if t.masked is None]
     seen = [t for t in whole if not extrapolated(t.noise) and 0.0 < t.noise.relative_error < EXTRAPOLATED]
     seen.sort(key=lambda trace: trace.noise.relative_error)
-    told = [_in_the_best_colour(trace, seen) for trace in traces]
-    sure = [(t, n) for t, n in zip(traces, told, strict=True) if t.masked is None and 0.0 < n.relative_error < VAGUE]
-    return [_beside_the_others(trace, own, sure) for trace, own in zip(traces, told, strict=True)]
+    return [_in_the_best_colour(trace, seen) for trace in traces]
 
 
-def _alike(one: Trace, other: Trace) -> bool:
+def alike(one: Trace, other: Trace) -> bool:
     """Whether two records were read and sampled the same way."""
     return one.measures == other.measures and bool(np.isclose(one.step, other.step, rtol=_SAME, atol=0.0))
 
 
 def _in_the_best_colour(trace: Trace, seen: Sequence[Trace]) -> NoiseFloor:
-    surest = next((other.noise for other in seen if _alike(trace, other)), None)
+    surest = next((other.noise for other in seen if alike(trace, other)), None)
     return trace.noise if surest is None else _in_the_colour_of(surest, trace)
-
-
-def _beside_the_others(trace: Trace, own: NoiseFloor, sure: Sequence[tuple[Trace, NoiseFloor]]) -> NoiseFloor:
-    """A vague floor of a record, weighed with what the others of its sensor let expect, in the colour of the surest."""
-    others = [floor for other, floor in sure if _alike(trace, other)]
-    if trace.masked is not None or own.relative_error < VAGUE or len(others) < _FEWEST:
-        return own
-    level, error = _next_of([float(np.log(f.sigma)) for f in others], [f.relative_error for f in others])
-    weights = np.array([own.relative_error, error]) ** -2.0
-    sigma = float(np.exp(np.average([np.log(own.sigma), level], weights=weights)))
-    surest = min(others, key=lambda floor: floor.relative_error)
-    method = f"{own.method}, beside what {len(others)} other records of its sensor let expect"
-    return replace(own, sigma=sigma, ar=surest.ar, method=method, relative_error=float(np.sum(weights) ** -0.5))
-
-
-def _next_of(values: Sequence[float], errors: Sequence[float]) -> tuple[float, float]:
-    """What one more of several values will be, that differ by more than their errors, and how surely: errors of one
-    kind may have one sign, and are not less for being many."""
-    y, own = np.array(values), np.array(errors) ** 2
-    weights = 1 / own
-    off = float(weights @ (y - np.average(y, weights=weights)) ** 2) - (len(y) - 1)
-    between = max(off / float(weights.sum() - weights @ weights / weights.sum()), 0.0)
-    weights = 1 / (own + between)
-    return float(np.average(y, weights=weights)), float(np.sqrt(between + 1 / weights.mean()))
 
 
 def _in_the_colour_of(surest: NoiseFloor, trace: Trace) -> NoiseFloor:

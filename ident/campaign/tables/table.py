@@ -150,10 +150,13 @@ def is_number(cell: str) -> bool:
 _SUFFIX_UNITS = frozenset(
     re.split(
         " ",
-        "s ms us ns min V mV uV kV m cm mm um nm pm micron Hz kHz MHz rad deg A mA uA kA N mN uN kN MN Nm mNm uNm kNm "
-        "Pa kPa MPa bar mbar K C kg mg dB dBV dBm volt volts second seconds hertz m/s mm/s rad/s m/s^2 m/s2",
+        "s ms us ns min V mV uV kV m cm mm um nm pm micron Hz kHz MHz rad deg A mA uA kA N mN uN kN Nm mNm uNm kNm "
+        "Pa kPa MPa K C kg mg dB dBV dBm volt volts second seconds hertz m/s mm/s rad/s m/s^2 m/s2",
     )
 )
+
+
+_IN_CAPITALS = {"MV": "mV", "UV": "uV", "HZ": "Hz", "KHZ": "kHz", "KV": "kV", "KN": "kN", "KA": "kA"}
 
 
 def _suffix_unit(text: str) -> bool:
@@ -217,8 +220,8 @@ def _split(header: str, own_unit: str) -> tuple[str, str | None, str]:
         if text.isupper() and _suffix_unit(unit.lower()):  # TIME_MS, DRIVE_MV
             lower = unit.lower()
             return stem.strip(" _"), {"v": "V", "mv": "mV", "uv": "uV", "kv": "kV", "hz": "Hz"}.get(lower, lower), ""
-        if text.isupper() and unit in ("MV", "UV", "HZ", "KHZ", "KV"):
-            return stem.strip(" _"), {"MV": "mV", "UV": "uV", "HZ": "Hz", "KHZ": "kHz", "KV": "kV"}[unit], ""
+        if text.isupper() and (known_unit := _IN_CAPITALS.get(unit)) is not None:
+            return stem.strip(" _"), known_unit, ""
     return text, None, ""
 
 

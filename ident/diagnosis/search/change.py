@@ -44,13 +44,13 @@ def add(
     report(f"estimating {effect.name} along the measured motion")
     found = score(prepare(parent), {effect.name: effect}, forms=True)
     scored = found[0] if found else None
-    model = without_unseen(with_effect(parent, effect, scored and scored.words), scored)
+    model = without_unseen(with_effect(parent, effect, None if scored is None else scored.words), scored)
     own = start_of(model, scored, parent.scales)
     first = np.concatenate([parent.values, own])
     grid = starting_points(model, first, parent.scales, others)[1:]
     if scored is not None and scored.beside is not None:
         starts = [first, np.concatenate([scored.beside, own])]
-        first = minimise(model, parent.campaign, initial=starts, most=_FEW, compared=True).values
+        first = minimise(model, parent.campaign, initial=starts, report=report, most=_FEW, compared=True).values
     return fit(model, parent.campaign, initial=[first, *grid], report=report, most=most)
 
 

@@ -31,12 +31,14 @@ _EDGES = np.arange(-1.0, 2.01, 0.25)  # of drives that jump, in sampling interva
 _CLOSER = (0.25, 0.1, 0.05)  # sampling intervals between the three through which it is drawn
 
 
-def other_drive(fitted: Fit, regression: Regression, report: Report, promise: float) -> Campaign | None:
+def other_drive(
+    fitted: Fit, regression: Regression, report: Report, promise: float = 0.0, instead_of: Regression | None = None
+) -> Campaign | None:
     """The campaign of a fit with another drive between the samples, if the records clearly ask for it by now; what it
     says itself stays.
 
-    **Arguments:** `regression`: of the fit; `promise`: fall of χ² by an effect that may be added, or was: the
-    drive must explain as much.
+    **Arguments:** `regression`: of the fit; `promise`: fall of χ² by an effect that may be added, which the drive must
+    explain as well; `instead_of`: of the fit with one that has been, than which the drive must do no worse.
     """
     records = [r for r in fitted.campaign.fitted if _may_be_otherwise(r)]
     if not records or not isinstance(fitted.model.device, Oscillator) or not regression.credible:
@@ -61,7 +63,9 @@ def other_drive(fitted: Fit, regression: Regression, report: Report, promise: fl
     changed = with_edges(fitted.campaign, edge)
     try:
         shown = fit(fitted.model, with_edges(regression.fit.campaign, edge), initial=fitted.values, most=CRAWLS)
-        if not clearly_better(Left(prepare(shown).residual, numbers(edge)), here):
+        reached = Left(prepare(shown).residual, numbers(edge))
+        rival = instead_of and Left(instead_of.residual, instead_of.numbers)
+        if not clearly_better(reached, here) or (rival is not None and clearly_better(rival, reached)):
             return None
     except Diverged:
         return None

@@ -68,8 +68,7 @@ def drive_beside(more: list[Step], current: Fit, look: Look) -> Campaign | None:
     if len(more) > 1:
         first = more[0].fit
         try:
-            alone = prepare(working(first))
-            other = other_drive(first, alone, look.report, alone.chi2 - look.regression.chi2)
+            other = other_drive(first, prepare(working(first)), look.report, instead_of=look.regression)
         except Diverged:
             other = None
         if other is not None:

@@ -17,7 +17,7 @@ from ...effects.dependence import depends_on
 from ...fit import Fit
 from ...fit.floors import sharpened
 from ...pulse import Report
-from ..evidence.enough import adequate, worth_a_name
+from ..evidence.enough import MOST_OF_IT, adequate, worth_a_name
 from ..evidence.held_out import contradicted, hurts
 from ..linearised.basis import orthonormal
 from ..linearised.regression import Regression, prepare
@@ -26,7 +26,7 @@ from ..linearised.trajectory import Diverged
 from ..ranking.look import Look
 from ..ranking.pairs import Pair, best_pair
 from ..unknown.find import Unknown, as_table
-from ..unknown.subsets import rank
+from ..unknown.subsets import NEAR, rank
 from .beyond import Beyond
 from .drive import other_drive
 from .steps import Discovery
@@ -53,7 +53,9 @@ def one_law(look: Look, start: Regression, path: Path, report: Report) -> Writte
         unknown.of_one_law and formula.complete and _says_more(formula.chi2_per_sample, named, start)
     ):
         return None
-    if _said_in_pieces(look, unknown) or _two_names_do(look, pair, start, report):
+    # What a formula of kinks leaves along a motion with noise, names of the same law leave too.
+    as_much = AS_WELL * max(formula.chi2_per_sample, 1.0) * start.n
+    if _said_in_pieces(look, unknown, as_much) or _two_names_do(look, pair, start, as_much, report):
         return None
     if other_drive(fitted, regression, report, look.promise) is not None:
         return None
@@ -74,33 +76,33 @@ def one_law(look: Look, start: Regression, path: Path, report: Report) -> Writte
 
 def _holds(fitted: Fit, start: Regression, unknown: Unknown, path: Path, report: Report) -> tuple[Beyond, float] | None:
     """The fit with a law whose simulation reaches the noise, and which held-out records do not refute; of a product
-    they may refute how its formula runs on beyond the fitted ones, and not that it is one."""
-    for law in (unknown, as_table(start, unknown)):
-        if law is None:
-            continue
+    they may refute how its formula runs on beyond the fitted ones, and not its table."""
+    law: Unknown | None = unknown
+    while law is not None:
         try:
             with kept_if_it_ends(path):
                 beyond, gain = simulated(fitted, start, law, path, report)
-                left = prepare(beyond.fit)
+                fine = adequate(prepare(beyond.fit))
         except Diverged:  # with it the motion has no bound
-            continue
-        if adequate(left) and not contradicted(beyond.fit) and not hurts(fitted, beyond.fit):
+            return None
+        if fine and not contradicted(beyond.fit) and not hurts(fitted, beyond.fit):
             return beyond, gain
         beyond.path.unlink()
+        law = as_table(start, law) if fine else None
     return None
 
 
 def _may_be_one(start: Regression, named: float) -> bool:
-    """Whether splines of one or two coordinates say more than names do; a formula that has its kinks may say the
-    rest."""
+    """Whether splines of one or two coordinates say nearly everything, or more than names do; a formula that has its
+    kinks may say the rest."""
     few = [found for found in rank(start.of_traces())[1] if "history" not in found.coordinates]
-    return any(_says_more(found.chi2_per_sample, named, start) for found in few)
+    return any(found.share > 1.0 - NEAR or _says_more(found.chi2_per_sample, named, start) for found in few)
 
 
 def _says_more(left: float, named: float, start: Regression) -> bool:
-    """Whether a law that leaves so much χ² per sample says everything, or more than the names that leave `named`: along
-    a motion that was measured a kink leaves what noise does to it, and how much there is only its simulation tells."""
-    return left < AS_WELL or left * start.n < named
+    """Whether a law that leaves so much χ² per sample says everything, or most of what the names leave, χ² `named`:
+    along a motion that was measured a kink leaves what noise does to it, and only its simulation tells how much."""
+    return left < AS_WELL or (left - 1.0) * start.n < MOST_OF_IT * (named - start.n)
 
 
 def _left_by_names(look: Look, pair: Pair | None) -> float:
@@ -109,18 +111,19 @@ def _left_by_names(look: Look, pair: Pair | None) -> float:
     return min([promised, *(one.chi2 for one in look.tried if one.possible)])
 
 
-def _two_names_do(look: Look, pair: Pair | None, start: Regression, report: Report) -> bool:
+def _two_names_do(look: Look, pair: Pair | None, start: Regression, as_much: float, report: Report) -> bool:
     """Whether the two effects that promise most reach the noise once they are refitted, which they are if they promise
-    to leave nothing that is worth a name: a promise is of first order."""
-    if pair is None or worth_a_name(float(pair.left @ pair.left) - look.regression.n, look.regression):
+    to leave nothing that is worth a name, or no more than the law: a promise is of first order."""
+    left = np.inf if pair is None else float(pair.left @ pair.left)
+    if pair is None or (left > as_much and worth_a_name(left - look.regression.n, look.regression)):
         return False
     report(f"trying {' and '.join(pair.names)} together")
     found = both(start.fit, start, pair.names, look.library, None, start)
     return found is not None and adequate(found[1])
 
 
-def _said_in_pieces(look: Look, unknown: Unknown) -> bool:
-    """Whether the effects that depend on nothing else than a law, and act where it does, explain as much together."""
+def _said_in_pieces(look: Look, unknown: Unknown, as_much: float) -> bool:
+    """Whether the effects that depend on nothing else than a law, and act where it does, explain `as_much` together."""
     regression, own = look.regression, set(unknown.coordinates)
     rows = []
     for candidate in look.candidates:
@@ -131,4 +134,4 @@ def _said_in_pieces(look: Look, unknown: Unknown) -> bool:
         return False
     basis = orthonormal(np.concatenate(rows))
     left = regression.residual - basis @ (basis.T @ regression.residual)
-    return as_good_as_named(float(left @ left), regression)
+    return float(left @ left) < as_much or as_good_as_named(float(left @ left), regression)

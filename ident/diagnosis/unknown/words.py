@@ -48,8 +48,8 @@ def describe(found: Unknown) -> tuple[str, ...]:
         )
     elif after > GOOD:
         sentences.append(
-            f"Along the measured motion it leaves an error of {after:.2f} noise floors: more is missing, or the law is "
-            "sharper than the noise of that motion lets one see."
+            f"Along the measured motion it leaves an error of {after:.2f} noise floors; noise moves that motion, so "
+            "that only a simulation tells whether more is missing."
         )
     if found.alike:
         listed = "; ".join(what(r.side, r.coordinates, r.product) for r in found.alike)
