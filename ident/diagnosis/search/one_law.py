@@ -50,7 +50,7 @@ def one_law(look: Look, start: Regression, path: Path, report: Report) -> Writte
     unknown = lacked_by(start, report)
     formula = unknown.formula
     if formula is None or not (
-        unknown.of_one_law and formula.complete and _says_more(formula.chi2_per_sample, named, start)
+        unknown.of_one_law and formula.complete and says_more(formula.chi2_per_sample, named, start)
     ):
         return None
     # What a formula of kinks leaves along a motion with noise, names of the same law leave too.
@@ -96,10 +96,10 @@ def _may_be_one(start: Regression, named: float) -> bool:
     """Whether splines of one or two coordinates say nearly everything, or more than names do; a formula that has its
     kinks may say the rest."""
     few = [found for found in rank(start.of_traces())[1] if "history" not in found.coordinates]
-    return any(found.share > 1.0 - NEAR or _says_more(found.chi2_per_sample, named, start) for found in few)
+    return any(found.share > 1.0 - NEAR or says_more(found.chi2_per_sample, named, start) for found in few)
 
 
-def _says_more(left: float, named: float, start: Regression) -> bool:
+def says_more(left: float, named: float, start: Regression) -> bool:
     """Whether a law that leaves so much χ² per sample says everything, or most of what the names leave, χ² `named`:
     along a motion that was measured a kink leaves what noise does to it, and only its simulation tells how much."""
     return left < AS_WELL or (left - 1.0) * start.n < MOST_OF_IT * (named - start.n)
