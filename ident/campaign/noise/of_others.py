@@ -15,7 +15,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..record import VAGUE, NoiseFloor, Trace
-from .one_sensor import alike
+from .floor import extrapolated
+from .one_sensor import WIDER, alike
 
 _FEWEST = 4  # others: of three, two agree by chance, and tell too little of how much the next one differs
 _APART = 2.0  # errors between a floor and what the others let expect: more, and it was read otherwise than they were
@@ -34,7 +35,8 @@ def _weighed(trace: Trace, own: NoiseFloor, others: Sequence[NoiseFloor]) -> Noi
     shown = own.relative_error < VAGUE or own.unseen > 0.0
     if trace.masked is not None or shown or len(others) < _FEWEST:
         return own
-    level, error = _next_of(np.log([f.sigma for f in others]), np.array([f.relative_error for f in others]))
+    errors = [f.relative_error * (WIDER if extrapolated(f) else 1.0) for f in others]
+    level, error = _next_of(np.log([f.sigma for f in others]), np.array(errors))
     apart = abs(float(np.log(own.sigma)) - level) / float(np.hypot(own.relative_error, error))
     if apart > _APART:
         return own

@@ -17,7 +17,7 @@ from .floor import EXTRAPOLATED, extrapolated, latest, windowed
 
 _SAME = 0.001  # relative: sampling intervals that differ by less are one
 
-_WIDER = 1.5
+WIDER = 1.5
 """Times: no autoregression is white noise beside a red one. Set on 150 floors beneath sweeps, of which the errors of
 their levels and of the colour claimed two thirds of what they were off by; on others this claims 1.0 to 1.5 times as
 much (`experiments.hidden_noise`)."""
@@ -60,7 +60,7 @@ def _in_the_colour_of(surest: NoiseFloor, trace: Trace) -> NoiseFloor:
     by_own, by_other = (2.0 * float(np.sum(np.log(s) + power / s)) for s in (mine, scale * other))
     if by_other > by_own + ORDER_PRICE * len(own.ar) * np.log(count):
         return own
-    error = _WIDER * float(np.hypot(surest.relative_error, np.sqrt(0.25 / count)))
+    error = WIDER * float(np.hypot(surest.relative_error, np.sqrt(0.25 / count)))
     method = f"{own.method}, in the colour of a record that shows the others too"
     return replace(own, sigma=surest.sigma * scale**0.5, ar=surest.ar, method=method, relative_error=error)
 
