@@ -2,7 +2,9 @@
 
 A drive that leaves no frequency free, noise up to the highest or a blow, leaves a level just above its band, if that,
 which is taken as white: beneath red noise it was half of the floor. The other records tell the level as far as they
-agree with one another, for a range or a laser's spot may differ from record to record.
+agree with one another, for a range or a laser's spot may differ from record to record. Beneath red noise it is then a
+third as far off, at about the error that it claims; beneath white noise, where that level is right by itself, it is
+farther off than before, for nobody knows that it is white (`experiments.hidden_noise`).
 
 Source: R. DerSimonian, N. Laird, Meta-analysis in clinical trials, 1986, Controlled Clinical Trials 7, 177 (levels that
 differ by more than their errors); R. T. Birge, 1932, Phys. Rev. 40, 207 (the error of what hardly agrees).

@@ -154,8 +154,6 @@ _SUFFIX_UNITS = frozenset(
         "Pa kPa MPa K C kg mg dB dBV dBm volt volts second seconds hertz m/s mm/s rad/s m/s^2 m/s2",
     )
 )
-
-
 _IN_CAPITALS = {"MV": "mV", "UV": "uV", "HZ": "Hz", "KHZ": "kHz", "KV": "kV", "KN": "kN", "KA": "kA"}
 
 
@@ -217,11 +215,9 @@ def _split(header: str, own_unit: str) -> tuple[str, str | None, str]:
         stem, _, unit = match.groups()
         if _suffix_unit(unit) or unit == own_unit:
             return stem.strip(" _"), unit, ""
-        if text.isupper() and _suffix_unit(unit.lower()):  # TIME_MS, DRIVE_MV
-            lower = unit.lower()
-            return stem.strip(" _"), {"v": "V", "mv": "mV", "uv": "uV", "kv": "kV", "hz": "Hz"}.get(lower, lower), ""
-        if text.isupper() and (known_unit := _IN_CAPITALS.get(unit)) is not None:
-            return stem.strip(" _"), known_unit, ""
+        written = _IN_CAPITALS.get(unit, unit.lower())
+        if text.isupper() and _suffix_unit(written):  # TIME_MS, DRIVE_MV
+            return stem.strip(" _"), written, ""
     return text, None, ""
 
 
