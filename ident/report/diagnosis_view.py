@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ..campaign.quality.suspect import ALL
 from ..diagnosis.diagnose import Diagnosis
 from ..diagnosis.evidence.enough import ANOTHER_LAW, adequate, noise_of_force
@@ -9,6 +11,7 @@ from ..diagnosis.evidence.held_out import contradicted
 from ..diagnosis.faulty.suspects import BY_OTHERS
 from ..diagnosis.search.beyond import NAME
 from ..diagnosis.search.steps import Discovery, Step
+from ..diagnosis.unknown.simulated import curve_of
 from ..fit import Fit
 from ..fit.start_score import mostly_starts
 from ..units import ratio_text
@@ -234,6 +237,15 @@ def sections(found: Diagnosis) -> list[Section]:
     if found.unknown is not None:
         from .figures.unknown import unknown_figure
 
-        picture = draw("The missing term against its coordinates", unknown_figure(found.unknown, device))
+        picture = draw("The missing term against its coordinates", unknown_figure(found.unknown, device, _law(found)))
         parts.append(Section("What the library lacks", found.unknown.sentences, (), (picture,)))
     return parts
+
+
+def _law(found: Diagnosis) -> np.ndarray | None:
+    """The curve of the missing term as the last fit has it, if what was written of it is kept there."""
+    steps, final = found.discovery.steps, found.discovery.final
+    if found.unknown is None or found.effect_file is None or not (steps and steps[-1].added.startswith(NAME)):
+        return None
+    bound = {effect.name: effect for effect in final.model.bind(final.values)[1]}
+    return curve_of(bound[steps[-1].added], found.unknown)

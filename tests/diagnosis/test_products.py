@@ -18,6 +18,7 @@ from ident.diagnosis.linearised.regression import prepare
 from ident.diagnosis.unknown.effect_file import write_effect
 from ident.diagnosis.unknown.find import as_table, find_unknown
 from ident.diagnosis.unknown.products import products
+from ident.diagnosis.unknown.simulated import curve_of
 from ident.diagnosis.unknown.splines import Size
 from ident.effects.registry import registry
 from ident.report.figures.style import png
@@ -109,6 +110,16 @@ def test_what_varies_with_what_and_how(factor: str, tmp_path: Path):
     write_effect(found, path, "varying")
     last = ident.add(ident.fit(campaign(law), effects=()), registry((path,))["varying"])
     assert last.fitted.error_over_noise < 1.05
+
+    effect = last.model.bind(last.values)[1][-1]
+    law = curve_of(effect, found)
+    assert law is not None
+    often = picture.error < 0.03 * height  # elsewhere a formula runs on as it will, which the figure shows
+    off = (law - truth(picture.grids[0]))[often]
+    off -= np.mean(off) if found.product.factor.linear else 0.0
+    assert np.sqrt(np.mean(off**2)) < 0.15 * height
+    drawn = unknown_figure(found, fitted.campaign.device, law)
+    assert [text.get_text() for text in drawn.texts][-2:] == ["as simulated and fitted", "along the measured motion"]
 
 
 def test_many_splines_of_one_coordinate_do_not_hide_a_product():

@@ -13,7 +13,7 @@ from ...diagnosis.unknown.picture import Picture
 from ...diagnosis.unknown.splines import UNITS
 from ...diagnosis.unknown.words import percent, what
 from ..words.quantity import Scale, scale, show
-from .style import FAINT, INK, MODEL, label, new_axes, new_figure
+from .style import FAINT, INK, MODEL, RESIDUAL, key, label, new_axes, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,8 +27,9 @@ _INNER = (
 _NAMES = {"z": "displacement z", "v": "velocity v", "V": "drive V", "dV": "rate of the drive V̇/ω", "t": "time t"}
 
 
-def unknown_figure(unknown: Unknown, device: Device) -> Figure:
-    """What is missing from the model as a function of what it depends on.
+def unknown_figure(unknown: Unknown, device: Device, law: np.ndarray | None = None) -> Figure:
+    """What is missing from the model as a function of what it depends on; `law`: the same curve as a fit has it that
+    simulates what was written from it.
 
     One coordinate gives a curve with a band of two standard errors, and so does a function of one by which another is
     multiplied; two a map with its errors beside it, a memory the loop of a record's last period, a constant its value
@@ -39,7 +40,7 @@ def unknown_figure(unknown: Unknown, device: Device) -> Figure:
     _words(figure, unknown)
     size = float(np.nanmax(np.abs(picture.value)))
     unit = scale(size, picture.unit, device)
-    top = 0.72
+    top = 0.72 if law is None else 0.68
     if picture.kind == "value":
         shown = show(float(picture.value[0]), float(picture.error[0]), picture.unit, device)
         figure.text(0.5, 0.4, str(shown), fontsize=18, color=INK, ha="center")
@@ -52,6 +53,9 @@ def unknown_figure(unknown: Unknown, device: Device) -> Figure:
     else:
         axes = new_axes(figure, 0.11, 0.125, 0.86, top - 0.125)
         _curve(axes, picture, unit, device, _what(unknown, unit), _known(unknown))
+        if law is not None:
+            _simulated(axes, law / unit.factor)
+            key(figure, 0.97, top + 0.075, ("along the measured motion", MODEL), ("as simulated and fitted", RESIDUAL))
     return figure
 
 
@@ -102,6 +106,14 @@ def _curve(axes: Axes, picture: Picture, unit: Scale, device: Device, what: str,
         inner = slice(4, -4)  # at its ends a spline knows little, and would flatten the rest
         axes.set_ylim(float(np.min((value - 2 * error)[inner])), float(np.max((value + 2 * error)[inner])))
     label(axes, words, what, note)
+
+
+def _simulated(axes: Axes, law: np.ndarray) -> None:
+    """The law as its simulation fits it, beside what it was written from."""
+    x = np.asarray(axes.lines[0].get_xdata())
+    axes.plot(x, law, color=RESIDUAL, lw=1.2, ls=(0, (5, 2)))
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, float(np.min(law))), max(high, float(np.max(law))))
 
 
 def _map(

@@ -1,0 +1,51 @@
+"""The curve of a missing law as a fit has it that simulates the law, beside the one along the measured motion.
+
+The two differ where noise of the measured motion bends what is estimated along it: at a kink, and where the records
+seldom were.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ...effects.effect import AbstractEffect, Drive, State
+from .coordinates import absorbed
+from .find import Unknown
+from .picture import Picture
+
+_FAR = 1e6  # SI: where a step has turned, whatever its width
+
+
+def curve_of(effect: AbstractEffect, unknown: Unknown) -> np.ndarray | None:
+    """Values of the effect at the points of the picture, in its unit, less what the model has in its linear terms, of
+    which as much is taken as brings it closest to the picture; None where the picture is no curve over one coordinate.
+
+    **Arguments:** `effect`: written from `unknown`, with its numbers as they were refitted.
+    """
+    picture, product = unknown.picture, unknown.product
+    if picture.kind not in ("curve", "factor"):
+        return None
+    (name,), (axis,) = picture.names, picture.grids
+    place = {name: axis} if product is None else {name: axis, product.by: _FAR}
+    power = 0 if product is None else product.factor.power
+    value = np.broadcast_to(_at(effect, place), axis.shape) / _FAR**power
+    known = absorbed(unknown.side, name) if product is None else product.known(unknown.side)
+    return _closest(value, picture, axis if product is None else np.ones(len(axis))) if known else value
+
+
+def _at(effect: AbstractEffect, place: Mapping[str, np.ndarray | float]) -> np.ndarray:
+    """Force or reading where the coordinates not in `place` are zero."""
+    z, v, V, rate, t = (place.get(name, 0.0) for name in ("z", "v", "V", "dV", "t"))
+    drive = Drive(V, rate, 1.0, 1.0)
+    if effect.acts_on == "drive":
+        return np.asarray(effect.drive((), drive, t))
+    act = effect.sensor if effect.acts_on == "sensor" else effect.force
+    return np.asarray(act(State(z, v), drive, t))
+
+
+def _closest(value: np.ndarray, picture: Picture, line: np.ndarray) -> np.ndarray:
+    """The values with as much of a line as brings them closest to the picture, by its errors."""
+    weight = 1.0 / np.maximum(picture.error, 1e-9 * np.max(picture.error)) ** 2
+    return value + line * np.sum(weight * line * (picture.value - value)) / np.sum(weight * line * line)
