@@ -69,7 +69,7 @@ def walk_on(
         return walk_on(Walked(start), library, report, keep, revised=revised - 1)
 
     asked = revised and not steps and look.worth_it and look.real
-    if asked and (other := other_drive(start, look.regression, report, look.promise)) is not None:
+    if asked and (other := other_drive(start, look.regression, report, look)) is not None:
         return once_more(begun_with(start, other))
     if asked and (form := in_another_form(start, look.regression, library, report)) is not None:
         return once_more(form.fit)

@@ -21,24 +21,27 @@ from ...campaign.record import Trace
 from ...fit import Fit, fit
 from ...pulse import Report
 from ...response.system import assemble
-from ..evidence.criterion import VERY_STRONG, Left, clearly_better, criteria
+from ..evidence.criterion import VERY_STRONG, Left, Weighed, clearly_better, criteria
+from ..evidence.enough import MOST_OF_IT
 from ..linearised.columns import push_columns
 from ..linearised.regression import Regression, by_record, prepare
 from ..linearised.shorten import CRAWLS
 from ..linearised.trajectory import Diverged
+from ..ranking.look import Look
 
 _EDGES = np.arange(-1.0, 2.01, 0.25)  # of drives that jump, in sampling intervals; between them a parabola tells
 _CLOSER = (0.25, 0.1, 0.05)  # sampling intervals between the three through which it is drawn
 
 
 def other_drive(
-    fitted: Fit, regression: Regression, report: Report, promise: float = 0.0, instead_of: Regression | None = None
+    fitted: Fit, regression: Regression, report: Report, look: Look | None = None, instead_of: Regression | None = None
 ) -> Campaign | None:
     """The campaign of a fit with another drive between the samples, if the records clearly ask for it by now; what it
     says itself stays.
 
-    **Arguments:** `regression`: of the fit; `promise`: fall of χ² by an effect that may be added, which the drive must
-    explain as well; `instead_of`: of the fit with one that has been, than which the drive must do no worse.
+    **Arguments:** `regression`: of the fit; `look`: at it, for an effect that may be added, which the drive must
+    explain as well: if it promises less, but most of that, once both are refitted; `instead_of`: of the fit with one
+    that has been, than which the drive must do no worse.
     """
     records = [r for r in fitted.campaign.fitted if _may_be_otherwise(r)]
     if not records or not isinstance(fitted.model.device, Oscillator) or not regression.credible:
@@ -58,14 +61,17 @@ def other_drive(
     *others, _ = criteria([*weighed, here])
     best = int(np.argmin(others))
     edge, drop = edges[best], regression.chi2 - float(left[best] @ left[best])
-    if not clearly_better(weighed[best], here) or drop < promise - VERY_STRONG:
+    promise = 0.0 if look is None else look.promise
+    if not clearly_better(weighed[best], here) or drop < MOST_OF_IT * promise:
         return None
+    rivals: list[Weighed] = [] if instead_of is None else [Left(instead_of.residual, instead_of.numbers)]
+    if look is not None and drop < promise - VERY_STRONG:
+        rivals += [one for one in look.tried if one.possible]
     changed = with_edges(fitted.campaign, edge)
     try:
         shown = fit(fitted.model, with_edges(regression.fit.campaign, edge), initial=fitted.values, most=CRAWLS)
         reached = Left(prepare(shown).residual, numbers(edge))
-        rival = instead_of and Left(instead_of.residual, instead_of.numbers)
-        if not clearly_better(reached, here) or (rival is not None and clearly_better(rival, reached)):
+        if not clearly_better(reached, here) or any(clearly_better(rival, reached) for rival in rivals):
             return None
     except Diverged:
         return None
@@ -81,7 +87,10 @@ def with_edges(campaign: Campaign, edge: float | None) -> Campaign:
 
 
 def _may_be_otherwise(record: object) -> bool:
-    return isinstance(record, Trace) and record.between == "auto" and record.driven
+    """Whether a record does not say itself what its drive is, and where its edges lie is no number of its own."""
+    if not isinstance(record, Trace) or record.between != "auto" or not record.driven:
+        return False
+    return record.edge is None or record.own is None or record.own[0] != "delay"
 
 
 def _left_with(regression: Regression, edges: Sequence[float | None]) -> list[np.ndarray]:

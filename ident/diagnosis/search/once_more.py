@@ -73,4 +73,4 @@ def drive_beside(more: list[Step], current: Fit, look: Look) -> Campaign | None:
             other = None
         if other is not None:
             return other
-    return other_drive(current, look.regression, look.report, look.promise)
+    return other_drive(current, look.regression, look.report, look)

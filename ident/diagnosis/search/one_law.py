@@ -57,7 +57,7 @@ def one_law(look: Look, start: Regression, path: Path, report: Report) -> Writte
     as_much = AS_WELL * max(formula.chi2_per_sample, 1.0) * start.n
     if _said_in_pieces(look, unknown, as_much) or _two_names_do(look, pair, start, as_much, report):
         return None
-    if other_drive(fitted, regression, report, look.promise) is not None:
+    if other_drive(fitted, regression, report, look) is not None:
         return None
     told = _holds(fitted, start, unknown, path, report)
     if told is None:
