@@ -14,13 +14,16 @@ _LITTLE = 0.1  # of what a drive varies by: as a mean it moves a device that far
 _BEGUN, _BEFORE = 1e-4, 10  # of its largest: a drive has begun; samples before it that tell whether anything moves
 _STILL = 8.0  # noise floors from the lowest to the highest of these: of a thousand samples of noise they are 6.5 apart
 _CYCLES = 8  # in the record, of its strongest line: fewer do not average out under the window
+_BLOCK, _FEWEST = 16, 4  # cycles in each of so many parts of a record, in which a mean that falls with the motion shows
+_CLEAR = 4.0  # errors of a mean's fall with the motion: what the window leaves of an oscillation has no more
 
 
 def rest_level(response: np.ndarray) -> float | None:
     """The equilibrium of a ring-down, in the unit of the response (n,); None if the record shows too few cycles of it.
 
     The mean of the second half under a Hann window, which lets less than 1e-3 of an oscillation of four cycles pass. A
-    force law without symmetry shifts the mean of a large motion, hence the later half.
+    force or a sensor without symmetry shifts the mean of a large motion, hence the later half; and where means of
+    shorter parts clearly fall with the square of the motion, they are followed to where that is zero.
 
     Source: F. J. Harris, "On the use of windows for harmonic analysis", Proc. IEEE 66 (1978) 51, §V.
     """
@@ -28,9 +31,24 @@ def rest_level(response: np.ndarray) -> float | None:
     cycles = 1 + int(np.argmax(power[1:]))
     if cycles < _CYCLES:
         return None
-    late = response[len(response) // 2 :]
-    window = np.hanning(len(late) + 2)[1:-1]
-    return float(np.sum(window * late) / np.sum(window))
+    parts = np.array_split(response, cycles // _BLOCK) if cycles >= _FEWEST * _BLOCK else []
+    followed = _without_motion(parts) if parts else None
+    return _mean(response[len(response) // 2 :]) if followed is None else followed
+
+
+def _mean(part: np.ndarray) -> float:
+    return float(np.average(part, weights=np.hanning(len(part) + 2)[1:-1]))
+
+
+def _without_motion(parts: Sequence[np.ndarray]) -> float | None:
+    """The mean of parts of a decay where its motion would be zero; None if it does not clearly change with that."""
+    means = np.array([_mean(part) for part in parts])
+    squares = np.array([_mean((part - mean) ** 2) for part, mean in zip(parts, means, strict=True)])
+    rows = np.stack([np.ones(len(parts)), squares / np.max(squares)], axis=1)
+    found, *_ = np.linalg.lstsq(rows, means, rcond=None)
+    scatter = np.sum((means - rows @ found) ** 2) / (len(parts) - 2)
+    error = np.sqrt(scatter * np.linalg.pinv(rows.T @ rows)[1, 1])
+    return float(found[0]) if abs(found[1]) > _CLEAR * error else None
 
 
 def zero_of(record: Trace) -> float | None:
