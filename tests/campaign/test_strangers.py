@@ -305,6 +305,7 @@ _OSCILLATOR = 'device = {{ kind = "oscillator" }}\n\n[[record]]\nfile = "a.csv"\
         ("t_s,F_N,x_mm", ""),
         ("time (s),wheel pan [mm],body acceleration (g)", 'measures = "acceleration"\n'),
         ("time (s),a_base (m/s2),z (mm)", ""),
+        ("Time (s),Base accel (m/s2),Rel velocity (mm/s)", 'measures = "velocity"\n'),
         ("time (s),amp_out (V),pos (mm)", ""),  # an amplifier's output, which is what goes in
     ],
 )

@@ -66,9 +66,10 @@ _TIME = _words(
 _DRIVE = _words(
     "u, drive, drv, input, excitation, vin, v in, u in, uin, stimulus, command, actuation, drive voltage, source, "
     "drive signal, input voltage, driving voltage, excitation voltage, v drive, drive v, u drive, anregung, "
-    "base acceleration, base motion, base displacement, base velocity, table acceleration, ground acceleration"
+    "base motion, base displacement, base velocity"
 )
 _DRIVE_STRONG = _words("drive, driving, input, excitation, stimulus, command, actuation, actuator, vin, uin, anregung")
+_BENEATH = _words("base, table, ground, floor, foundation, support, mount, shaker")  # whose acceleration drives
 _DRIVE_WEAK = _words(
     "v, voltage, volt, volts, u, spannung, in, source, force, kraft, torque, drehmoment, hammer, shaker, current, strom"
 )
@@ -128,9 +129,16 @@ def claim(column: Column, role: Role) -> int:
     words = re.sub(r"[^a-z0-9]+", " ", (split_convention(stem)[0] or stem).lower()).split()
     if " ".join(words) in role.exact or "".join(words) in role.exact:
         return 3
-    if role.strong.intersection(words):
+    if role.strong.intersection(words) or (role.name in ("drive", "level") and _accelerates(column, words)):
         return 2
     return 1 if role.weak.intersection(words) else 0
+
+
+def _accelerates(column: Column, words: list[str]) -> bool:
+    """Whether a column is the acceleration of what a thing stands on."""
+    unit = find_unit(column.unit) if column.unit else None
+    told = bool({"acceleration", "accel", "acc"}.intersection(words)) if unit is None else unit.dimension == PUSHES[-1]
+    return told and bool(_BENEATH.intersection(words))
 
 
 def _example(roles: tuple[Role, ...], chosen: Mapping[str, Column], table: Table) -> str:
