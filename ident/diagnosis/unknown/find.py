@@ -18,10 +18,11 @@ from ...model import FREQUENCY, QUALITY
 from ..evidence.coloured_noise import chance_of
 from ..linearised.regression import Regression
 from .coordinates import Stage, rows_of
-from .formula import Formula, dictionary, long_formula, tabled, write_formula
+from .formula import Formula, dictionary, long_formula, write_formula
 from .picture import Picture, draw
 from .products import Product
 from .subsets import TRIED, Ranked, dimension, rank, regress, smallest_sufficient, spline_rows
+from .tables import curve, tabled
 from .words import describe, noise_followed
 
 _LACKING = 0.1  # of what another description leaves: one that lacks no more says as much
@@ -43,9 +44,9 @@ class Unknown:
       noise and the number of tries allowed for.
     - `alike`: other sets that explain as much; `others`: the best of the rest.
     - `product`: if it is best said as a function of one coordinate times another.
-    - `picture`: the function with its error; `formula`: in at most three terms, or the table of a product, None if no
-      term helps; `written`: what an effect file is written from, the formula if it says as much as the splines; None if
-      no term says anything.
+    - `picture`: the function with its error; `formula`: in at most three terms, or a table, None if no term helps;
+      `written`: what an effect file is written from, the formula if it says as much as the splines; None if no term
+      says anything.
     - `sentences`: all this in words.
     """
 
@@ -118,6 +119,8 @@ def find_unknown(regression: Regression) -> Unknown:
     rows = spline_rows(regression, stage, side, chosen.blocks)
     solved = regress(rows, regression.residual)
     p = min(1.0, TRIED * chance_of(regression, rows.T @ solved.spread))
+    if len(coordinates) == 1 and coordinates != ("1",) and not (formula and formula.complete):
+        formula = curve(regression, stage, side, coordinates[0], chosen.drop) or formula
     complete = formula is not None and formula.complete
     written = formula if formula and complete else long_formula(regression, stage, side, coordinates, chosen.drop)
     if formula is not None and (written is None or formula.drop >= written.drop):

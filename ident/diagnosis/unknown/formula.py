@@ -36,8 +36,8 @@ class Formula(NamedTuple):
     """A sum of terms.
 
     **Arguments:** `coefficients` and standard `errors`, one per term, SI; `drop` of χ²; `chi2_per_sample` after;
-    `complete`: whether it explains nearly as much as the splines; `text`: "F = −3.1e9 z³"; `tabled`: whether it is the
-    table of a product.
+    `complete`: whether it explains nearly as much as the splines; `text`: "F = −3.1e9 z³"; `tabled`: whether it is a
+    table.
     """
 
     side: Side
@@ -85,7 +85,7 @@ def dictionary(
         terms += remembered(names[0], ranges[names[0]], regression.fit.scales.period)
     elif product is None and len(names) == 2:
         terms += paired(names[0], names[1])
-    found = _measured(regression, stage, side, terms)
+    found = measured(regression, stage, side, terms)
     for inside in (*[_within] * _FINER, _at_top):
         found = _between(regression, stage, side, found, inside)
     return found
@@ -103,7 +103,7 @@ def _between(
         best = by_value[values[np.argmax(drops)]]
         new = [x for x in inside(values, drops) if not np.any(np.isclose(x, values, atol=0.0))]
         more += [again(float(x)) for x in new for i in best if (again := coarse.terms[i].again) is not None]
-    found = _measured(regression, stage, side, more) if more else coarse._replace(terms=())
+    found = measured(regression, stage, side, more) if more else coarse._replace(terms=())
     rows, lengths = (np.concatenate(pair) for pair in ((coarse.rows, found.rows), (coarse.lengths, found.lengths)))
     return Dictionary((*coarse.terms, *found.terms), rows, lengths) if found.terms else coarse
 
@@ -135,7 +135,8 @@ def _at_top(values: np.ndarray, drops: np.ndarray) -> np.ndarray:
     return values[best] * np.exp(np.clip(-slope / (2 * bend), x[0], x[2]))[None] if bend < 0 else np.zeros(0)
 
 
-def _measured(regression: Regression, stage: Stage, side: Side, terms: Sequence[Term]) -> Dictionary:
+def measured(regression: Regression, stage: Stage, side: Side, terms: Sequence[Term]) -> Dictionary:
+    """Terms with their rows, without those of which the model absorbs all."""
     raw = rows_of(regression, stage, side, lambda place: np.stack([term.value(place) for term in terms]))
     lengths = np.linalg.norm(raw, axis=1)
     rows = regression.project(raw / np.maximum(lengths, 1e-300)[:, None])
@@ -153,7 +154,7 @@ def write_formula(
     if not words.terms:
         return None
     gram, along = words.rows @ words.rows.T, words.rows @ regression.residual
-    goal = _goal(regression, spline_drop)
+    enough = goal(regression, spline_drop)
     together = [own for by_value in _by_number(words).values() for own in by_value.values() if len(own) == 2]
     known: list[dict[tuple[int, ...], float]] = [{} for _ in range(longest + 1)]  # by the number of terms
     beam = reached = [(0.0, ())]
@@ -165,15 +166,15 @@ def write_formula(
             break
         if _worth(regression, beam[0], reached[0], len(words.terms), longest):
             beam = reached
-        if beam[0][0] >= goal:
+        if beam[0][0] >= enough:
             break
     same = beam[0][0] - _BARELY * regression.n
     numbers = lambda chosen: sum(words.terms[i].number is not None for i in chosen)
     plainest = min((chosen for drop, chosen in beam if drop >= same), key=numbers)
-    return fitted(regression, stage, side, words, plainest, goal) if plainest else None
+    return fitted(regression, stage, side, words, plainest, enough) if plainest else None
 
 
-def _goal(regression: Regression, spline_drop: float) -> float:
+def goal(regression: Regression, spline_drop: float) -> float:
     """The fall of χ² from which a formula says as much as the splines, which may follow noise, too."""
     spline_drop = min(spline_drop, max(regression.chi2 - regression.n, 0.0))
     left = max(regression.chi2 - spline_drop, float(regression.n))
@@ -218,9 +219,9 @@ def _worth(regression: Regression, before: _Beginning, after: _Beginning, choice
 
 
 def fitted(
-    regression: Regression, stage: Stage, side: Side, words: Dictionary, chosen: Sequence[int], goal: float
+    regression: Regression, stage: Stage, side: Side, words: Dictionary, chosen: Sequence[int], enough: float
 ) -> Formula:
-    """The formula of given terms, by least squares."""
+    """The formula of given terms, by least squares; `enough`: the fall of χ² from which it is complete."""
     picked = list(chosen)
     solved = regress(words.rows[picked], regression.residual)
     after = (regression.chi2 - solved.drop) / regression.n
@@ -230,7 +231,7 @@ def fitted(
     terms = tuple(words.terms[i] for i in picked)
     coefficients = solved.coefficients * scale
     text = _text(side, terms, coefficients)
-    return Formula(side, terms, coefficients, errors, solved.drop, after, solved.drop >= goal, text)
+    return Formula(side, terms, coefficients, errors, solved.drop, after, solved.drop >= enough, text)
 
 
 def long_formula(
@@ -242,36 +243,18 @@ def long_formula(
     """
     words = dictionary(regression, stage, side, coordinates)
     if len(coordinates) == 2 and "history" not in coordinates:
-        words = _measured(regression, stage, side, [*words.terms, *paired(*coordinates, degree=7)])
+        words = measured(regression, stage, side, [*words.terms, *paired(*coordinates, degree=7)])
     found = write_formula(regression, stage, side, words, spline_drop, _LONGEST)
     name = coordinates[0]
     if found is None and words.terms:
         found = fitted(regression, stage, side, words, [0], np.inf)
     if len(coordinates) > 1 or name == "1":
         return found
-    words = _measured(regression, stage, side, table(name, stage.ranges(side)[name], gauge=absorbed(side, name)))
+    words = measured(regression, stage, side, table(name, stage.ranges(side)[name], gauge=absorbed(side, name)))
     if not words.terms:
         return found
-    curve = fitted(regression, stage, side, words, range(len(words.terms)), _goal(regression, spline_drop))
+    curve = fitted(regression, stage, side, words, range(len(words.terms)), goal(regression, spline_drop))
     return found if found is not None and found.drop > curve.drop else curve
-
-
-def tabled(regression: Regression, stage: Stage, side: Side, product: Product, spline_drop: float) -> Formula | None:
-    """A product with its function as a table; None if the model absorbs all of it."""
-    ranges, seen = stage.ranges(side), stage.modelled if side == "sensor" else stage.moved
-    words = _measured(regression, stage, side, product.table(side, ranges, seen))
-    if not words.terms:
-        return None
-    found = fitted(regression, stage, side, words, range(len(words.terms)), _goal(regression, spline_drop))
-    grid = np.linspace(*ranges[product.of].mostly, 99)
-    place = {product.of: grid, product.by: np.full_like(grid, ranges[product.by].largest)}
-    factor = product.scale(ranges) * product.height
-    law = found.coefficients @ np.stack([term.value(place) for term in found.terms]) / factor
-    least, most = (number(float(x)).replace("-", "−") for x in (law.min(), law.max()))
-    text = f"{'reading = z +' if side == 'sensor' else 'F ='} {found.terms[0].law}, g from {least} to {most}"
-    if product.known(side):
-        text += " beside the model's own"
-    return found._replace(text=text, tabled=True)
 
 
 def _text(side: Side, terms: Sequence[Term], coefficients: np.ndarray) -> str:
