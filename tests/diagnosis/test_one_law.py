@@ -8,6 +8,7 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
+import pytest
 from scipy.integrate import solve_ivp
 
 from experiments.hidden_effects.campaigns import campaign_of
@@ -17,7 +18,10 @@ from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.trust import checksum
 from ident.diagnosis.diagnose import diagnose, discover
-from ident.diagnosis.search.one_law import says_more
+from ident.diagnosis.search.one_law import said_in_pieces, says_more
+from ident.effects.dependence import depends_on
+from ident.effects.effect import Drive, State
+from ident.effects.registry import registry
 
 OMEGA, Q, LIMIT = 2 * np.pi * 40.0, 3.0, 2.5
 VOLT, METRE = Channel("V", 1.0), Channel("m", 1.0)
@@ -68,6 +72,35 @@ def test_names_whose_promise_falls_short_by_its_own_error_are_tried(tmp_path: Pa
     found = discover(campaign_of(case), effect_file=tmp_path / "law.py")
     assert {step.added for step in found.discovery.steps} == {"sensor-nonlinearity", "sensor-offset"}
     assert found.final.fitted.error_over_noise < 1.05
+
+
+def test_a_curve_that_no_short_formula_says_is_kept_as_a_table(tmp_path: Path):
+    """A pendulum beside a magnet: its kink was described along the motion, and no simulation had it."""
+    kink = lambda z: z + 0.4 * (z - 0.08) * np.exp(-0.5 * ((z - 0.08) / 0.025) ** 2)
+    found = discover(campaign(lambda u: u, kink), effect_file=tmp_path / "law.py")
+    assert found.verdict == "not-in-library" and found.final.fitted.error_over_noise < 1.05
+    assert found.unknown is not None and (found.unknown.side, found.unknown.coordinates) == ("force", ("z",))
+    assert found.unknown.formula is not None and found.unknown.formula.tabled
+    law = found.final.model.bind(found.final.values)[1][-1]
+    place = lambda z: law.force(State(z, 0.0), Drive(0.0, 0.0, 1.0, 1.0), 0.0)
+    assert place(1.0) == pytest.approx(place(2.0))  # beyond the motion it goes on level
+
+
+def test_many_effects_together_mimic_any_law():
+    """A bump in a damper was said to be in the library, in pieces: a dozen damping laws span it, and four of them were
+    named one after the other. Two that do it are its names, and so are three with no more numbers than the law has."""
+    effects = registry()
+    names = [name for name, law in effects.items() if depends_on(law()) == ("force", ("v",))]
+    pieces = [
+        SimpleNamespace(name=names[k], dof=1, signature=np.eye(3, 100)[k : k + 1], near_signatures=()) for k in range(3)
+    ]
+    left = np.array([30.0, 20.0, 10.0] + 97 * [1.0])
+    start = SimpleNamespace(residual=left, chi2=float(left @ left), n=100, above_noise=1.0)
+    look = cast(Any, SimpleNamespace(regression=start, candidates=pieces, library=effects))
+    formula = lambda numbers: SimpleNamespace(numbers=numbers)
+    law = lambda n: cast(Any, SimpleNamespace(side="force", coordinates=("z", "v"), formula=formula(n)))
+    assert said_in_pieces(look, law(2), as_much=200.0) and said_in_pieces(look, law(3), as_much=100.0)
+    assert not said_in_pieces(look, law(2), as_much=100.0)
 
 
 def test_a_law_is_simulated_that_says_most_of_what_names_leave():

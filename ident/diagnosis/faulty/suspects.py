@@ -26,7 +26,7 @@ from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG, Left, behind, criteria
 from ..evidence.enough import ANOTHER_LAW, MOST_OF_IT
 from ..linearised.regression import Regression, prepare
-from ..linearised.shorten import is_long
+from ..linearised.shorten import is_long, one_stretch_each
 from ..linearised.trajectory import Diverged
 from ..ranking.look import Look, first_look
 from .faults import (
@@ -58,10 +58,13 @@ def find_suspects(fitted: Fit, look: Callable[[], Look], report: Report = lambda
     """The suspect records of a fit's campaign: what the data alone tell, and what the records tell of one another;
     `look`: what the library says of the fit, if it is asked."""
     alone = suspects_by_data(fitted.campaign)
-    if not _disagree(fitted) or is_long(fitted.campaign):
+    if not _disagree(fitted):
         return alone
     report("do the records agree with one another?")
-    others = _by_others(fitted, look())
+    seen, asked = one_stretch_each(fitted), look()
+    if seen is not fitted:
+        asked = first_look(seen, asked.library, asked.report)
+    others = _by_others(seen, asked)
     said = {(one.file, one.kind) for one in others}
     return (*(one for one in alone if (one.file, one.kind) not in said), *others)
 

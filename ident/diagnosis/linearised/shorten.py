@@ -65,6 +65,20 @@ def shortened(campaign: Campaign) -> Campaign:
     return replace(campaign, records=tuple(records))
 
 
+def one_stretch_each(fitted: Fit) -> Fit:
+    """The model fitted to one stretch of each fitted record, where that moves most; the fit itself if its records are
+    short. Of records that may be faulty two stretches of one would bear each other out."""
+    if not is_long(fitted.campaign):
+        return fitted
+    spans = [_moving(record) for record in fitted.campaign.fitted]
+    lengths = _shares([stop - first for first, stop in spans])
+    records = []
+    for record, span, length in zip(fitted.campaign.fitted, spans, lengths, strict=True):
+        sizes = _sizes(record, span, length)
+        records.append(_part(record, max(sizes, key=lambda i: sizes[i]), length))
+    return fit(fitted.model, replace(fitted.campaign, records=tuple(records)), initial=fitted.values, most=CRAWLS)
+
+
 def _moving(record: Trace) -> tuple[int, int]:
     """The stretch of the counted samples in which the device moves: a lab may wait long before it drives."""
     counted = record.response[record.skip :]

@@ -55,7 +55,7 @@ def one_law(look: Look, start: Regression, path: Path, report: Report) -> Writte
         return None
     # What a formula of kinks leaves along a motion with noise, names of the same law leave too.
     as_much = AS_WELL * max(formula.chi2_per_sample, 1.0) * start.n
-    if _said_in_pieces(look, unknown, as_much) or _two_names_do(look, pair, start, as_much, report):
+    if said_in_pieces(look, unknown, as_much) or _two_names_do(look, pair, start, as_much, report):
         return None
     if other_drive(fitted, regression, report, look) is not None:
         return None
@@ -122,16 +122,26 @@ def _two_names_do(look: Look, pair: Pair | None, start: Regression, as_much: flo
     return found is not None and adequate(found[1])
 
 
-def _said_in_pieces(look: Look, unknown: Unknown, as_much: float) -> bool:
-    """Whether the effects that depend on nothing else than a law, and act where it does, explain `as_much` together."""
+def said_in_pieces(look: Look, unknown: Unknown, as_much: float) -> bool:
+    """Whether effects that depend on nothing else than a law, and act where it does, explain `as_much` together: the
+    two that do most, or more of them with no more numbers than the law has. A dozen mimic any function."""
     regression, own = look.regression, set(unknown.coordinates)
-    rows = []
+    pieces = []
     for candidate in look.candidates:
         law = depends_on(look.library[candidate.name]())
         if law is not None and law[0] == unknown.side and set(law[1]) <= own:
-            rows += [candidate.signature, *candidate.near_signatures]
-    if not rows:
-        return False
-    basis = orthonormal(np.concatenate(rows))
-    left = regression.residual - basis @ (basis.T @ regression.residual)
-    return float(left @ left) < as_much or as_good_as_named(float(left @ left), regression)
+            pieces.append((candidate.dof, np.concatenate([candidate.signature, *candidate.near_signatures])))
+    left, spent, said = regression.residual, 0, float(regression.chi2)
+    for count in range(len(pieces)):
+        drops = [float(np.sum((orthonormal(rows).T @ left) ** 2)) for _, rows in pieces]
+        numbers, taken = pieces.pop(int(np.argmax(drops)))
+        spent += numbers
+        if count >= 2 and (unknown.formula is None or spent > unknown.formula.numbers):
+            return False
+        basis = orthonormal(taken)
+        left = left - basis @ (basis.T @ left)
+        pieces = [(dof, rows - (rows @ basis) @ basis.T) for dof, rows in pieces]
+        said = float(left @ left)
+        if said < as_much or as_good_as_named(said, regression):
+            return True
+    return False

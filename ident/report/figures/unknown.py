@@ -24,6 +24,7 @@ _SHADE = "#c9dcea"  # two standard errors around the curve
 _INNER = (
     97  # per cent of a map that its colours tell apart: at its edges a spline knows little, and would pale the rest
 )
+_VAGUE = 8.0  # times the usual error of a curve
 _NAMES = {"z": "displacement z", "v": "velocity v", "V": "drive V", "dV": "rate of the drive V̇/ω", "t": "time t"}
 
 
@@ -103,8 +104,8 @@ def _curve(axes: Axes, picture: Picture, unit: Scale, device: Device, what: str,
     axes.axhline(0, color=FAINT, lw=0.6)
     axes.set_xlim(float(np.min(x)), float(np.max(x)))
     if picture.kind != "loop":
-        inner = slice(4, -4)  # at its ends a spline knows little, and would flatten the rest
-        axes.set_ylim(float(np.min((value - 2 * error)[inner])), float(np.max((value + 2 * error)[inner])))
+        sure = error <= _VAGUE * np.median(error)  # at its ends a spline knows little, and would flatten the rest
+        axes.set_ylim(float(np.min((value - 2 * error)[sure])), float(np.max((value + 2 * error)[sure])))
     label(axes, words, what, note)
 
 
