@@ -72,7 +72,7 @@ def run(seed: int, fault: str, hidden: int, walk: bool = False) -> dict[str, Any
         told = {"verdict": diagnosis.verdict, "named": named, "truth": effects}
         told["wrong_physics"] = diagnosis.verdict == "identified" and set(named) != set(effects)
     else:
-        suspects, told = find_suspects(found, lambda: first_look(found, registry(), lambda _: None)), {}
+        suspects, told = find_suspects(found, lambda one: first_look(one, registry(), lambda _: None)), {}
     named = [s for s in suspects if s.kind in _BY_OTHERS or s.kind in EXPECTED.get(fault, ()) or fault == "none"]
     right = any(s.file == f"{faulty}.csv" and s.kind in EXPECTED.get(fault, ()) for s in named)
     return {

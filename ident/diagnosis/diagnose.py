@@ -158,7 +158,7 @@ def _answered(
     regression = prepare(working(fitted))
     where = locate(regression, fitted)
     look = first_look(fitted, library, report)
-    suspects = find_suspects(fitted, lambda: look, report)
+    suspects = find_suspects(fitted, lambda one: look if one is fitted else first_look(one, library, report), report)
     first = [suspect for suspect in suspects if suspect.first]
     faulty = any(suspect.settles for suspect in first)  # else it may be the worst of several that each have a number
     if first and not faulty and find_unknown(regression).chi2_after < AS_WELL:

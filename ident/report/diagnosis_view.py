@@ -245,7 +245,8 @@ def sections(found: Diagnosis) -> list[Section]:
 def _law(found: Diagnosis) -> np.ndarray | None:
     """The curve of the missing term as the last fit has it, if what was written of it is kept there."""
     steps, final = found.discovery.steps, found.discovery.final
-    if found.unknown is None or found.effect_file is None or not (steps and steps[-1].added.startswith(NAME)):
+    kept = found.effect_file in final.campaign.effect_files and steps and steps[-1].added.startswith(NAME)
+    if found.unknown is None or not kept:
         return None
     bound = {effect.name: effect for effect in final.model.bind(final.values)[1]}
     return curve_of(bound[steps[-1].added], found.unknown)

@@ -69,3 +69,12 @@ def test_a_level_is_followed_to_where_nothing_moves():
     noise = 0.004 * rng.normal(size=len(t))
     plain, bent = rest_level(z + OFFSET + noise), rest_level(z + 0.011 * z**2 + OFFSET + noise)
     assert plain == pytest.approx(OFFSET, abs=5e-4) and bent == pytest.approx(OFFSET, abs=5e-4)
+
+
+@pytest.mark.parametrize("lasting", [1.0, 0.5])
+def test_a_level_is_not_followed_from_far_away(lasting: float):
+    """Where the motion lasts, a drift of the mean that is none of its own leads anywhere."""
+    rng, t = np.random.default_rng(4), np.arange(12000) / 600.0
+    z = 4.0 * np.exp(np.log(lasting) * t / t[-1]) * np.cos(2 * np.pi * 38.2 * t)
+    drift = 0.01 * np.cumsum(rng.normal(size=len(t))) / np.sqrt(len(t))
+    assert rest_level(z + drift + 0.004 * rng.normal(size=len(t))) == pytest.approx(0.0, abs=0.02)

@@ -306,6 +306,9 @@ _OSCILLATOR = 'device = {{ kind = "oscillator" }}\n\n[[record]]\nfile = "a.csv"\
         ("time (s),wheel pan [mm],body acceleration (g)", 'measures = "acceleration"\n'),
         ("time (s),a_base (m/s2),z (mm)", ""),
         ("Time (s),Base accel (m/s2),Rel velocity (mm/s)", 'measures = "velocity"\n'),
+        ("t (s),Hammer force (N),Floor accel (g)", 'measures = "acceleration"\n'),
+        ("t (s),Motor current (A),Mount acceleration (m/s2)", 'measures = "acceleration"\n'),
+        ("t (s),Base acceleration (m/s2),Floor acceleration (m/s2)", 'measures = "acceleration"\n'),
         ("time (s),amp_out (V),pos (mm)", ""),  # an amplifier's output, which is what goes in
     ],
 )

@@ -97,10 +97,12 @@ def test_many_effects_together_mimic_any_law():
     left = np.array([30.0, 20.0, 10.0] + 97 * [1.0])
     start = SimpleNamespace(residual=left, chi2=float(left @ left), n=100, above_noise=1.0)
     look = cast(Any, SimpleNamespace(regression=start, candidates=pieces, library=effects))
-    formula = lambda numbers: SimpleNamespace(numbers=numbers)
-    law = lambda n: cast(Any, SimpleNamespace(side="force", coordinates=("z", "v"), formula=formula(n)))
+    formula = lambda numbers, tabled: SimpleNamespace(numbers=numbers, tabled=tabled)
+    law = lambda n, tabled=False: cast(
+        Any, SimpleNamespace(side="force", coordinates=("z", "v"), formula=formula(n, tabled))
+    )
     assert said_in_pieces(look, law(2), as_much=200.0) and said_in_pieces(look, law(3), as_much=100.0)
-    assert not said_in_pieces(look, law(2), as_much=100.0)
+    assert not said_in_pieces(look, law(2), as_much=100.0) and not said_in_pieces(look, law(24, True), as_much=100.0)
 
 
 def test_a_law_is_simulated_that_says_most_of_what_names_leave():

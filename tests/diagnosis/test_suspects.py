@@ -51,7 +51,7 @@ def clean() -> Campaign:
 
 
 def suspects_of(fitted: Fit) -> tuple[Suspect, ...]:
-    return find_suspects(fitted, lambda: first_look(fitted, registry(), lambda _: None))
+    return find_suspects(fitted, lambda one: first_look(one, registry(), lambda _: None))
 
 
 def late(record: Trace) -> np.ndarray:

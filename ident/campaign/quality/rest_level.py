@@ -14,8 +14,9 @@ _LITTLE = 0.1  # of what a drive varies by: as a mean it moves a device that far
 _BEGUN, _BEFORE = 1e-4, 10  # of its largest: a drive has begun; samples before it that tell whether anything moves
 _STILL = 8.0  # noise floors from the lowest to the highest of these: of a thousand samples of noise they are 6.5 apart
 _CYCLES = 8  # in the record, of its strongest line: fewer do not average out under the window
-_BLOCK, _FEWEST = 16, 4  # cycles in each of so many parts of a record, in which a mean that falls with the motion shows
-_CLEAR = 4.0  # errors of a mean's fall with the motion: what the window leaves of an oscillation has no more
+_BLOCK, _FEWEST = 16, 8  # cycles in each of so many parts of a record, in which a mean that falls with the motion shows
+_CLEAR = 4.0  # errors of a mean's fall with the motion: of eight parts chance makes so many in one record of 150
+_DIED = 0.2  # of the square of the motion: where more is left at the end, the way to where it is zero is too far
 
 
 def rest_level(response: np.ndarray) -> float | None:
@@ -41,10 +42,13 @@ def _mean(part: np.ndarray) -> float:
 
 
 def _without_motion(parts: Sequence[np.ndarray]) -> float | None:
-    """The mean of parts of a decay where its motion would be zero; None if it does not clearly change with that."""
+    """The mean of parts of a decay where its motion would be zero; None if that is far from there, or the mean does not
+    clearly change with it."""
     means = np.array([_mean(part) for part in parts])
     squares = np.array([_mean((part - mean) ** 2) for part, mean in zip(parts, means, strict=True)])
     rows = np.stack([np.ones(len(parts)), squares / np.max(squares)], axis=1)
+    if np.min(squares) > _DIED * np.max(squares):
+        return None
     found, *_ = np.linalg.lstsq(rows, means, rcond=None)
     scatter = np.sum((means - rows @ found) ** 2) / (len(parts) - 2)
     error = np.sqrt(scatter * np.linalg.pinv(rows.T @ rows)[1, 1])

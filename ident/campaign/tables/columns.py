@@ -66,10 +66,12 @@ _TIME = _words(
 _DRIVE = _words(
     "u, drive, drv, input, excitation, vin, v in, u in, uin, stimulus, command, actuation, drive voltage, source, "
     "drive signal, input voltage, driving voltage, excitation voltage, v drive, drive v, u drive, anregung, "
-    "base motion, base displacement, base velocity"
+    "base acceleration, base motion, base displacement, base velocity, table acceleration, ground acceleration"
 )
 _DRIVE_STRONG = _words("drive, driving, input, excitation, stimulus, command, actuation, actuator, vin, uin, anregung")
-_BENEATH = _words("base, table, ground, floor, foundation, support, mount, shaker")  # whose acceleration drives
+_BENEATH = _words(
+    "base, table, ground"
+)  # whose acceleration drives; that of a floor or a mount is as often what answers
 _DRIVE_WEAK = _words(
     "v, voltage, volt, volts, u, spannung, in, source, force, kraft, torque, drehmoment, hammer, shaker, current, strom"
 )

@@ -54,17 +54,20 @@ _SURE, LIKELY = 0.95, 0.9
 """Of suspects that settle everything down to the noise, and of the others; see experiments/faulty_records."""
 
 
-def find_suspects(fitted: Fit, look: Callable[[], Look], report: Report = lambda _: None) -> tuple[Suspect, ...]:
-    """The suspect records of a fit's campaign: what the data alone tell, and what the records tell of one another;
-    `look`: what the library says of the fit, if it is asked."""
+def find_suspects(fitted: Fit, look: Callable[[Fit], Look], report: Report = lambda _: None) -> tuple[Suspect, ...]:
+    """The suspect records of a fit's campaign: what the data alone tell, and what the records tell of one another, long
+    ones by a stretch of each; `look`: what the library says of a fit, if it is asked."""
     alone = suspects_by_data(fitted.campaign)
     if not _disagree(fitted):
         return alone
     report("do the records agree with one another?")
-    seen, asked = one_stretch_each(fitted), look()
+    try:
+        seen = one_stretch_each(fitted)
+        others = _by_others(seen, look(seen))
+    except Diverged:  # a stretch of its motion has no bound
+        return alone
     if seen is not fitted:
-        asked = first_look(seen, asked.library, asked.report)
-    others = _by_others(seen, asked)
+        others = [replace(one, says=f"{one.says}, in a stretch of each record") for one in others]
     said = {(one.file, one.kind) for one in others}
     return (*(one for one in alone if (one.file, one.kind) not in said), *others)
 
@@ -116,7 +119,7 @@ def judged_again(suspects: tuple[Suspect, ...], final: Fit, report: Report) -> t
     stays = lambda one: not (one.kind == "drift" and one.file in followed)
     alone = tuple(one for one in suspects if one.kind not in BY_OTHERS and stays(one))
     names = {one.file for one in alone}
-    again = find_suspects(final, lambda: first_look(final, {}, lambda _: None), report)
+    again = find_suspects(final, lambda one: first_look(one, {}, lambda _: None), report)
     return alone + tuple(one for one in again if one.file not in names and stays(one))
 
 

@@ -66,8 +66,9 @@ def shortened(campaign: Campaign) -> Campaign:
 
 
 def one_stretch_each(fitted: Fit) -> Fit:
-    """The model fitted to one stretch of each fitted record, where that moves most; the fit itself if its records are
-    short. Of records that may be faulty two stretches of one would bear each other out."""
+    """The model fitted to one stretch of each fitted record, where that moves most, beside the held-out ones and
+    without sweeps; the fit itself if its records are short. Of records that may be faulty two stretches of one would
+    bear each other out."""
     if not is_long(fitted.campaign):
         return fitted
     spans = [_moving(record) for record in fitted.campaign.fitted]
@@ -76,7 +77,8 @@ def one_stretch_each(fitted: Fit) -> Fit:
     for record, span, length in zip(fitted.campaign.fitted, spans, lengths, strict=True):
         sizes = _sizes(record, span, length)
         records.append(_part(record, max(sizes, key=lambda i: sizes[i]), length))
-    return fit(fitted.model, replace(fitted.campaign, records=tuple(records)), initial=fitted.values, most=CRAWLS)
+    told = replace(fitted.campaign, records=(*records, *(r for r in fitted.campaign.traces if r.holdout)))
+    return fit(fitted.model, told, initial=fitted.values, most=CRAWLS)
 
 
 def _moving(record: Trace) -> tuple[int, int]:

@@ -62,16 +62,20 @@ def other_drive(
     best = int(np.argmin(others))
     edge, drop = edges[best], regression.chi2 - float(left[best] @ left[best])
     promise = 0.0 if look is None else look.promise
-    if not clearly_better(weighed[best], here) or drop < MOST_OF_IT * promise:
+    if not clearly_better(weighed[best], here) or drop < min(MOST_OF_IT * promise, promise - VERY_STRONG):
         return None
-    rivals: list[Weighed] = [] if instead_of is None else [Left(instead_of.residual, instead_of.numbers)]
+    rivals: list[Weighed] = []
     if look is not None and drop < promise - VERY_STRONG:
         rivals += [one for one in look.tried if one.possible]
     changed = with_edges(fitted.campaign, edge)
     try:
         shown = fit(fitted.model, with_edges(regression.fit.campaign, edge), initial=fitted.values, most=CRAWLS)
-        reached = Left(prepare(shown).residual, numbers(edge))
-        if not clearly_better(reached, here) or any(clearly_better(rival, reached) for rival in rivals):
+        there = prepare(shown)
+        reached, simulated = Left(there.residual, numbers(edge)), Left(there.left, numbers(edge))
+        second = instead_of and Left(instead_of.residual, instead_of.numbers)
+        if not clearly_better(reached, here) or (second is not None and clearly_better(second, reached)):
+            return None
+        if any(clearly_better(rival, simulated) for rival in rivals):
             return None
     except Diverged:
         return None

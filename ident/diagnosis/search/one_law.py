@@ -124,23 +124,26 @@ def _two_names_do(look: Look, pair: Pair | None, start: Regression, as_much: flo
 
 def said_in_pieces(look: Look, unknown: Unknown, as_much: float) -> bool:
     """Whether effects that depend on nothing else than a law, and act where it does, explain `as_much` together: the
-    two that do most, or more of them with no more numbers than the law has. A dozen mimic any function."""
+    best one and the best beside it, or more of them with no more numbers than its formula has. A dozen mimic any
+    function, and a table has as many numbers as they need."""
     regression, own = look.regression, set(unknown.coordinates)
     pieces = []
     for candidate in look.candidates:
         law = depends_on(look.library[candidate.name]())
         if law is not None and law[0] == unknown.side and set(law[1]) <= own:
-            pieces.append((candidate.dof, np.concatenate([candidate.signature, *candidate.near_signatures])))
-    left, spent, said = regression.residual, 0, float(regression.chi2)
+            rows = np.concatenate([candidate.signature, *candidate.near_signatures])
+            pieces.append((candidate.dof, rows, rows))
+    left, spent, formula = regression.residual, 0, unknown.formula
+    most = 0 if formula is None or formula.tabled else formula.numbers
     for count in range(len(pieces)):
-        drops = [float(np.sum((orthonormal(rows).T @ left) ** 2)) for _, rows in pieces]
-        numbers, taken = pieces.pop(int(np.argmax(drops)))
-        spent += numbers
-        if count >= 2 and (unknown.formula is None or spent > unknown.formula.numbers):
+        spans = [orthonormal(rows, whole) for _, rows, whole in pieces]
+        best = int(np.argmax([float(np.sum((span.T @ left) ** 2)) for span in spans]))
+        basis = spans[best]
+        spent += pieces.pop(best)[0]
+        if count >= 2 and spent > most:
             return False
-        basis = orthonormal(taken)
         left = left - basis @ (basis.T @ left)
-        pieces = [(dof, rows - (rows @ basis) @ basis.T) for dof, rows in pieces]
+        pieces = [(dof, rows - (rows @ basis) @ basis.T, whole) for dof, rows, whole in pieces]
         said = float(left @ left)
         if said < as_much or as_good_as_named(said, regression):
             return True

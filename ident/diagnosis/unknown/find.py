@@ -85,7 +85,8 @@ class Unknown:
     def told(self) -> bool:
         """Whether a short formula or a product says it, or at least no other coordinates explain the same: else it is
         one of many descriptions, and no law."""
-        return (self.formula is not None and self.formula.complete) or not self.alike
+        short = self.formula is not None and self.formula.complete and (not self.formula.tabled or self.product)
+        return bool(short) or not self.alike
 
     @property
     def dimension(self) -> int:
@@ -131,7 +132,8 @@ def find_unknown(regression: Regression) -> Unknown:
     before = regression.chi2 / regression.n
     found = Unknown(side, coordinates, chosen.drop, chosen.dof, chosen.share, before, chosen.chi2_per_sample, p, alike,
                     others, picture, formula, written, (), chosen.product)  # fmt: skip
-    if formula is not None and formula.chi2_per_sample < chosen.chi2_per_sample and before > 1.0:
+    spline = formula is not None and formula.tabled and chosen.product is None  # and says no more than those do
+    if formula is not None and not spline and formula.chi2_per_sample < chosen.chi2_per_sample and before > 1.0:
         # It has the law's own shape, and splines of two coordinates are few: what they leave is no measure.
         least = _as_much(regression, formula.drop)
         alike = tuple(one for one in alike if one.drop - one.dof > least)

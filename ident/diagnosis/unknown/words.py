@@ -75,7 +75,8 @@ def _formula(found: Unknown) -> list[str]:
         return ["No simple term describes it."]
     share = percent(found.explained(found.formula))
     if found.formula.complete:
-        return [f"In a formula (SI): {found.formula.text}, which explains {share}."]
+        lead = "As a table" if found.formula.tabled else "In a formula"
+        return [f"{lead} (SI): {found.formula.text}, which explains {share}."]
     longer = percent(found.explained(found.written))
     terms = len(found.written.terms)
     return [f"No short formula says as much: {found.formula.text} explains {share}, {terms} terms {longer}."]
