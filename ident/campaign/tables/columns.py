@@ -69,9 +69,7 @@ _DRIVE = _words(
     "base acceleration, base motion, base displacement, base velocity, table acceleration, ground acceleration"
 )
 _DRIVE_STRONG = _words("drive, driving, input, excitation, stimulus, command, actuation, actuator, vin, uin, anregung")
-_BENEATH = _words(
-    "base, table, ground"
-)  # whose acceleration drives; that of a floor or a mount is as often what answers
+_BENEATH = _words("base, table, ground")  # whose acceleration drives; a floor or a mount as often answers
 _DRIVE_WEAK = _words(
     "v, voltage, volt, volts, u, spannung, in, source, force, kraft, torque, drehmoment, hammer, shaker, current, strom"
 )

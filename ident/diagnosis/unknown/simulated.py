@@ -20,8 +20,8 @@ _FAR = 1e6  # SI: where a step has turned, whatever its width
 
 def curve_of(effect: AbstractEffect, unknown: Unknown) -> np.ndarray | None:
     """Values of the effect at the points of the picture, in its unit, less what the model has in its linear terms, of
-    which as much is taken as brings it closest to the picture; None where the picture is no curve over one coordinate, or the
-    effect is not what it shows.
+    which as much is taken as brings it closest to the picture; None where the picture is no curve over one coordinate,
+    or the effect is not what it shows.
 
     **Arguments:** `effect`: written from `unknown`, with its numbers as they were refitted.
     """
