@@ -13,7 +13,7 @@ import pytest
 
 from ident.campaign.device import Oscillator
 from ident.diagnosis.unknown.effect_file import effect_source
-from ident.diagnosis.unknown.formula import Formula, _goal
+from ident.diagnosis.unknown.formula import Formula, goal
 from ident.diagnosis.unknown.splines import Size, plays, relaxed, sharp, splines
 from ident.diagnosis.unknown.terms import Term, monomial, paired, remembered, single, table
 from ident.effects.dependence import Side
@@ -42,8 +42,8 @@ def at(k: int) -> dict[str, float]:
 def test_a_formula_need_not_follow_the_noise_that_splines_follow() -> None:
     """|z| left the noise floor, a table of twenty terms nine tenths of it: "no short formula says as much"."""
     regression: Any = SimpleNamespace(chi2=1660.0, n=1000)
-    assert _goal(regression, 885.0) <= 660.0
-    assert _goal(regression, 400.0) > 300.0  # above the floor all of it is asked for
+    assert goal(regression, 885.0) <= 660.0
+    assert goal(regression, 400.0) > 300.0  # above the floor all of it is asked for
 
 
 @pytest.mark.parametrize("name", ["z", "v", "V", "dV", "t"])

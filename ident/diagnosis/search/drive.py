@@ -32,6 +32,8 @@ from ..ranking.look import Look
 _EDGES = np.arange(-1.0, 2.01, 0.25)  # of drives that jump, in sampling intervals; between them a parabola tells
 _CLOSER = (0.25, 0.1, 0.05)  # sampling intervals between the three through which it is drawn
 
+_AGAIN = 4  # refits at most until an edge stays
+
 
 def other_drive(
     fitted: Fit, regression: Regression, report: Report, look: Look | None = None, instead_of: Regression | None = None
@@ -67,7 +69,6 @@ def other_drive(
     rivals: list[Weighed] = []
     if look is not None and drop < promise - VERY_STRONG:
         rivals += [one for one in look.tried if one.possible]
-    changed = with_edges(fitted.campaign, edge)
     try:
         shown = fit(fitted.model, with_edges(regression.fit.campaign, edge), initial=fitted.values, most=CRAWLS)
         there = prepare(shown)
@@ -77,11 +78,13 @@ def other_drive(
             return None
         if any(clearly_better(rival, simulated) for rival in rivals):
             return None
+        if edge not in (None, 0.0):
+            edge = _settled(shown, edge)
     except Diverged:
         return None
     held = "is a smooth curve" if edge is None else f"is held, from {edge:+.2g} samples"
     report(f"the drive {held} between its samples: once more, with such a drive")
-    return changed
+    return with_edges(fitted.campaign, edge)
 
 
 def with_edges(campaign: Campaign, edge: float | None) -> Campaign:
@@ -111,6 +114,17 @@ def _left_with(regression: Regression, edges: Sequence[float | None]) -> list[np
     traces = regression.left[: rows.shape[1]]
     rest = regression.left[rows.shape[1] :]
     return list(regression.project(np.concatenate([traces - rows, np.tile(rest, (len(edges), 1))], axis=1)))
+
+
+def _settled(shown: Fit, edge: float) -> float:
+    """The edge of a fit with it, sought again from there until it stays: it was found beside a model that lacked it,
+    whose damping had made good a part."""
+    for _ in range(_AGAIN):
+        before, edge = edge, _refined(prepare(shown), edge)
+        if abs(edge - before) < _CLOSER[-1]:
+            break
+        shown = fit(shown.model, with_edges(shown.campaign, edge), initial=shown.values, most=CRAWLS)
+    return edge
 
 
 def _refined(regression: Regression, edge: float) -> float:
