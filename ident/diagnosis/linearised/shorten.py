@@ -55,14 +55,8 @@ def shortened(campaign: Campaign) -> Campaign:
     """Excerpts of the fitted records in the place of all records; the campaign itself if these are short."""
     if not is_long(campaign):
         return campaign
-    spans = [_moving(record) for record in campaign.fitted]
-    lengths = _shares([stop - first for first, stop in spans])
-    records = [
-        part
-        for record, span, length in zip(campaign.fitted, spans, lengths, strict=True)
-        for part in _excerpts(record, span, length)
-    ]
-    return replace(campaign, records=tuple(records))
+    parts = (part for moving in _moving_parts(campaign) for part in _excerpts(*moving))
+    return replace(campaign, records=tuple(parts))
 
 
 def one_stretch_each(fitted: Fit) -> Fit:
@@ -71,14 +65,18 @@ def one_stretch_each(fitted: Fit) -> Fit:
     bear each other out."""
     if not is_long(fitted.campaign):
         return fitted
-    spans = [_moving(record) for record in fitted.campaign.fitted]
-    lengths = _shares([stop - first for first, stop in spans])
-    records = []
-    for record, span, length in zip(fitted.campaign.fitted, spans, lengths, strict=True):
-        sizes = _sizes(record, span, length)
-        records.append(_part(record, max(sizes, key=lambda i: sizes[i]), length))
-    told = replace(fitted.campaign, records=(*records, *(r for r in fitted.campaign.traces if r.holdout)))
+    parts = _moving_parts(fitted.campaign)
+    liveliest = (_liveliest(record, _sizes(record, span, length), length) for record, span, length in parts)
+    held_out = (record for record in fitted.campaign.traces if record.holdout)
+    told = replace(fitted.campaign, records=(*liveliest, *held_out))
     return fit(fitted.model, told, initial=fitted.values, most=CRAWLS)
+
+
+def _moving_parts(campaign: Campaign) -> list[tuple[Trace, tuple[int, int], int]]:
+    """Each fitted record, where it moves, and how many samples of that are kept."""
+    spans = [_moving(record) for record in campaign.fitted]
+    lengths = _shares([stop - first for first, stop in spans])
+    return list(zip(campaign.fitted, spans, lengths, strict=True))
 
 
 def _moving(record: Trace) -> tuple[int, int]:
@@ -108,8 +106,13 @@ def _excerpts(record: Trace, span: tuple[int, int], length: int) -> list[Trace]:
     loudest = max(whole.values())
     middle = min(half, key=lambda i: abs(half[i] / loudest - _QUIETER / 2))
     if length == span[1] - span[0] or abs(half[middle] / loudest - _QUIETER / 2) > _QUIETER / 2:
-        return [*rest, _part(record, max(whole, key=lambda i: whole[i]), length)]
+        return [*rest, _liveliest(record, whole, length)]
     return [*rest, *(_part(record, i, length // 2) for i in (max(half, key=lambda i: half[i]), middle))]
+
+
+def _liveliest(record: Trace, sizes: dict[int, float], length: int) -> Trace:
+    """The stretch that moves most."""
+    return _part(record, max(sizes, key=lambda i: sizes[i]), length)
 
 
 def _sizes(record: Trace, span: tuple[int, int], length: int) -> dict[int, float]:

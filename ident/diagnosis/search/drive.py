@@ -31,7 +31,6 @@ from ..ranking.look import Look
 
 _EDGES = np.arange(-1.0, 2.01, 0.25)  # of drives that jump, in sampling intervals; between them a parabola tells
 _CLOSER = (0.25, 0.1, 0.05)  # sampling intervals between the three through which it is drawn
-
 _AGAIN = 4  # refits at most until an edge stays
 
 
