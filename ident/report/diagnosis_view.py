@@ -249,4 +249,5 @@ def _law(found: Diagnosis) -> np.ndarray | None:
     if found.unknown is None or not kept:
         return None
     bound = {effect.name: effect for effect in final.model.bind(final.values)[1]}
-    return curve_of(bound[steps[-1].added], found.unknown)
+    constant = any(effect.is_constant for effect in bound.values())
+    return curve_of(bound[steps[-1].added], found.unknown, constant)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -19,6 +20,7 @@ from ident.campaign.device import Oscillator
 from ident.campaign.trust import checksum
 from ident.diagnosis.diagnose import diagnose, discover
 from ident.diagnosis.search.one_law import said_in_pieces, says_more
+from ident.diagnosis.unknown.simulated import curve_of
 from ident.effects.dependence import depends_on
 from ident.effects.effect import Drive, State
 from ident.effects.registry import registry
@@ -84,6 +86,12 @@ def test_a_curve_that_no_short_formula_says_is_kept_as_a_table(tmp_path: Path):
     law = found.final.model.bind(found.final.values)[1][-1]
     place = lambda z: law.force(State(z, 0.0), Drive(0.0, 0.0, 1.0, 1.0), 0.0)
     assert place(1.0) == pytest.approx(place(2.0))  # beyond the motion it goes on level
+    curve, picture = curve_of(law, found.unknown, constant=False), found.unknown.picture
+    assert curve is not None
+    known = picture.error < 0.03 * np.ptp(picture.value)
+    assert np.std((curve - picture.value)[known]) < 0.05 * np.ptp(picture.value)
+    raised = curve_of(law, replace(found.unknown, picture=picture._replace(value=picture.value + 1e3)), constant=True)
+    assert raised is not None and np.median(raised - curve) == pytest.approx(1e3, rel=0.2)
 
 
 def test_many_effects_together_mimic_any_law():

@@ -112,7 +112,7 @@ def test_what_varies_with_what_and_how(factor: str, tmp_path: Path):
     assert last.fitted.error_over_noise < 1.05
 
     effect = last.model.bind(last.values)[1][-1]
-    law = curve_of(effect, found)
+    law = curve_of(effect, found, constant=False)
     assert law is not None
     often = picture.error < 0.03 * height  # elsewhere a formula runs on as it will, which the figure shows
     off = (law - truth(picture.grids[0]))[often]

@@ -18,12 +18,13 @@ from .picture import Picture
 _FAR = 1e6  # SI: where a step has turned, whatever its width
 
 
-def curve_of(effect: AbstractEffect, unknown: Unknown) -> np.ndarray | None:
+def curve_of(effect: AbstractEffect, unknown: Unknown, constant: bool) -> np.ndarray | None:
     """Values of the effect at the points of the picture, in its unit, less what the model has in its linear terms, of
     which as much is taken as brings it closest to the picture; None where the picture is no curve over one coordinate,
     or the effect is not what it shows.
 
-    **Arguments:** `effect`: written from `unknown`, with its numbers as they were refitted.
+    **Arguments:** `effect`: written from `unknown`, with its numbers as they were refitted; `constant`: whether the
+    model has a constant force or reading, which a function of one coordinate then shares with it.
     """
     picture, product = unknown.picture, unknown.product
     other = product is not None and (unknown.written is None or not unknown.written.terms[0].law)
@@ -33,8 +34,12 @@ def curve_of(effect: AbstractEffect, unknown: Unknown) -> np.ndarray | None:
     place = {name: axis} if product is None else {name: axis, product.by: _FAR}
     power = 0 if product is None else product.factor.power
     value = np.broadcast_to(_at(effect, place), axis.shape) / _FAR**power
-    known = absorbed(unknown.side, name) if product is None else product.known(unknown.side)
-    return _closest(value, picture, axis if product is None else np.ones(len(axis))) if known else value
+    level = np.ones(len(axis))
+    if product is None:
+        lines = [axis] * absorbed(unknown.side, name) + [level] * constant
+    else:
+        lines = [level] * product.known(unknown.side)
+    return _closest(value, picture, np.array(lines)) if lines else value
 
 
 def _at(effect: AbstractEffect, place: Mapping[str, np.ndarray | float]) -> np.ndarray:
@@ -47,7 +52,7 @@ def _at(effect: AbstractEffect, place: Mapping[str, np.ndarray | float]) -> np.n
     return np.asarray(act(State(z, v), drive, t))
 
 
-def _closest(value: np.ndarray, picture: Picture, line: np.ndarray) -> np.ndarray:
-    """The values with as much of a line as brings them closest to the picture, by its errors."""
-    weight = 1.0 / np.maximum(picture.error, 1e-9 * np.max(picture.error)) ** 2
-    return value + line * np.sum(weight * line * (picture.value - value)) / np.sum(weight * line * line)
+def _closest(value: np.ndarray, picture: Picture, lines: np.ndarray) -> np.ndarray:
+    """The values with as much of some lines (k, points) as brings them closest to the picture, by its errors."""
+    weight = np.max(picture.error) / np.maximum(picture.error, 1e-9 * np.max(picture.error))
+    return value + np.linalg.lstsq((weight * lines).T, weight * (picture.value - value), rcond=None)[0] @ lines
