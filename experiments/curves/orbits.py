@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from experiments.hidden_effects.laws import BOUC, CREEP, LAG_E, LAG_S, MODE, VISCO, driven, march, sensed
+from experiments.hidden_effects.laws import BOUC, CREEP, LAG_E, LAG_S, MODE, STATES, VISCO, driven, march, sensed
 
 from .sweeps import STEPS
 
@@ -52,7 +52,7 @@ def settled_sweep(
 @njit(error_model="numpy")
 def _orbit(x, u, e, step, periods, c, s, geometry, quality, lowest):
     """The state (z, ż) at the beginning of a period that repeats itself, and the displacement over it."""
-    begun, state = x.copy(), np.zeros(7)
+    begun, state = x.copy(), np.zeros(STATES)
     for waited in range(2):
         closed = False
         for _ in range(_ROUNDS):

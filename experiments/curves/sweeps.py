@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from experiments.hidden_effects.laws import driven, march, sensed
+from experiments.hidden_effects.laws import STATES, driven, march, sensed
 
 STEPS = 64  # per period of the highest frequency
 READ = 8  # periods over which the lock-in averages
@@ -50,7 +50,7 @@ def sweep(
     phase, frequency, point, step = drive_phase(ratios, periods)
     e, de = level * np.sin(phase), level * frequency * np.cos(phase)
     u = gain * driven(e, de, frequency, step / 2, c, s)  # type: ignore[arg-type]  # the frequency of every half step
-    z, _, mode = march(np.zeros(7), u, e, step, 1, 0.0, 1.0, c, s, geometry, quality)
+    z, _, mode = march(np.zeros(STATES), u, e, step, 1, 0.0, 1.0, c, s, geometry, quality)
     y = sensed(z, mode, e[::2], np.zeros(len(z)), step, c, s)
     found = np.empty(len(ratios), complex)
     steps = point[::2]

@@ -16,7 +16,7 @@ from experiments.simulator.files import Column, write_campaign, write_csv
 from experiments.simulator.geometry import Geometry
 from experiments.simulator.signals import Chirp, Drive, multisine, reference_rate, sine
 
-from .laws import INDEX, LAWS, driven, march, sensed
+from .laws import INDEX, LAWS, STATES, driven, march, sensed
 from .linear import Sampled, misfit
 
 SAMPLES_PER_PERIOD = 80  # of the natural frequency
@@ -144,7 +144,7 @@ def respond(
     step = w0 * (fine[2] - fine[0])
     u = device.gain * driven(e, de, reference_rate(plan.drive, kept), step / 2, c, s)
     geometry, start = device.geometry, plan.t[0] / span
-    z, _, m = march(np.zeros(7), u, e, step, substeps, start, w0 * span, c, s, geometry, device.quality)
+    z, _, m = march(np.zeros(STATES), u, e, step, substeps, start, w0 * span, c, s, geometry, device.quality)
     y = sensed(z, m, e[::2], fine[::2] / span, step, c, s)
     first = plan.lead * substeps
     return y[first::substeps], z[first::substeps], e[2 * first :]

@@ -51,6 +51,10 @@ def _flag(low: float, high: float) -> Shape:
     return lambda rng, own: (rng.uniform(low, high), float(own), rng.uniform())
 
 
+def _heat(rng: np.random.Generator, own: bool) -> tuple[float, float, float]:
+    return rng.uniform(15, 60), rng.uniform(), 0.2 if own else 0.0
+
+
 LAWS: tuple[Law, ...] = (
     # Width of the sign change (0: axial-force closure), stress, direct axial force at the largest drive (N/restraint).
     Law("residual-stress", "force", ("z", "e"), lambda rng, own: (
@@ -100,6 +104,10 @@ LAWS: tuple[Law, ...] = (
         lambda rng, own: (rng.choice([rng.uniform(0.4, 0.7), rng.uniform(1.3, 1.7)]) if own else 1.5, 0.0, 0.0)),
     # Over how much of the travel a crack closes.
     Law("bilinear-stiffness", "force", ("z",), _one(0.005, 0.02, 0.0)),
+    # How long it takes to warm up, what warms it (the drive below a half, else the motion), and how much it eases off.
+    Law("stiffness-heating", "force", ("z", "history"), _heat),
+    Law("damping-heating", "force", ("v", "history"), _heat),
+    Law("drive-heating", "drive", ("e", "history"), _heat),
 )  # fmt: skip
 
 NAMES = tuple(law.name for law in LAWS)
@@ -107,7 +115,9 @@ INDEX = {name: i for i, name in enumerate(NAMES)}
 
 (STRESS, ARCH, CUBIC, QUADRATIC, VOLT, K_DRIFT, STOP, STATIC, MODE, VISCO, COULOMB, V2, V3, SQUEEZE, C_DRIFT, BOUC,
  PZT, PLAYS, BOUC_E, E2, CREEP, LAG_E, BEND, LAG_S, CROSS, S_DRIFT, OFFSET, SINE, Z2E, POWER_Z, VE, STRIBECK,
- PLATE, POWER_V, BILINEAR) = range(len(LAWS))  # fmt: skip
+ PLATE, POWER_V, BILINEAR, K_HEAT, C_HEAT, HEAT_E) = range(len(LAWS))  # fmt: skip
+
+STATES = 9
 
 
 @njit(error_model="numpy")
@@ -135,7 +145,7 @@ def _stress(z, e, s, g):
 
 
 @njit(error_model="numpy")
-def force(z, v, e, t, h, q1, q2, c, s, g):
+def force(z, v, e, t, h, q1, q2, warm, c, s, g):
     """F(z, ż, e, t; hidden states) at the fraction t of the record."""
     f = 0.0
     if c[STRESS] != 0:
@@ -189,16 +199,21 @@ def force(z, v, e, t, h, q1, q2, c, s, g):
         f += c[PLATE] * math.copysign(e * e, s[PLATE, 0]) / max(1 - z / s[PLATE, 0], 0.1) ** 2
     if c[BILINEAR] != 0:
         f -= c[BILINEAR] * (math.sqrt(z * z + s[BILINEAR, 0] ** 2) - s[BILINEAR, 0])
+    if c[K_HEAT] != 0:
+        f -= c[K_HEAT] * warm[0] / (1 + s[K_HEAT, 2] * warm[0]) * z
+    if c[C_HEAT] != 0:
+        f -= c[C_HEAT] * warm[1] / (1 + s[C_HEAT, 2] * warm[1]) * v
     return f
 
 
 @njit(error_model="numpy")
 def rate(x, u, e, t, c, s, g, quality, out):
-    """Rates of the state (z, ż, h, q1, q2, z2, ż2): oscillator, Bouc-Wen, Zener supports, second mode."""
+    """Rates of the state (z, ż, h, q1, q2, z2, ż2, w1, w2): oscillator, Bouc-Wen, Zener supports, second mode, warmth
+    of the spring and of the damper."""
     z, v, h, q1, q2, m, mv = x[0], x[1], x[2], x[3], x[4], x[5], x[6]
     out[0] = v
-    out[1] = u - z - v / quality + force(z, v, e, t, h, q1, q2, c, s, g)
-    out[2] = out[3] = out[4] = out[5] = out[6] = 0.0
+    out[1] = u - z - v / quality + force(z, v, e, t, h, q1, q2, x[7:], c, s, g)
+    out[2] = out[3] = out[4] = out[5] = out[6] = out[7] = out[8] = 0.0
     if c[BOUC] != 0:
         grip = abs(h / s[BOUC, 0]) ** s[BOUC, 1]
         out[2] = v * (1 - grip) if v * h > 0 else v
@@ -209,6 +224,10 @@ def rate(x, u, e, t, c, s, g, quality, out):
         w2 = s[MODE, 0]
         out[5] = mv
         out[6] = w2 * w2 * (u - m) - w2 / s[MODE, 1] * mv
+    if c[K_HEAT] != 0:
+        out[7] = ((e * e if s[K_HEAT, 1] < 0.5 else v * v) - x[7]) / s[K_HEAT, 0]
+    if c[C_HEAT] != 0:
+        out[8] = ((e * e if s[C_HEAT, 1] < 0.5 else v * v) - x[8]) / s[C_HEAT, 0]
 
 
 @njit(error_model="numpy")
@@ -216,23 +235,23 @@ def march(x0, u, e, h, substeps, t0, span, c, s, g, quality):
     """Runge-Kutta over half-step arrays `u` and `e` (2N+1,); z, ż and z2 after every step, (3, N+1)."""
     n = (u.size - 1) // 2
     out = np.empty((3, n + 1))
-    x, y = x0.copy(), np.empty(7)
-    k1, k2, k3, k4 = np.empty(7), np.empty(7), np.empty(7), np.empty(7)
+    x, y = x0.copy(), np.empty(STATES)
+    k1, k2, k3, k4 = np.empty(STATES), np.empty(STATES), np.empty(STATES), np.empty(STATES)
     out[0, 0], out[1, 0], out[2, 0] = x[0], x[1], x[5]
     for k in range(n):
         t = t0 + k * h / span
         i = 2 * k
         rate(x, u[i], e[i], t, c, s, g, quality, k1)
-        for j in range(7):
+        for j in range(STATES):
             y[j] = x[j] + 0.5 * h * k1[j]
         rate(y, u[i + 1], e[i + 1], t + 0.5 * h / span, c, s, g, quality, k2)
-        for j in range(7):
+        for j in range(STATES):
             y[j] = x[j] + 0.5 * h * k2[j]
         rate(y, u[i + 1], e[i + 1], t + 0.5 * h / span, c, s, g, quality, k3)
-        for j in range(7):
+        for j in range(STATES):
             y[j] = x[j] + h * k3[j]
         rate(y, u[i + 2], e[i + 2], t + h / span, c, s, g, quality, k4)
-        for j in range(7):
+        for j in range(STATES):
             x[j] += h / 6 * (k1[j] + 2 * k2[j] + 2 * k3[j] + k4[j])
         out[0, k + 1], out[1, k + 1], out[2, k + 1] = x[0], x[1], x[5]
         if not abs(x[0]) < 1e3:
@@ -299,6 +318,10 @@ def driven(e: np.ndarray, de: np.ndarray, reference: float, h: float, c: np.ndar
         parts = ((0.5, 1.0), (0.3, 6.0), (0.2, 36.0)) if s[CREEP, 1] else ((1.0, 1.0),)
         u += c[CREEP] * sum(w * (lag(e, h, k * s[CREEP, 0]) - e[0] * np.exp(-h * np.arange(len(e)) / (k * s[CREEP, 0])))
                             for w, k in parts)  # fmt: skip
+    if c[HEAT_E]:
+        cold = np.exp(-h * np.arange(len(e)) / s[HEAT_E, 0])
+        warm = lag(e * e, h, s[HEAT_E, 0]) - e[0] ** 2 * cold
+        u -= c[HEAT_E] * warm / (1 + s[HEAT_E, 2] * warm) * e
     return u
 
 

@@ -99,6 +99,10 @@ SLOW_CHANGE = Likeness(
     why="all are a slow change within the record",
     separate="the same record at two frequencies, and repeated after a pause",
 )
+GROWS_WITH_THE_SQUARE = Likeness(
+    why="once it is as warm as it gets, what heat changes follows the squared amplitude, as a cubic law does",
+    separate="the first seconds after switching on, at the highest level; or a pause, and the same again",
+)
 SHIFT_OF_PHASE = Likeness(
     why="at one frequency all are a shift of phase and gain",
     separate="two frequencies or more, one above the resonance, at two levels or more",

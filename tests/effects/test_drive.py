@@ -125,7 +125,25 @@ def test_the_loop_of_plays_does_not_depend_on_the_frequency():
     assert np.sqrt(np.mean((loops[0] - exact) ** 2)) < 0.02 * np.std(swing)  # the edges are rounded
 
 
-@pytest.mark.parametrize("name", ["bouc-wen-drive", "creep", "drive-lag", "prandtl-ishlinskii"])
+@pytest.mark.parametrize("time", [1e-3, 5e-3])
+def test_a_push_that_falls_with_the_warmth_of_the_drive(time):
+    physics = Physics(
+        lambda t, z, v, h: -GAIN * 0.01 * h[0] * voltage(t),
+        lambda t, z, v, h: ((voltage(t) ** 2 - h[0]) / time,),
+        start=(0.0,),
+    )
+    assert_agrees(make("drive-heating", loss=0.01, time=time), physics, SMOOTH)
+
+
+@pytest.mark.parametrize("time", [0.2, 5.0])
+def test_the_warmth_of_a_sine_that_has_lasted_for_ever(time):
+    t = 40 * time + np.linspace(0, 2 * np.pi, 9)
+    exact = solve_ivp(lambda t, q: (9 * np.sin(t) ** 2 - q) / time, (0, t[-1]), [0.0], t_eval=t, rtol=1e-9, atol=1e-9)
+    warm = make("drive-heating", time=time).settled(3.0, Drive(3 * np.sin(t), 3 * np.cos(t), 1.0, 1.0))
+    np.testing.assert_allclose(warm[0], exact.y[0], atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["bouc-wen-drive", "creep", "drive-heating", "drive-lag", "prandtl-ishlinskii"])
 def test_memories_of_the_drive_alone_are_told_and_have_the_tangents_of_a_difference(name):
     drive = _seen(voltage(TIME), voltage_rate(TIME), TIME[1])
     effect = make(name)

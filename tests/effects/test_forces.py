@@ -162,6 +162,18 @@ def test_viscoelastic_support_is_two_springs_behind_dashpots(time, spread):
     assert_agrees(make("viscoelastic-support", stiffness=0.2 * K, time=time, spread=spread), physics, SMOOTH)
 
 
+@pytest.mark.parametrize("name", ["stiffness-heating", "damping-heating"])
+def test_what_the_drive_and_the_motion_warm_changes_stiffness_or_damping(name):
+    tau, drive, motion = 3e-3, 2e-3, -0.1 / 4e-4
+    of = K if name == "stiffness-heating" else 5 * C
+
+    def force(t, z, v, h):  # one warmth, in shares of what it changes
+        return -of * h[0] * (z if name == "stiffness-heating" else v)
+
+    physics = Physics(force, lambda t, z, v, h: ((drive * voltage(t) ** 2 + motion * v**2 - h[0]) / tau,), start=(0.0,))
+    assert_agrees(make(name, by_drive=of * drive, by_motion=of * motion, time=tau), physics, SMOOTH)
+
+
 @pytest.mark.parametrize("sharpness", [1.0, 2.0])
 @pytest.mark.parametrize("travel", [4e-7, 3e-6])
 @pytest.mark.parametrize("beta", [0.5, 0.8])

@@ -44,6 +44,9 @@ LIBRARY = {
     "power-law-stiffness",
     "power-law-damping",
     "stribeck-friction",
+    "stiffness-heating",
+    "damping-heating",
+    "drive-heating",
 }
 SHARP = {
     "coulomb-friction",
@@ -90,7 +93,7 @@ def test_steps_are_fine_enough(law: laws.Law) -> None:
 @pytest.mark.parametrize("law", [x for x in laws.LAWS if x.side == "force"], ids=lambda x: x.name)
 def test_steps_agree_with_an_adaptive_solver(law: laws.Law) -> None:
     plan, device, (c, s) = _plan(300), _device(), _coefficients(law.name)
-    w0, span, out = 2 * np.pi * device.frequency, device.span, np.empty(7)
+    w0, span, out = 2 * np.pi * device.frequency, device.span, np.empty(laws.STATES)
 
     def rate(tau: float, x: np.ndarray) -> np.ndarray:
         e = float(plan.drive.value(np.array([tau / w0]))[0]) / device.volts
@@ -98,7 +101,7 @@ def test_steps_agree_with_an_adaptive_solver(law: laws.Law) -> None:
         return out.copy()
 
     tau = plan.t * w0
-    found = solve_ivp(rate, (0, tau[-1]), np.zeros(7), "DOP853", tau, rtol=1e-9, atol=1e-12, max_step=0.1)
+    found = solve_ivp(rate, (0, tau[-1]), np.zeros(laws.STATES), "DOP853", tau, rtol=1e-9, atol=1e-12, max_step=0.1)
     exact = found.y[0] + c[laws.MODE] * found.y[5]
     made = generator.respond(plan, device, c, s, 8)[0]
     assert np.max(np.abs(made - exact)) < (1e-4 if law.name in SHARP else 1e-6) * np.max(np.abs(exact))

@@ -21,7 +21,10 @@ class Creep(AbstractEffect):
         "Jung & Gweon, Creep characteristics of piezoelectric actuators, 2000, Rev. Sci. Instrum. 71, 1896; "
         "Adriaens, de Koning, Banning, Modeling piezoelectric actuators, 2000, IEEE/ASME Trans. Mechatron. 5, 331"
     )
-    mistaken_for = ("drive-lag", "viscoelastic-support", "stiffness-drift", "damping-drift", "prandtl-ishlinskii")
+    mistaken_for = (
+        "drive-lag", "viscoelastic-support", "stiffness-drift", "damping-drift", "prandtl-ishlinskii",
+        "drive-heating",
+    )  # fmt: skip
     alike = (RELAXES, LEAKS, SLOW_CHANGE, SHIFT_OF_PHASE)
     hidden_units = ("V", "V", "V")
 

@@ -1,7 +1,7 @@
 """Damping that grows with the square of the motion."""
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude
-from ..likeness import CUBIC_LOSS, SAME_LOSS
+from ..likeness import CUBIC_LOSS, GROWS_WITH_THE_SQUARE, SAME_LOSS
 
 
 class CubicDamping(AbstractEffect):
@@ -20,8 +20,8 @@ class CubicDamping(AbstractEffect):
         "c_z: Zaitsev, Shtempluck, Buks, Gottlieb, Nonlinear damping in a micromechanical oscillator, 2012, Nonlinear "
         "Dyn. 67, 859"
     )
-    mistaken_for = ("quadratic-damping", "squeeze-film-damping")
-    alike = (CUBIC_LOSS, SAME_LOSS)
+    mistaken_for = ("quadratic-damping", "squeeze-film-damping", "damping-heating")
+    alike = (CUBIC_LOSS, SAME_LOSS, GROWS_WITH_THE_SQUARE)
 
     c3 = amplitude("N*s^3/m^3", "damping by the cube of the velocity")
     c_z = amplitude("N*s/m^3", "damping by the square of the displacement")

@@ -18,7 +18,7 @@ class DampingDrift(Drifting):
     name = "damping-drift"
     equation = "F = −ċ τ (1 − e^(−t/τ)) ż"
     source = "Incropera & DeWitt, Fundamentals of Heat and Mass Transfer, 2007, §5.1 (lumped capacitance)"
-    mistaken_for = ("stiffness-drift", "creep")
+    mistaken_for = ("stiffness-drift", "creep", "damping-heating")
     alike = (SLOW_CHANGE,)
 
     rate0 = amplitude("N*s/m/s", "damping per second when switched on, ċ")

@@ -19,7 +19,7 @@ class StiffnessDrift(Drifting):
     name = "stiffness-drift"
     equation = "F = −k̇ τ (1 − e^(−t/τ)) z"
     source = "Incropera & DeWitt, Fundamentals of Heat and Mass Transfer, 2007, §5.1 (lumped capacitance)"
-    mistaken_for = ("creep", "damping-drift", "sensor-drift")
+    mistaken_for = ("creep", "damping-drift", "sensor-drift", "stiffness-heating")
     alike = (SLOW_CHANGE,)
 
     rate0 = amplitude("N/m/s", "stiffness per second when switched on, k̇")

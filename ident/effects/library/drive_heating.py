@@ -1,0 +1,47 @@
+"""Push of the drive that follows the warmth of the actuator."""
+
+import jax.numpy as jnp
+
+from ..effect import AbstractEffect, Drive, Scalar, amplitude, shape
+from ..likeness import GROWS_WITH_THE_SQUARE, SLOW_CHANGE
+
+
+class DriveHeating(AbstractEffect):
+    """The actuator pushes less as it warms: F = −G w q V, τ q̇ = V² − q.
+
+    A coil of copper gains 0.4 % of resistance per kelvin, so that a voltage drives less current: power compression of
+    loudspeakers, 1-6 dB. A magnet loses 0.1-0.2 %/K; a piezoelectric layer mostly gains (w < 0). Where the drive is
+    steady, the push has lost the part w U²/2 in the end. At one level it is a gain and how that was reached; several
+    levels, and a pause, tell it from a drift.
+    """
+
+    name = "drive-heating"
+    equation = "F = −G w q V, τ q̇ = V² − q"
+    source = (
+        "W. Klippel, Nonlinear modeling of the heat transfer in loudspeakers, 2004, J. Audio Eng. Soc. 52, 3 "
+        "(coil alone, §2)"
+    )
+    mistaken_for = ("creep", "damping-heating")
+    alike = (SLOW_CHANGE, GROWS_WITH_THE_SQUARE)
+    hidden_units = ("V^2",)
+
+    loss = amplitude("1/V^2", "part of the push lost per mean square of the drive, w")
+    time = shape("s", "time in which the actuator warms up, τ", grid=(0.02, 0.1, 0.4, 2.0), scale="duration")
+
+    def drive(self, hidden: tuple[Scalar, ...], drive: Drive, t: Scalar) -> Scalar:
+        return -drive.gain * self.loss * hidden[0] * drive.V
+
+    def state0(self) -> tuple[Scalar, ...]:
+        return (0.0,)
+
+    def follow(self, hidden: tuple[Scalar, ...], before: Drive, drive: Drive, step: Scalar) -> tuple[Scalar, ...]:
+        # V² and its slope are known at both points: its mean between them is that of the cubic through these.
+        slopes = 2.0 * (before.V * before.rate - drive.V * drive.rate)
+        power = 0.5 * (before.V**2 + drive.V**2) + step / 12.0 * slopes
+        return (hidden[0] - (power - hidden[0]) * jnp.expm1(-step / self.time),)
+
+    def settled(self, level: Scalar, drive: Drive) -> tuple[Scalar, ...]:
+        # V² = U²/2 + (V² − U²/2), whose second part goes round at 2ω and is followed late.
+        turn = 2.0 * drive.omega * self.time
+        around, slope = drive.V**2 - 0.5 * level**2, 2.0 * drive.V * drive.rate
+        return (0.5 * level**2 + (around - self.time * slope) / (1.0 + turn**2),)
