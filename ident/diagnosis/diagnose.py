@@ -32,7 +32,7 @@ from .ranking.look import first_look
 from .search.conclude import concluded, concluded_or_sharper
 from .search.discover import Keep, walk_on
 from .search.once_more import with_other_starts
-from .search.one_law import one_law
+from .search.one_law import in_their_place, one_law
 from .search.steps import Discovery, Verdict, Walked
 from .search.ties import Unseen, unseen
 from .search.written import AS_WELL, beyond_library
@@ -206,7 +206,10 @@ def _answered(
     answer = partial(Diagnosis, where=where, unseen=unseen(regression, found.ranking, library), suspects=suspects)
     if not fitted.campaign.fitted:
         return answer(found)  # what a curve lacks beyond the library, and the next record, only traces tell
-    written = beyond_library(found, regression, effect_file, keeps_walk, report)
+    instead = in_their_place(found, regression, effect_file, report) if keeps_walk and effect_file else None
+    if isinstance(instead, Campaign):
+        return with_floors(instead)
+    written = instead or beyond_library(found, regression, effect_file, keeps_walk, report)
     suspects = _beside_law(suspects, written.unknown)
     answer = partial(answer, unknown=written.unknown, effect_file=written.path, suspects=suspects)
     if suspects and written.discovery is not found and written.discovery.steps:

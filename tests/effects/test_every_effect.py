@@ -24,7 +24,8 @@ INTERFACE = (
     "squeeze-film-damping, damping-drift, bouc-wen, pzt-hysteresis, prandtl-ishlinskii, bouc-wen-drive, "
     "electrostriction, electrostatic-force, creep, drive-lag, sensor-nonlinearity, sensor-lag, sensor-crosstalk, "
     "sensor-drift, sensor-offset, ac-coupling, stribeck-friction, bilinear-stiffness, attached-mass, "
-    "stiffness-heating, damping-heating, drive-heating"
+    "stiffness-heating, damping-heating, drive-heating, "
+    "coil-heating"
 )  # what outside programs rely on
 NAMES = sorted(built_in())
 GENERAL = [name for name in NAMES if not built_in()[name].platform_only]

@@ -9,6 +9,7 @@ from ident.effects.effect import Drive, State
 from tests.effects.harness import (
     DAMPING,
     DURATION,
+    GAIN,
     STIFFNESS,
     Physics,
     assert_agrees,
@@ -172,6 +173,18 @@ def test_what_the_drive_and_the_motion_warm_changes_stiffness_or_damping(name):
 
     physics = Physics(force, lambda t, z, v, h: ((drive * voltage(t) ** 2 + motion * v**2 - h[0]) / tau,), start=(0.0,))
     assert_agrees(make(name, by_drive=of * drive, by_motion=of * motion, time=tau), physics, SMOOTH)
+
+
+def test_a_warm_coil_takes_less_current():
+    """Written with the resistance r = 1 + θ, the current in units of a cold coil's, and what warms it."""
+    tau, rise, induced = 3e-3, 0.02, 0.6 * C / GAIN
+    current = lambda t, v, h: (voltage(t) - induced * v) / (1 + h[0])
+    physics = Physics(  # the linear part has the cold coil's push and damping already
+        lambda t, z, v, h: GAIN * (current(t, v, h) - (voltage(t) - induced * v)),
+        lambda t, z, v, h: ((rise * current(t, v, h) ** 2 * (1 + h[0]) - h[0]) / tau,),
+        start=(0.0,),
+    )
+    assert_agrees(make("coil-heating", rise=rise, induced=rise * induced * GAIN, time=tau), physics, SMOOTH)
 
 
 @pytest.mark.parametrize("sharpness", [1.0, 2.0])

@@ -38,8 +38,7 @@ def one_law(look: Look, start: Regression, path: Path, report: Report) -> Writte
     """The answer with the law written, if there is one and its simulation reaches the noise; or the campaign with the
     noise floors that it tells better. `start`: of the fit with which a walk would begin; `path`: where no file is yet.
     """
-    regression = look.regression
-    fitted = start.fit
+    regression, fitted = look.regression, start.fit
     asked = fitted.campaign.fitted and not fitted.campaign.fitted_sweeps
     if not asked or is_long(fitted.campaign) or not look.worth_it:
         return None
@@ -59,7 +58,32 @@ def one_law(look: Look, start: Regression, path: Path, report: Report) -> Writte
         return None
     if other_drive(fitted, regression, report, look) is not None:
         return None
-    told = _holds(fitted, start, unknown, path, report)
+    gains = {one.candidate.name: one.gain for one in look.tried}
+    nothing = Discovery("not-in-library", fitted, (), tuple(look.candidates), gains, (), regression)
+    return _kept(nothing, start, unknown, path, report)
+
+
+def in_their_place(found: Discovery, start: Regression, path: Path, report: Report) -> Written | Campaign | None:
+    """The same after a walk whose names do not reach the noise: before it they, or pieces of the law, had promised to.
+
+    `start`: of the fit with which the walk began.
+    """
+    asked = found.verdict == "not-in-library" and found.steps and not adequate(found.regression)
+    if not asked or is_long(found.start.campaign) or found.start.campaign.fitted_sweeps:
+        return None
+    unknown = lacked_by(start, report)
+    formula = unknown.formula
+    one = formula is not None and unknown.of_one_law and formula.complete
+    if formula is None or not (one and says_more(formula.chi2_per_sample, found.regression.chi2, start)):
+        return None
+    return _kept(found, start, unknown, path, report)
+
+
+def _kept(
+    found: Discovery, start: Regression, unknown: Unknown, path: Path, report: Report
+) -> Written | Campaign | None:
+    """A law in the place of what was found, if its simulation reaches the noise."""
+    told = _holds(found.start, start, unknown, path, report)
     if told is None:
         return None
     beyond, gain = told
@@ -67,11 +91,9 @@ def one_law(look: Look, start: Regression, path: Path, report: Report) -> Writte
     sharper = sharpened(last)
     if sharper is not None:
         beyond.path.unlink()
-        return replace(sharper, effect_files=fitted.campaign.effect_files)
+        return replace(sharper, effect_files=found.start.campaign.effect_files)
     step = step_of(beyond._replace(fit=last), gain)
-    gains = {one.candidate.name: one.gain for one in look.tried}
-    found = Discovery("not-in-library", fitted, (step,), tuple(look.candidates), gains, (), regression)
-    return Written(found, beyond.unknown, beyond.path)
+    return Written(replace(found, steps=(step,)), beyond.unknown, beyond.path)
 
 
 def _holds(fitted: Fit, start: Regression, unknown: Unknown, path: Path, report: Report) -> tuple[Beyond, float] | None:

@@ -23,6 +23,7 @@ _HUMPS = (0.05, 0.1, 0.2, 0.4)  # widths of what acts near zero only, in parts o
 TURNS = (0.006, 0.0125, 0.025, 0.05, 0.1, 0.2, 0.4, 0.7)  # widths of steps, up to a gentle saturation
 _GAPS = (0.3, 0.45, 0.6, 0.75)  # of the largest value, where a contact begins
 _LIMITS = (0.05, 0.1, 0.2, 0.3, 0.45, 0.6, 0.75)  # of what is cut off; beside a straight line, of what is dead
+_PEAKS = (0.1, 0.2, 0.4, 0.7, 1.2)  # of the largest value, where what falls again is largest
 _STEP = 0.003  # width of a step that is too sharp to measure
 _PLAYS = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7)  # half widths, in parts of the largest value
 _LATE = (0.04, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 15.0, 50.0)  # periods; a fixed step follows none shorter
@@ -101,6 +102,7 @@ def single(name: str, size: Size) -> list[Term]:
     found += _family(f"wave {n}", partial(_wave, n, length, "cos", np.cos), waves)
     found += _family(f"hump {n}", partial(_hump, n, length), [part * largest for part in _HUMPS])
     found += _family(f"cut {n}", partial(_cut, n, length), [part * largest for part in _LIMITS])
+    found += _family(f"peak {n}", partial(_peak, n, length), [part * largest for part in _PEAKS])
     for sign, end in ((1, size.high), (-1, -size.low)):
         gaps = [part * largest for part in _GAPS if part * largest < end]
         found += _family(f"contact {sign} {n}", partial(_contact, n, length, sign), gaps)
@@ -134,6 +136,13 @@ def _hump(n: str, length: Callable[..., Number], width: float) -> Term:
     own = length(width, f"{n} beyond which the term dies out")
     code = f"jnp.tanh({n} / (0.1 * {{n}})) * jnp.exp(-(({n} / {{n}}) ** 2))"
     return Term(f"sign({n}) exp(−({n}/{number(width)})²)", code, (n,), (), value, own)
+
+
+def _peak(n: str, length: Callable[..., Number], place: float) -> Term:
+    """As of a brake of eddy currents: W. R. Smythe, On eddy currents in a rotating disk, 1942, Trans. AIEE 61, 681."""
+    own = length(place, f"{n} at which the term is largest")
+    code, text = f"{n} / (1.0 + ({n} / {{n}}) ** 2)", f"{n}/(1 + ({n}/{number(place)})²)"
+    return Term(text, code, (n,), ((n, 1),), lambda x: x[n] / (1.0 + (x[n] / place) ** 2), own)
 
 
 def _contact(n: str, length: Callable[..., Number], sign: int, gap: float) -> Term:

@@ -20,7 +20,7 @@ class DampingHeating(Heated):
         "Incropera & DeWitt, Fundamentals of Heat and Mass Transfer, 2007, §5.1 (lumped capacitance); "
         "J. C. Dixon, The Shock Absorber Handbook, 2007, ch. 6 (oil that thins)"
     )
-    mistaken_for = ("damping-drift", "cubic-damping", "stiffness-heating", "drive-heating")
+    mistaken_for = ("damping-drift", "cubic-damping", "stiffness-heating", "drive-heating", "coil-heating")
     alike = (SLOW_CHANGE, GROWS_WITH_THE_SQUARE)
 
     by_drive = amplitude("N*s/m/V^2", "damping per mean square of the drive, w_V")
