@@ -107,7 +107,8 @@ def _kept(column: Column) -> str:
     dimension, meant = _measured(column), _meaning(column)
     if dimension is None:
         return ""
-    return (kept_unit(column.unit) if meant is None and column.unit else None) or base_unit(dimension)
+    unit = column.unit if meant is None else meant.unit
+    return (kept_unit(unit) if unit else None) or base_unit(dimension)
 
 
 def _travel(column: Column, role: str) -> float:
@@ -198,7 +199,8 @@ def _signals(table: Table, device: Oscillator | None = None) -> tuple[str, dict[
 
 def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
     """A platform, unless its units, its travel or its speed are another device's; and a sentence that says so."""
-    outputs, inputs, undriven, travel, other = set(), set(), 0, 0.0, list[str]()
+    outputs, inputs, kept = set[Dimension](), set[Dimension](), dict[Dimension, str]()
+    undriven, travel, other = 0, 0.0, list[str]()
     for table in tables:
         kind, found, free = _signals(table)
         undriven += free
@@ -206,6 +208,7 @@ def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
             for name in names:
                 if name in found and (dimension := _measured(found[name])) is not None:
                     units.add(dimension)
+                    kept[dimension] = _kept(found[name])
                     travel = max(travel, _travel(found[name], name) if name in _RESPONSES else 0.0)
         if kind == "trace" and "time" in found and "drive" in found:
             other.append(_slow_or_fast(found["time"], found["drive"]))
@@ -221,7 +224,7 @@ def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
     apart = bool(other) and all(other)
     thing = alone or wide or apart or pushed in PUSHES
     if reading is not None and (reading in _READINGS or (reading == LENGTH and thing)):
-        output, source = base_unit(reading), base_unit(pushed)
+        output, source = kept[reading], kept.get(pushed, base_unit(pushed))
         units = f'output = "{output}", input = "{source}"'
         why = f"The response is in {output}" if reading in _READINGS else f"The drive is in {source}"
         why = other[0] if reading == LENGTH and pushed == VOLTAGE and apart else why

@@ -60,7 +60,7 @@ def test_any_other_word_in_its_place_is_refused(tmp_path):
 
 @pytest.mark.parametrize(
     ("header", "unit"),
-    [("t_s,drive_V,angle_rad", "1"), ("t_s,force_in_N,strain", ""), ("time_us,drive_chA_V,capacitor_chB_V", "V")],
+    [("t_s,drive_V,angle_rad", "rad"), ("t_s,force_in_N,strain", ""), ("time_us,drive_chA_V,capacitor_chB_V", "V")],
 )
 def test_angles_strains_and_the_one_column_that_is_left_are_responses(tmp_path, header, unit):
     drive = np.sin(2 * np.pi * 0.9 * T)

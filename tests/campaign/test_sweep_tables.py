@@ -300,7 +300,7 @@ def _millimetres(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("write", "device", "level", "size"),
     [
-        (_pendulum, ("1", "Nm"), 1e-3, 0.1 * np.abs(RESPONSE)),
+        (_pendulum, ("rad", "Nm"), 1e-3, 0.1 * np.abs(RESPONSE)),
         (_lock_in, ("V", "V"), 1.0, 1e5 * SIZE),
         (_millimetres, ("m", "V"), 1.0, 0.3e3 * SIZE),
     ],

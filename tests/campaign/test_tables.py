@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -85,6 +87,18 @@ def _table(header: str, rows: int = 4):
 def test_columns_are_matched_by_meaning(header, roles, expected):
     found = match_columns(_table(header), roles, {}, {})
     assert tuple(found[role].header for role in ("time", "drive", "response")) == expected
+
+
+@pytest.mark.parametrize(
+    ("header", "drive", "response"),
+    [("t (ms),I (mA),v (mm/s)", "I (mA)", "v (mm/s)"), ("t (s),F (N),u (mm)", "F (N)", "u (mm)"),
+     ("t (s),U (V),u (um)", "U (V)", "u (um)")],
+)  # fmt: skip
+def test_a_letter_in_a_unit_of_motion_beside_what_pushes_is_the_response(header, drive, response):
+    """A current was read as what answers, and the velocity as what drives: both drives are called v."""
+    free = tuple(replace(role, dimension=None) for role in ELECTRIC)
+    found = match_columns(_table(header), free, {}, {})
+    assert (found["drive"].header, found["response"].header) == (drive, response)
 
 
 def test_the_columns_of_a_sweep():

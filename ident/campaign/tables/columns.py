@@ -19,6 +19,7 @@ from .table import Column, Table, signal_unit
 PUSHES: tuple[Dimension, ...] = (CURRENT, (1, 1, -2, 0, 0, 0, 0), (2, 1, -2, 0, 0, 0, 0), (1, 0, -2, 0, 0, 0, 0))
 """What may drive a thing that is no platform: a current, a force, a torque; an acceleration of its base."""
 
+_MOTIONS: tuple[Dimension, ...] = (LENGTH, (1, 0, -1, 0, 0, 0, 0), (1, 0, -2, 0, 0, 0, 0))
 _BY_UNIT = ("level", "response", "drive")  # roles that a column may have although no name tells
 
 
@@ -141,6 +142,14 @@ def _accelerates(column: Column, words: list[str]) -> bool:
     return told and bool(_BENEATH.intersection(words))
 
 
+def _letter_of_motion(column: Column, table: Table) -> bool:
+    """Whether a column is a letter in a unit of motion, beside another of what pushes: there v is a velocity and no
+    voltage, and u a displacement."""
+    dimension = lambda c: unit.dimension if c.unit and (unit := find_unit(c.unit)) is not None else None
+    letter = len(column.stem.strip()) == 1 and dimension(column) in _MOTIONS
+    return letter and any(dimension(c) in (VOLTAGE, *PUSHES[:-1]) for c in table.columns)
+
+
 def _example(roles: tuple[Role, ...], chosen: Mapping[str, Column], table: Table) -> str:
     """The TOML line that would settle the table."""
     left = [column for column in table.columns if column not in chosen.values() and not column.counts]
@@ -188,6 +197,8 @@ def match_columns(
                 continue
             free = [column for column in table.columns if column not in chosen.values()]
             fits = [c for c in free if claim(c, role) >= least and role.accepts(units.get(role.name, c.unit))]
+            if role.name in ("drive", "level"):
+                fits = [c for c in fits if not _letter_of_motion(c, table)]
             if least == 0:  # no name helps: only the unit can tell
                 fits = [c for c in fits if c.unit is not None and not any(claim(c, r) >= 2 for r in roles)]
                 fits = fits if role.dimension not in (None, NUMBER) and _tells(role, roles, free) else []

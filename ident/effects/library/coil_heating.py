@@ -4,9 +4,9 @@ import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
 from ..likeness import GROWS_WITH_THE_SQUARE, SLOW_CHANGE
+from .drive_heating import LEAST
 
 _NOTHING = 1e-100  # beside the square of any push: a coil that does not warm induces nothing that shows
-_LEAST = 0.05  # of the resistance is left, whatever a search tries
 
 
 class CoilHeating(AbstractEffect):
@@ -47,4 +47,4 @@ class CoilHeating(AbstractEffect):
         return ((left**2 / self._grown(warm) - warm) / self.time,)
 
     def _grown(self, warm: Scalar) -> Scalar:
-        return jnp.maximum(1.0 + self.rise * warm, _LEAST)
+        return jnp.maximum(1.0 + self.rise * warm, LEAST)

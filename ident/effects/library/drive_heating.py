@@ -5,18 +5,20 @@ import jax.numpy as jnp
 from ..effect import AbstractEffect, Drive, Scalar, amplitude, shape
 from ..likeness import GROWS_WITH_THE_SQUARE, SLOW_CHANGE
 
+LEAST = 0.05  # is left of what resists, whatever a search tries
+
 
 class DriveHeating(AbstractEffect):
-    """The actuator pushes less as it warms: F = −G w q V, τ q̇ = V² − q.
+    """The actuator pushes less as it warms: F = −G V θ/(1 + θ), θ = w q, τ q̇ = V² − q.
 
     A coil of copper gains 0.4 % of resistance per kelvin, so that a voltage drives less current: power compression of
     loudspeakers, 1-6 dB. A magnet loses 0.1-0.2 %/K; a piezoelectric layer mostly gains (w < 0). Where the drive is
-    steady, the push has lost the part w U²/2 in the end. At one level it is a gain and how that was reached; several
+    steady, the push is divided by 1 + w U²/2 in the end. At one level it is a gain and how that was reached; several
     levels, and a pause, tell it from a drift.
     """
 
     name = "drive-heating"
-    equation = "F = −G w q V, τ q̇ = V² − q"
+    equation = "F = −G V θ/(1 + θ), θ = w q, τ q̇ = V² − q"
     source = (
         "W. Klippel, Nonlinear modeling of the heat transfer in loudspeakers, 2004, J. Audio Eng. Soc. 52, 3 "
         "(coil alone, §2)"
@@ -25,11 +27,12 @@ class DriveHeating(AbstractEffect):
     alike = (SLOW_CHANGE, GROWS_WITH_THE_SQUARE)
     hidden_units = ("V^2",)
 
-    loss = amplitude("1/V^2", "part of the push lost per mean square of the drive, w")
+    rise = amplitude("1/V^2", "rise of what resists the push per mean square of the drive, w")
     time = shape("s", "time in which the actuator warms up, τ", grid=(0.02, 0.1, 0.4, 2.0), scale="duration")
 
     def drive(self, hidden: tuple[Scalar, ...], drive: Drive, t: Scalar) -> Scalar:
-        return -drive.gain * self.loss * hidden[0] * drive.V
+        warm = self.rise * hidden[0]
+        return -drive.gain * drive.V * warm / jnp.maximum(1.0 + warm, LEAST)
 
     def state0(self) -> tuple[Scalar, ...]:
         return (0.0,)

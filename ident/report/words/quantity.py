@@ -16,7 +16,7 @@ from ...units import exponents, kept_unit, signed, significant
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "µ", -9: "n", -12: "p"}
-_PREFIXED = ("m", "s", "V", "N", "Pa", "Hz", "A", "J", "W", "rad")
+_PREFIXED = ("m", "s", "V", "N", "Pa", "Hz", "A", "J", "W", "Nm", "rad")
 # Powers of ten between which a unit is written without change, whatever the size.
 _KEPT = {"Hz": (-2, 5), "1": (-3, 5)}
 
