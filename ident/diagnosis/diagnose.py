@@ -180,7 +180,7 @@ def _answered(
 
     if not (walked.steps or first or (keeps_walk and effect_file is None)):
         with TemporaryDirectory() as folder:
-            law = one_law(look, regression, effect_file or Path(folder) / "law.py", report)
+            law = one_law(look, fitted, regression, effect_file or Path(folder) / "law.py", report)
             if isinstance(law, Campaign):
                 return with_floors(law)
             if law is not None:

@@ -19,6 +19,7 @@ from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.trust import checksum
 from ident.diagnosis.diagnose import diagnose, discover
+from ident.diagnosis.linearised import shorten
 from ident.diagnosis.search.one_law import said_in_pieces, says_more
 from ident.diagnosis.unknown.simulated import curve_of
 from ident.effects.dependence import depends_on
@@ -59,6 +60,20 @@ def test_an_amplifier_that_saturates_is_told_without_a_walk(tmp_path: Path):
     assert found.effect_file == tmp_path / "law.py" and found.effect_file.is_file()
     assert [step.added for step in found.discovery.steps] == ["unknown-effect"]
     assert not [words for words in said if "added" in words]
+
+
+def test_a_law_that_excerpts_tell_is_fitted_to_all_samples(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """It was fitted to the excerpts, whose stretches stood in the report as the records, and nothing was held out."""
+    monkeypatch.setattr(shorten, "_MOST", 10_000)
+    monkeypatch.setattr(shorten, "_KEPT", 3_000)
+    bench = campaign(lambda u: LIMIT * np.tanh(u / LIMIT), lambda z: z)
+    records = (*bench.records[1:], replace(bench.records[0], holdout=True))
+    bench = replace(bench, records=records)
+    assert shorten.is_long(bench)
+    found = discover(bench, effect_file=tmp_path / "law.py")
+    assert [step.added for step in found.discovery.steps] == ["unknown-effect"]
+    assert [score.n for score in found.final.scores] == [2500, 2500, 2500]
+    assert found.final.holdout is not None and found.final.holdout.error_over_noise < 1.1
 
 
 def test_a_law_that_the_library_has_in_pieces_is_named_by_them(tmp_path: Path):

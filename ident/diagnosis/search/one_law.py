@@ -17,11 +17,11 @@ from ...effects.dependence import depends_on
 from ...fit import Fit
 from ...fit.floors import sharpened
 from ...pulse import Report
-from ..evidence.enough import MOST_OF_IT, adequate, worth_a_name
+from ..evidence.enough import MOST_OF_IT, adequate, speaks_for, worth_a_name
 from ..evidence.held_out import contradicted, hurts
 from ..linearised.basis import orthonormal
 from ..linearised.regression import Regression, prepare
-from ..linearised.shorten import is_long
+from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
 from ..ranking.look import Look
 from ..ranking.pairs import Pair, best_pair
@@ -34,13 +34,13 @@ from .together import both
 from .written import AS_WELL, Written, as_good_as_named, ended, kept_if_it_ends, lacked_by, simulated, step_of
 
 
-def one_law(look: Look, start: Regression, path: Path, report: Report) -> Written | Campaign | None:
+def one_law(look: Look, fitted: Fit, start: Regression, path: Path, report: Report) -> Written | Campaign | None:
     """The answer with the law written, if there is one and its simulation reaches the noise; or the campaign with the
-    noise floors that it tells better. `start`: of the fit with which a walk would begin; `path`: where no file is yet.
+    noise floors that it tells better. `fitted`: with which a walk would begin; `start`: of its `working` excerpt;
+    `path`: where no file is yet.
     """
-    regression, fitted = look.regression, start.fit
-    asked = fitted.campaign.fitted and not fitted.campaign.fitted_sweeps
-    if not asked or is_long(fitted.campaign) or not look.worth_it:
+    regression = look.regression
+    if not fitted.campaign.fitted or fitted.campaign.fitted_sweeps or not look.worth_it:
         return None
     pair = best_pair(regression, look.candidates)
     named = _left_by_names(look, pair)
@@ -56,7 +56,7 @@ def one_law(look: Look, start: Regression, path: Path, report: Report) -> Writte
     as_much = AS_WELL * max(formula.chi2_per_sample, 1.0) * start.n
     if said_in_pieces(look, unknown, as_much) or _two_names_do(look, pair, start, as_much, report):
         return None
-    if other_drive(fitted, regression, report, look) is not None:
+    if other_drive(start.fit, regression, report, look) is not None:
         return None
     gains = {one.candidate.name: one.gain for one in look.tried}
     nothing = Discovery("not-in-library", fitted, (), tuple(look.candidates), gains, (), regression)
@@ -66,10 +66,10 @@ def one_law(look: Look, start: Regression, path: Path, report: Report) -> Writte
 def in_their_place(found: Discovery, start: Regression, path: Path, report: Report) -> Written | Campaign | None:
     """The same after a walk whose names do not reach the noise: before it they, or pieces of the law, had promised to.
 
-    `start`: of the fit with which the walk began.
+    `start`: of the `working` excerpt of the fit with which the walk began.
     """
     asked = found.verdict == "not-in-library" and found.steps and not adequate(found.regression)
-    if not asked or is_long(found.start.campaign) or found.start.campaign.fitted_sweeps:
+    if not asked or found.start.campaign.fitted_sweeps:
         return None
     unknown = lacked_by(start, report)
     formula = unknown.formula
@@ -104,7 +104,8 @@ def _holds(fitted: Fit, start: Regression, unknown: Unknown, path: Path, report:
         try:
             with kept_if_it_ends(path):
                 beyond, gain = simulated(fitted, start, law, path, report)
-                fine = adequate(prepare(beyond.fit))
+                left = prepare(working(beyond.fit))
+                fine = adequate(left) and speaks_for(left, beyond.fit)
         except Diverged:  # with it the motion has no bound
             return None
         if fine and not contradicted(beyond.fit) and not hurts(fitted, beyond.fit):
