@@ -24,7 +24,7 @@ class Device:
     - `start`, `final`: limits of the held-out error per cent, of the linear start and of the last model; `records`: of
       single records with the last model.
     - `values`: parameters of the last model that others have measured, SI, and how far off they may be, as a share.
-    - `form`: the linear model that must be chosen; `first`: the effect that must be named first; `never`: those that
+    - `form`: the linear model that must be chosen; `first`: the effect that must be named first, or tie with the first; `never`: those that
       must not be named; `verdicts`: those that may be given.
     - `rows`: for some files the rows of the table that are kept, first and last, where others judged no more of it.
     """
@@ -51,8 +51,8 @@ class Device:
         with tempfile.TemporaryDirectory() as temporary:
             self.check(*self.run(Path(temporary)))
 
-    def run(self, work: Path) -> tuple[dict[str, Any], str, list[tuple[str, float]]]:
-        """`run.json`, the verdict, and the held-out error in percent of the start and after every step."""
+    def run(self, work: Path) -> tuple[dict[str, Any], dict[str, Any], list[tuple[str, float]]]:
+        """`run.json`, `diagnosis.json`, and the held-out error in percent of the start and after every step."""
         public_data.prepare(work / "it", self.campaign, self.folder, self.files)
         for name, (first, last) in self.rows.items():
             path = work / "it" / name
@@ -64,10 +64,11 @@ class Device:
         run = json.loads((folder / "run.json").read_text(encoding="utf-8"))
         said = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
         states = [("start", said["start"]), *((step["added"], step) for step in said["steps"])]
-        return run, said["verdict"], [(name, 100 * state["holdout_error_over_signal"]) for name, state in states]
+        return run, said, [(name, 100 * state["holdout_error_over_signal"]) for name, state in states]
 
-    def check(self, run: dict[str, Any], verdict: str, walked: list[tuple[str, float]]) -> None:
+    def check(self, run: dict[str, Any], said: dict[str, Any], walked: list[tuple[str, float]]) -> None:
         """Print what was found and hold it to the limits."""
+        verdict = said["verdict"]
         print(f"{self.folder}: {run['linear']['form']}, baseline {self.baseline} %, {verdict}")
         for name, error in walked:
             print(f"  {name:<24} {error:8.3g} %")
@@ -87,4 +88,4 @@ class Device:
             print(f"  {name:<24} {found[name]:8.4g}, published {value:.4g}")
             assert abs(found[name] / value - 1) <= share, (name, found[name])
         if self.first:
-            assert names[0] == self.first, names
+            assert self.first in (names[0], *said["steps"][0]["tie_set"]), names

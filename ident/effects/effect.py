@@ -102,8 +102,10 @@ class AbstractEffect:
 
     Some belong to a linear device as well, and a model starts with them where its records ask for that: one whose only
     number is a constant force or reading says `is_constant`, and one that is another mode which of them, the second one
-    `further_mode = 2`. `gains` are parameters through which the drive moves hidden states: where nothing is driven they
-    only scale the motion that goes on in those, and keep the values that they start with.
+    `further_mode = 2`. One whose memory comes to rest at a mean, which acts like a law without memory, says
+    `settles_to_a_mean`: it is not looked for in curves alone. `gains` are parameters through which the drive moves
+    hidden states: where nothing is driven they only scale the motion that goes on in those, and keep the values that
+    they start with.
     """
 
     name: ClassVar[str] = ""
@@ -118,6 +120,7 @@ class AbstractEffect:
     form_of: ClassVar[str] = ""
     is_constant: ClassVar[bool] = False
     further_mode: ClassVar[int] = 0
+    settles_to_a_mean: ClassVar[bool] = False
     gains: ClassVar[tuple[str, ...]] = ()
     steps_per_period: ClassVar[int] = 0
     has_kink: ClassVar[bool] = False

@@ -13,6 +13,7 @@ class Heated(AbstractEffect):
     """
 
     hidden_units = ("V^2", "m^2/s^2")
+    settles_to_a_mean = True
 
     time = shape("s", "time in which it warms up, τ", grid=(0.02, 0.1, 0.4, 2.0), scale="duration")
 

@@ -115,7 +115,8 @@ def check_units(campaign: Campaign, known: Registry) -> None:
 
     The file is read once more, because a campaign holds SI numbers only. An oscillator's units are its own.
     """
-    if campaign.path is None or not isinstance(campaign.device, Platform):
+    told = campaign.settings or campaign.priors
+    if not told or campaign.path is None or not isinstance(campaign.device, Platform):
         return
     document = read_document(campaign.path, campaign.path.name)
     parameters = {f"{effect.name}.{p.name}": p.unit for effect in known.values() for p in effect.parameters}
@@ -127,9 +128,9 @@ def check_units(campaign: Campaign, known: Registry) -> None:
             if isinstance(text, str) and full in parameters:
                 parse_quantity(text, unit(parameters[full]).dimension, where=place_of(campaign, "effect", owner, key))
     for full in campaign.priors:
-        told = _prior_table(document.values["priors"], full).get("unit")
-        if told is not None and full in parameters:
-            to_si(1.0, told, unit(parameters[full]).dimension, where=place_of(campaign, "priors", full))
+        name = _prior_table(document.values["priors"], full).get("unit")
+        if name is not None and full in parameters:
+            to_si(1.0, name, unit(parameters[full]).dimension, where=place_of(campaign, "priors", full))
 
 
 def _prior_table(priors: Mapping[str, Any], full: str) -> Mapping[str, Any]:

@@ -168,9 +168,13 @@ def advice(found: Diagnosis) -> list[str]:
         gain = experiment.expected_delta_chi2
         sentences.append(f"To tell {pair}, measure: {experiment.record} (expected Δχ² {gain:.3g}).")
     sentences += _not_identified(found.discovery.final)
-    if found.unseen:
-        names = listed([effect.name for effect in found.unseen])
-        them = "it" if len(found.unseen) == 1 else "them"
+    absorbed, settled = ([one.name for one in found.unseen if one.settled is kind] for kind in (False, True))
+    if settled:
+        sentences.append(
+            f"Curves that have settled do not tell {listed(settled)} from laws without memory: a record in time does."
+        )
+    if absorbed:
+        names, them = listed(absorbed), "it" if len(absorbed) == 1 else "them"
         model = "the first model" if found.discovery.steps else "this model"
         sentences.append(f"Beside {model} these records cannot show {names}: its parameters absorb {them}.")
     if found.unknown is not None:

@@ -159,6 +159,8 @@ def _asked(regression: Regression, effect: type[AbstractEffect]) -> list[_Asked]
         return []
     if effect.needs and effect.needs not in fitted.model.names:
         return []
+    if effect.settles_to_a_mean and not fitted.campaign.fitted:
+        return []
     return [_asked_with(regression, effect, words) for words in open_words(fitted.campaign, effect)]
 
 

@@ -58,7 +58,8 @@ def concluded(ended: Ended) -> Discovery:
         alike, even = needed.alike, needed.even
         if needed.names != tuple(s.added for s in steps):
             steps = _replayed(start, needed, Look(at_best, at_best, library, report), walked.gains)
-            steps = _without_refuted(start, steps, prepare(working(steps[-1].fit)))  # the laws before it have changed
+            if steps:  # the laws before the last one have changed
+                steps = _without_refuted(start, steps, prepare(working(steps[-1].fit)))
         elif needed.fit is not steps[-1].fit:  # another law in the place of one has led to a better minimum with it
             steps[-1] = steps[-1]._replace(fit=needed.fit)
     steps = _on_all_samples(start, steps, report)

@@ -28,6 +28,7 @@ class CoilHeating(AbstractEffect):
     alike = (SLOW_CHANGE, GROWS_WITH_THE_SQUARE)
     contains = ("drive-heating",)
     hidden_units = ("V^2",)  # θ/w
+    settles_to_a_mean = True
 
     rise = amplitude("1/V^2", "part by which the resistance grows per mean square of the voltage, w", one_sided=True)
     induced = amplitude("N*s/m/V^2", "damping by the coil times that, w c")

@@ -26,6 +26,7 @@ class DriveHeating(AbstractEffect):
     mistaken_for = ("creep", "damping-heating")
     alike = (SLOW_CHANGE, GROWS_WITH_THE_SQUARE)
     hidden_units = ("V^2",)
+    settles_to_a_mean = True
 
     rise = amplitude("1/V^2", "rise of what resists the push per mean square of the drive, w")
     time = shape("s", "time in which the actuator warms up, τ", grid=(0.02, 0.1, 0.4, 2.0), scale="duration")
