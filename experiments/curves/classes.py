@@ -25,14 +25,14 @@ UNSEEN = {
     "sensor-drift": "needs a time that passes",
     "stiffness-drift": "needs a time that passes",
     "damping-drift": "needs a time that passes",
-    "stiffness-heating": "once warm, a cubic law",
-    "damping-heating": "once warm, a cubic law",
-    "drive-heating": "once warm, a cubic law",
+    "stiffness-heating": "only the mean that it comes to is left",
+    "damping-heating": "only the mean that it comes to is left",
+    "drive-heating": "only the mean that it comes to is left",
     "electrostriction": "even: a mean and a second harmonic",
     "electrostatic-force": "even: a mean and a second harmonic",
     "bilinear-stiffness": "even, and the same at every amplitude",
 }
-"""Effects without a fundamental of their own: no curve can show them."""
+"""Effects without a fundamental of their own, or without more than a simpler one has: no curve can show them."""
 
 _GROUPS = {
     True: (

@@ -24,8 +24,8 @@ class Device:
     - `start`, `final`: limits of the held-out error per cent, of the linear start and of the last model; `records`: of
       single records with the last model.
     - `values`: parameters of the last model that others have measured, SI, and how far off they may be, as a share.
-    - `form`: the linear model that must be chosen; `first`: the effect that must be named first, or tie with the first; `never`: those that
-      must not be named; `verdicts`: those that may be given.
+    - `form`: the linear model that must be chosen; `first`: the effect that must be named first, or tie with the first;
+      `never`: those that must not be named; `verdicts`: those that may be given.
     - `rows`: for some files the rows of the table that are kept, first and last, where others judged no more of it.
     """
 
@@ -88,4 +88,4 @@ class Device:
             print(f"  {name:<24} {found[name]:8.4g}, published {value:.4g}")
             assert abs(found[name] / value - 1) <= share, (name, found[name])
         if self.first:
-            assert self.first in (names[0], *said["steps"][0]["tie_set"]), names
+            assert names and self.first in (names[0], *said["steps"][0]["tie_set"]), names

@@ -94,6 +94,11 @@ class Campaign:
         return tuple(r for r in self.sweeps if not r.holdout)
 
     @property
+    def shows_settled_motion_only(self) -> bool:
+        """Whether all that is fitted are curves read when the motion had settled."""
+        return not self.fitted and not any(sweep.fast for sweep in self.fitted_sweeps)
+
+    @property
     def shows_shape(self) -> bool:
         """Whether what is fitted shows the shape of a motion: traces do, and sweeps with their harmonics."""
         return bool(self.fitted) or any(sweep.overtones and not sweep.fast for sweep in self.fitted_sweeps)

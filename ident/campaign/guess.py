@@ -199,7 +199,7 @@ def _signals(table: Table, device: Oscillator | None = None) -> tuple[str, dict[
 
 def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
     """A platform, unless its units, its travel or its speed are another device's; and a sentence that says so."""
-    outputs, inputs, kept = set[Dimension](), set[Dimension](), dict[Dimension, str]()
+    outputs, inputs, kept = set[Dimension](), set[Dimension](), dict[tuple[bool, Dimension], str]()
     undriven, travel, other = 0, 0.0, list[str]()
     for table in tables:
         kind, found, free = _signals(table)
@@ -208,7 +208,7 @@ def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
             for name in names:
                 if name in found and (dimension := _measured(found[name])) is not None:
                     units.add(dimension)
-                    kept[dimension] = _kept(found[name])
+                    kept.setdefault((units is outputs, dimension), _kept(found[name]))
                     travel = max(travel, _travel(found[name], name) if name in _RESPONSES else 0.0)
         if kind == "trace" and "time" in found and "drive" in found:
             other.append(_slow_or_fast(found["time"], found["drive"]))
@@ -224,7 +224,7 @@ def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
     apart = bool(other) and all(other)
     thing = alone or wide or apart or pushed in PUSHES
     if reading is not None and (reading in _READINGS or (reading == LENGTH and thing)):
-        output, source = kept[reading], kept.get(pushed, base_unit(pushed))
+        output, source = kept[True, reading], kept.get((False, pushed), base_unit(pushed))
         units = f'output = "{output}", input = "{source}"'
         why = f"The response is in {output}" if reading in _READINGS else f"The drive is in {source}"
         why = other[0] if reading == LENGTH and pushed == VOLTAGE and apart else why

@@ -207,8 +207,6 @@ def _answered(
     if not fitted.campaign.fitted:
         return answer(found)  # what a curve lacks beyond the library, and the next record, only traces tell
     instead = in_their_place(found, regression, effect_file, report) if keeps_walk and effect_file else None
-    if isinstance(instead, Campaign):
-        return with_floors(instead)
     written = instead or beyond_library(found, regression, effect_file, keeps_walk, report)
     suspects = _beside_law(suspects, written.unknown)
     answer = partial(answer, unknown=written.unknown, effect_file=written.path, suspects=suspects)

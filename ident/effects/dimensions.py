@@ -143,7 +143,15 @@ def typical_value(parameter: Parameter) -> float:
     """A value of typical size, so that the formula is tested where it will be used."""
     if parameter.kind == "amplitude":
         return parameter.default or 0.7
-    size = {"displacement": 5e-6, "velocity": 3e-2, "voltage": 8.0, "period": 2e-3, "duration": 0.03, "one": 1.0}
+    size = {
+        "displacement": 5e-6,
+        "velocity": 3e-2,
+        "voltage": 8.0,
+        "period": 2e-3,
+        "duration": 0.03,
+        "induction": 3e2,
+        "one": 1.0,
+    }
     return parameter.default * size[parameter.scale] or 0.7
 
 

@@ -10,6 +10,8 @@ class Heated(AbstractEffect):
     of the drive and τ q̇_v = ż² − q_v of the power that the motion loses.
 
     A record that begins at rest begins cold. Where the drive is steady q follows it in τ and stays at its mean square.
+
+    Source: F. P. Incropera, D. P. DeWitt, Fundamentals of Heat and Mass Transfer, 2007, §5.1 (lumped capacitance).
     """
 
     hidden_units = ("V^2", "m^2/s^2")

@@ -99,9 +99,14 @@ SLOW_CHANGE = Likeness(
     why="all are a slow change within the record",
     separate="the same record at two frequencies, and repeated after a pause",
 )
-GROWS_WITH_THE_SQUARE = Likeness(
-    why="once it is as warm as it gets, what heat changes follows the squared amplitude, as a cubic law does",
-    separate="the first seconds after switching on, at the highest level; or a pause, and the same again",
+_FIRST_SECONDS = "the first seconds after switching on, at the highest level; or a pause, and the same again"
+WARM_SPRING = Likeness(
+    why="once it is as warm as it gets, a spring that heat softens follows the squared amplitude, as a cubic one does",
+    separate=_FIRST_SECONDS,
+)
+WARM_DAMPER = Likeness(
+    why="once it is as warm as it gets, damping that heat changes follows the squared amplitude, as a cubic one does",
+    separate=_FIRST_SECONDS,
 )
 SHIFT_OF_PHASE = Likeness(
     why="at one frequency all are a shift of phase and gain",

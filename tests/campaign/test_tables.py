@@ -101,6 +101,13 @@ def test_a_letter_in_a_unit_of_motion_beside_what_pushes_is_the_response(header,
     assert (found["drive"].header, found["response"].header) == (drive, response)
 
 
+def test_a_letter_in_a_unit_of_motion_drives_where_a_motion_drives():
+    found = match_columns(_table("t (s),u (mm),F (N),y (mm)"), trace_roles(LENGTH, LENGTH), {}, {})
+    assert (found["drive"].header, found["response"].header) == ("u (mm)", "y (mm)")
+    found = match_columns(_table("f (Hz),u (mm),y (V)"), sweep_roles(LENGTH, VOLTAGE), {}, {})
+    assert (found["level"].header, found["amplitude"].header) == ("u (mm)", "y (V)")
+
+
 def test_the_columns_of_a_sweep():
     found = match_columns(_table("frequency (Hz),drive (V),amplitude (µm),phase (deg)"), SWEEP, {}, {})
     assert set(found) == {"frequency", "level", "amplitude", "phase"}

@@ -30,13 +30,13 @@ OMEGA, Q, LIMIT = 2 * np.pi * 40.0, 3.0, 2.5
 VOLT, METRE = Channel("V", 1.0), Channel("m", 1.0)
 
 
-def record(seed: int, size: float, amplifier, spring, damper) -> Trace:
+def record(seed: int, size: float, amplifier, spring, damper, brake) -> Trace:
     """From rest, driven by a sum of sines between 4 and 80 Hz through an amplifier."""
     t, rng = np.arange(2500) / 1500.0, np.random.default_rng(seed)
     tones = np.linspace(4.0, 80.0, 30)
     phases = rng.uniform(0, 2 * np.pi, len(tones))
     drive = lambda at: size * np.sin(2 * np.pi * np.multiply.outer(at, tones) + phases).sum(axis=-1) / np.sqrt(15)
-    damped = lambda u, v: OMEGA / Q * v * damper(u)
+    damped = lambda u, v: OMEGA / Q * v * damper(u) + brake(v)
     rates = lambda at, y: (
         y[1], 1e3 * amplifier(float(drive(at))) - damped(drive(at), y[1]) - OMEGA**2 * spring(y[0])
     )  # fmt: skip
@@ -46,8 +46,8 @@ def record(seed: int, size: float, amplifier, spring, damper) -> Trace:
     return Trace(f"{seed}.csv", t, drive(t), z, VOLT, METRE, NoiseFloor(noise), start="rest")
 
 
-def campaign(amplifier, spring, damper=lambda u: 1.0) -> Campaign:
-    records = [record(seed, size, amplifier, spring, damper) for seed, size in enumerate((1.0, 2.0, 4.0))]
+def campaign(amplifier, spring, damper=lambda u: 1.0, brake=lambda v: 0.0) -> Campaign:
+    records = [record(seed, size, amplifier, spring, damper, brake) for seed, size in enumerate((1.0, 2.0, 4.0))]
     return Campaign("bench", tuple(records), Oscillator("m", "V"))
 
 
@@ -60,6 +60,20 @@ def test_an_amplifier_that_saturates_is_told_without_a_walk(tmp_path: Path):
     assert found.effect_file == tmp_path / "law.py" and found.effect_file.is_file()
     assert [step.added for step in found.discovery.steps] == ["unknown-effect"]
     assert not [words for words in said if "added" in words]
+
+
+def test_a_brake_whose_drag_falls_beyond_its_peak(tmp_path: Path):
+    """A disc in the gap of a magnet: it had been written in two steps and a hump, which run off beyond the motion."""
+    found = discover(
+        campaign(lambda u: u, lambda z: z, brake=lambda v: 60.0 * v / (1 + (v / 25.0) ** 2)),
+        effect_file=tmp_path / "law.py",
+    )
+    assert found.verdict == "not-in-library" and found.final.fitted.error_over_noise < 1.05
+    assert [step.added for step in found.discovery.steps] == ["unknown-effect"]
+    assert found.unknown is not None and found.unknown.formula is not None
+    assert [term.kind for term in found.unknown.formula.terms] == ["peak v"]
+    number = found.unknown.formula.terms[0].number
+    assert number is not None and number.value == pytest.approx(25.0, rel=0.03)
 
 
 def test_a_law_that_excerpts_tell_is_fitted_to_all_samples(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

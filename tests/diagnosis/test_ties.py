@@ -137,6 +137,23 @@ def test_on_curves_a_law_that_contains_another_stays_beside_it(regression: Regre
         assert ("residual-stress" in tie_set(disturbed, best, [best, other], LIBRARY).names) is tied
 
 
+def test_curves_of_settled_motion_are_not_asked_for_heat(regression: Regression) -> None:
+    curves = prepare(
+        fit(Model(Oscillator(output="m")), Campaign("", (sweep(0.2, 0.0, False),), Oscillator(output="m")))
+    )
+    warm = {name: effect for name, effect in built_in().items() if effect.settles_to_a_mean}
+    assert len(warm) == 4 and score(curves, warm) == []
+    assert {one.name for one in unseen(curves, [], built_in()) if one.settled} == set(warm)
+    assert not any(one.settled for one in unseen(regression, [], built_in()))
+
+
+def test_two_cubic_laws_share_no_heat() -> None:
+    """A spring and a damper pass for what heat does to either, and not for one another."""
+    spring, damper = built_in()["cubic-stiffness"], built_in()["cubic-damping"]
+    assert equivalence(spring, damper) is None
+    assert equivalence(spring, built_in()["stiffness-heating"]) and equivalence(damper, built_in()["damping-heating"])
+
+
 def test_an_effect_without_a_score_is_reported_as_unseen(
     regression: Regression, lines: tuple[np.ndarray, np.ndarray]
 ) -> None:

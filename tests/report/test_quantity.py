@@ -61,6 +61,7 @@ def test_an_oscillator_in_a_unit_of_its_own_or_a_multiple():
     assert display_unit("N/m^3", Oscillator("counts_x", "V")) == "1/(counts_x²·s²)"
     assert display_unit("m/V", Oscillator("mV", "A")) == "V/A"  # numbers inside are in volts, not millivolts
     assert display_unit("m/s", Oscillator("m/s", "V")) == "m/s²"
+    assert str(show(5.68e-3, None, "V", Oscillator("rad", "Nm"))) == "5.680 mNm"
 
 
 def test_significant_digits():

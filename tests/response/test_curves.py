@@ -180,7 +180,8 @@ def test_every_effect_of_the_library_has_steady_responses() -> None:
         if effect.platform_only or effect.needs:
             continue
         one = effect(device)
-        size = {"displacement": 0.02, "velocity": 5.0, "voltage": 1.0, "period": 1 / FREQUENCY, "duration": 1.0}
+        size = {"displacement": 0.02, "velocity": 5.0, "voltage": 1.0, "period": 1 / FREQUENCY, "duration": 1.0,
+                "induction": 0.2}  # fmt: skip
         small = {p.name: p.default * size.get(p.scale, 1.0) for p in one.declared()}
         model = Model(device) + effect(device, None, **small)
         values = np.array([FREQUENCY, QUALITY, GAIN, *(small[p.name] for p in one.parameters)])

@@ -197,7 +197,7 @@ def match_columns(
                 continue
             free = [column for column in table.columns if column not in chosen.values()]
             fits = [c for c in free if claim(c, role) >= least and role.accepts(units.get(role.name, c.unit))]
-            if role.name in ("drive", "level"):
+            if role.name in ("drive", "level") and role.dimension not in _MOTIONS and role.name not in units:
                 fits = [c for c in fits if not _letter_of_motion(c, table)]
             if least == 0:  # no name helps: only the unit can tell
                 fits = [c for c in fits if c.unit is not None and not any(claim(c, r) >= 2 for r in roles)]

@@ -159,7 +159,7 @@ def _asked(regression: Regression, effect: type[AbstractEffect]) -> list[_Asked]
         return []
     if effect.needs and effect.needs not in fitted.model.names:
         return []
-    if effect.settles_to_a_mean and not fitted.campaign.fitted:
+    if effect.settles_to_a_mean and fitted.campaign.shows_settled_motion_only:
         return []
     return [_asked_with(regression, effect, words) for words in open_words(fitted.campaign, effect)]
 

@@ -60,11 +60,17 @@ def one_law(look: Look, fitted: Fit, start: Regression, path: Path, report: Repo
         return None
     gains = {one.candidate.name: one.gain for one in look.tried}
     nothing = Discovery("not-in-library", fitted, (), tuple(look.candidates), gains, (), regression)
-    return _kept(nothing, start, unknown, path, report)
+    told = _holds(fitted, fitted, start, unknown, path, report)
+    sharper = None if told is None else sharpened(told[0].fit)
+    if told is not None and sharper is not None:
+        told[0].path.unlink()
+        return replace(sharper, effect_files=fitted.campaign.effect_files)
+    return None if told is None else _written(nothing, *told)
 
 
-def in_their_place(found: Discovery, start: Regression, path: Path, report: Report) -> Written | Campaign | None:
+def in_their_place(found: Discovery, start: Regression, path: Path, report: Report) -> Written | None:
     """The same after a walk whose names do not reach the noise: before it they, or pieces of the law, had promised to.
+    The law must not predict held-out records worse than they do.
 
     `start`: of the `working` excerpt of the fit with which the walk began.
     """
@@ -76,29 +82,21 @@ def in_their_place(found: Discovery, start: Regression, path: Path, report: Repo
     one = formula is not None and unknown.of_one_law and formula.complete
     if formula is None or not (one and says_more(formula.chi2_per_sample, found.regression.chi2, start)):
         return None
-    return _kept(found, start, unknown, path, report)
+    told = _holds(found.start, found.final, start, unknown, path, report)
+    return None if told is None else _written(found, *told)
 
 
-def _kept(
-    found: Discovery, start: Regression, unknown: Unknown, path: Path, report: Report
-) -> Written | Campaign | None:
-    """A law in the place of what was found, if its simulation reaches the noise."""
-    told = _holds(found.start, start, unknown, path, report)
-    if told is None:
-        return None
-    beyond, gain = told
-    last = ended(beyond.fit)
-    sharper = sharpened(last)
-    if sharper is not None:
-        beyond.path.unlink()
-        return replace(sharper, effect_files=found.start.campaign.effect_files)
-    step = step_of(beyond._replace(fit=last), gain)
-    return Written(replace(found, steps=(step,)), beyond.unknown, beyond.path)
+def _written(found: Discovery, beyond: Beyond, gain: float) -> Written:
+    """A law in the place of what was found."""
+    return Written(replace(found, steps=(step_of(beyond, gain),)), beyond.unknown, beyond.path)
 
 
-def _holds(fitted: Fit, start: Regression, unknown: Unknown, path: Path, report: Report) -> tuple[Beyond, float] | None:
-    """The fit with a law whose simulation reaches the noise, and which held-out records do not refute; of a product
-    they may refute how its formula runs on beyond the fitted ones, and not its table."""
+def _holds(
+    fitted: Fit, rival: Fit, start: Regression, unknown: Unknown, path: Path, report: Report
+) -> tuple[Beyond, float] | None:
+    """The fit with a law beside `fitted`, taken to its end, whose simulation reaches the noise, and which held-out
+    records do not refute, nor find worse than a `rival`; of a product they may refute how its formula runs on beyond
+    the fitted ones, and not its table."""
     law: Unknown | None = unknown
     while law is not None:
         try:
@@ -108,8 +106,10 @@ def _holds(fitted: Fit, start: Regression, unknown: Unknown, path: Path, report:
                 fine = adequate(left) and speaks_for(left, beyond.fit)
         except Diverged:  # with it the motion has no bound
             return None
-        if fine and not contradicted(beyond.fit) and not hurts(fitted, beyond.fit):
-            return beyond, gain
+        if fine and not contradicted(beyond.fit) and not hurts(rival, beyond.fit):
+            last = ended(beyond.fit)
+            if last is beyond.fit or not hurts(rival, last):
+                return beyond._replace(fit=last), gain
         beyond.path.unlink()
         law = as_table(start, law) if fine else None
     return None

@@ -28,7 +28,7 @@ _KNOWN = 0.95  # the same for effects that are known to pass for one another
 _EXACT = 0.9  # the same for effects that no record of a linear device tells apart
 _AS_MUCH = 0.9  # of what the best one explains: an effect that explains less is no rival, however few samples there are
 _ABSORBED = "the model's own parameters absorb all that it adds to these records"
-_SETTLED = "curves that have settled show its mean, which a law without memory says in fewer numbers"
+_SETTLED = "curves of settled motion show only the mean that it comes to"
 _REFITTED = 12  # of the names that tie by their scores; a record that says little leaves more than that
 _CHANCE = 0.05  # probability, below which the further numbers of a law that contains another say something
 
@@ -199,7 +199,7 @@ def unseen(regression: Regression, candidates: Sequence[Candidate], library: Reg
         other = effect.form_of or (effect.needs and effect.needs not in model.names)
         if effect.name in scored or absent or other:
             continue
-        settled = effect.settles_to_a_mean and not regression.fit.campaign.fitted
+        settled = effect.settles_to_a_mean and regression.fit.campaign.shows_settled_motion_only
         found.append(Unseen(effect.name, _SETTLED if settled else _ABSORBED, settled))
     return tuple(found)
 

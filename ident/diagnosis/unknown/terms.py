@@ -139,7 +139,10 @@ def _hump(n: str, length: Callable[..., Number], width: float) -> Term:
 
 
 def _peak(n: str, length: Callable[..., Number], place: float) -> Term:
-    """As of a brake of eddy currents: W. R. Smythe, On eddy currents in a rotating disk, 1942, Trans. AIEE 61, 681."""
+    """x/(1 + (x/w)²), as of a brake of eddy currents.
+
+    Source: W. R. Smythe, On eddy currents in a rotating disk, 1942, Trans. AIEE 61, 681.
+    """
     own = length(place, f"{n} at which the term is largest")
     code, text = f"{n} / (1.0 + ({n} / {{n}}) ** 2)", f"{n}/(1 + ({n}/{number(place)})²)"
     return Term(text, code, (n,), ((n, 1),), lambda x: x[n] / (1.0 + (x[n] / place) ** 2), own)

@@ -3,10 +3,8 @@
 import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
-from ..likeness import GROWS_WITH_THE_SQUARE, SLOW_CHANGE
+from ..likeness import SLOW_CHANGE
 from .drive_heating import LEAST
-
-_NOTHING = 1e-100  # beside the square of any push: a coil that does not warm induces nothing that shows
 
 
 class CoilHeating(AbstractEffect):
@@ -19,33 +17,35 @@ class CoilHeating(AbstractEffect):
     """
 
     name = "coil-heating"
-    equation = "F = −θ/(1 + θ) (G V − c ż), τ θ̇ = w (V − B ż)²/(1 + θ) − θ, B = c/G"
+    equation = "F = −θ/(1 + θ) G (V − B ż), τ θ̇ = w (V − B ż)²/(1 + θ) − θ"
     source = (
         "W. Klippel, Nonlinear modeling of the heat transfer in loudspeakers, 2004, J. Audio Eng. Soc. 52, 3, §2; "
-        "R. H. Small, Direct-radiator loudspeaker system analysis, 1972, J. Audio Eng. Soc. 20, 383 (c = B²/R)"
+        "R. H. Small, Direct-radiator loudspeaker system analysis, 1972, J. Audio Eng. Soc. 20, 383"
     )
     mistaken_for = ("damping-heating",)
-    alike = (SLOW_CHANGE, GROWS_WITH_THE_SQUARE)
+    alike = (SLOW_CHANGE,)
     contains = ("drive-heating",)
     hidden_units = ("V^2",)  # θ/w
     settles_to_a_mean = True
 
     rise = amplitude("1/V^2", "part by which the resistance grows per mean square of the voltage, w", one_sided=True)
-    induced = amplitude("N*s/m/V^2", "damping by the coil times that, w c")
+    induced = shape("V*s/m", "voltage that a velocity induces, B", grid=(0.1, 0.4, 1.0), scale="induction",
+                    limits=(0.003, 5.0))  # fmt: skip
     time = shape("s", "time in which the coil warms up, τ", grid=(0.02, 0.1, 0.4, 2.0), scale="duration")
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
-        (warm,) = state.hidden
-        return -warm / self._grown(warm) * (self.rise * drive.gain * drive.V - self.induced * state.v)
+        warm = self.rise * state.hidden[0]
+        return -drive.gain * warm / self._grown(state) * self._left(state, drive)
 
     def state0(self) -> tuple[Scalar, ...]:
         return (0.0,)
 
     def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
-        (warm,) = state.hidden
-        push = self.rise * drive.gain
-        left = drive.V - self.induced * push / (push**2 + _NOTHING) * state.v
-        return ((left**2 / self._grown(warm) - warm) / self.time,)
+        return ((self._left(state, drive) ** 2 / self._grown(state) - state.hidden[0]) / self.time,)
 
-    def _grown(self, warm: Scalar) -> Scalar:
-        return jnp.maximum(1.0 + self.rise * warm, LEAST)
+    def _left(self, state: State, drive: Drive) -> Scalar:
+        """The voltage that drives a current, V."""
+        return drive.V - self.induced * state.v
+
+    def _grown(self, state: State) -> Scalar:
+        return jnp.maximum(1.0 + self.rise * state.hidden[0], LEAST)

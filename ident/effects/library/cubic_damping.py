@@ -1,7 +1,7 @@
 """Damping that grows with the square of the motion."""
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude
-from ..likeness import CUBIC_LOSS, GROWS_WITH_THE_SQUARE, SAME_LOSS
+from ..likeness import CUBIC_LOSS, SAME_LOSS, WARM_DAMPER
 
 
 class CubicDamping(AbstractEffect):
@@ -21,7 +21,7 @@ class CubicDamping(AbstractEffect):
         "Dyn. 67, 859"
     )
     mistaken_for = ("quadratic-damping", "squeeze-film-damping", "damping-heating")
-    alike = (CUBIC_LOSS, SAME_LOSS, GROWS_WITH_THE_SQUARE)
+    alike = (CUBIC_LOSS, SAME_LOSS, WARM_DAMPER)
 
     c3 = amplitude("N*s^3/m^3", "damping by the cube of the velocity")
     c_z = amplitude("N*s/m^3", "damping by the square of the displacement")

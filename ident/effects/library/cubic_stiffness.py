@@ -1,7 +1,7 @@
 """Cubic (Duffing) stiffness."""
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude
-from ..likeness import BENT_RESONANCE, GROWS_WITH_THE_SQUARE, SAME_HARMONICS, STIFFENS, STRETCHES
+from ..likeness import BENT_RESONANCE, SAME_HARMONICS, STIFFENS, STRETCHES, WARM_SPRING
 
 
 class CubicStiffness(AbstractEffect):
@@ -11,7 +11,7 @@ class CubicStiffness(AbstractEffect):
     equation = "F = −k3 z³"
     source = "Nayfeh & Mook, Nonlinear Oscillations, 1979, §4.1"
     mistaken_for = ("end-stop", "residual-stress", "sensor-nonlinearity", "pzt-hysteresis", "stiffness-heating")
-    alike = (STRETCHES, STIFFENS, BENT_RESONANCE, GROWS_WITH_THE_SQUARE, SAME_HARMONICS)
+    alike = (STRETCHES, STIFFENS, BENT_RESONANCE, WARM_SPRING, SAME_HARMONICS)
 
     k3 = amplitude("N/m^3", "cubic stiffness")
 

@@ -2,7 +2,7 @@
 
 from ..effect import Drive, Scalar, State, amplitude
 from ..heated import Heated
-from ..likeness import GROWS_WITH_THE_SQUARE, SLOW_CHANGE
+from ..likeness import SLOW_CHANGE, WARM_DAMPER
 
 
 class DampingHeating(Heated):
@@ -21,7 +21,7 @@ class DampingHeating(Heated):
         "J. C. Dixon, The Shock Absorber Handbook, 2007, ch. 6 (oil that thins)"
     )
     mistaken_for = ("damping-drift", "cubic-damping", "stiffness-heating", "drive-heating", "coil-heating")
-    alike = (SLOW_CHANGE, GROWS_WITH_THE_SQUARE)
+    alike = (SLOW_CHANGE, WARM_DAMPER)
 
     by_drive = amplitude("N*s/m/V^2", "damping per mean square of the drive, w_V")
     by_motion = amplitude("N*s^3/m^3", "damping per mean square of the velocity, w_v")

@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, amplitude, shape
-from ..likeness import GROWS_WITH_THE_SQUARE, SLOW_CHANGE
+from ..likeness import SLOW_CHANGE
 
 LEAST = 0.05  # is left of what resists, whatever a search tries
 
@@ -13,8 +13,8 @@ class DriveHeating(AbstractEffect):
 
     A coil of copper gains 0.4 % of resistance per kelvin, so that a voltage drives less current: power compression of
     loudspeakers, 1-6 dB. A magnet loses 0.1-0.2 %/K; a piezoelectric layer mostly gains (w < 0). Where the drive is
-    steady, the push is divided by 1 + w U²/2 in the end. At one level it is a gain and how that was reached; several
-    levels, and a pause, tell it from a drift.
+    steady, the push is divided by 1 + w U²/2 in the end: what heats it does not become less. At one level it is a gain
+    and how that was reached; several levels, and a pause, tell it from a drift.
     """
 
     name = "drive-heating"
@@ -24,7 +24,7 @@ class DriveHeating(AbstractEffect):
         "(coil alone, §2)"
     )
     mistaken_for = ("creep", "damping-heating")
-    alike = (SLOW_CHANGE, GROWS_WITH_THE_SQUARE)
+    alike = (SLOW_CHANGE,)
     hidden_units = ("V^2",)
     settles_to_a_mean = True
 
@@ -39,10 +39,11 @@ class DriveHeating(AbstractEffect):
         return (0.0,)
 
     def follow(self, hidden: tuple[Scalar, ...], before: Drive, drive: Drive, step: Scalar) -> tuple[Scalar, ...]:
-        # V² and its slope are known at both points: its mean between them is that of the cubic through these.
-        slopes = 2.0 * (before.V * before.rate - drive.V * drive.rate)
-        power = 0.5 * (before.V**2 + drive.V**2) + step / 12.0 * slopes
-        return (hidden[0] - (power - hidden[0]) * jnp.expm1(-step / self.time),)
+        # V² and its slope are known at both points: exact for its straight line, and the bend counts by its mean.
+        was, now, gone = before.V**2, drive.V**2, -jnp.expm1(-step / self.time)
+        bend = step / 6.0 * (before.V * before.rate - drive.V * drive.rate)
+        straight = now - was * (1.0 - gone) - (now - was) * self.time / step * gone
+        return (hidden[0] * (1.0 - gone) + straight + bend * gone,)
 
     def settled(self, level: Scalar, drive: Drive) -> tuple[Scalar, ...]:
         # V² = U²/2 + (V² − U²/2), whose second part goes round at 2ω and is followed late.

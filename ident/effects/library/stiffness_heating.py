@@ -2,7 +2,7 @@
 
 from ..effect import Drive, Scalar, State, amplitude
 from ..heated import Heated
-from ..likeness import GROWS_WITH_THE_SQUARE, SLOW_CHANGE
+from ..likeness import SLOW_CHANGE, WARM_SPRING
 
 
 class StiffnessHeating(Heated):
@@ -18,7 +18,7 @@ class StiffnessHeating(Heated):
     equation = "F = −(w_V q_V + w_v q_v) z, τ q̇_V = V² − q_V, τ q̇_v = ż² − q_v"
     source = "Incropera & DeWitt, Fundamentals of Heat and Mass Transfer, 2007, §5.1 (lumped capacitance)"
     mistaken_for = ("stiffness-drift", "cubic-stiffness", "damping-heating")
-    alike = (SLOW_CHANGE, GROWS_WITH_THE_SQUARE)
+    alike = (SLOW_CHANGE, WARM_SPRING)
 
     by_drive = amplitude("N/m/V^2", "stiffness per mean square of the drive, w_V")
     by_motion = amplitude("N*s^2/m^3", "stiffness per mean square of the velocity, w_v")

@@ -49,6 +49,11 @@ class DataScales(NamedTuple):
     duration: float
     one: float = 1.0
 
+    @property
+    def induction(self) -> float:
+        """The voltage over the velocity, as that which a coil induces."""
+        return self.voltage / self.velocity
+
 
 def guess_linear(
     records: Sequence[Trace], nominal_frequency: float | None = None, held: float | None = None
