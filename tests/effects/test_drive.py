@@ -125,14 +125,17 @@ def test_the_loop_of_plays_does_not_depend_on_the_frequency():
     assert np.sqrt(np.mean((loops[0] - exact) ** 2)) < 0.02 * np.std(swing)  # the edges are rounded
 
 
+@pytest.mark.parametrize(
+    ("ease", "left"), [(1.0, lambda x: 1 / (1 + x)), (-1.0, lambda x: 1 - x), (0.0, lambda x: np.exp(-x))]
+)
 @pytest.mark.parametrize("time", [1e-3, 5e-3])
-def test_a_push_that_falls_with_the_warmth_of_the_drive(time):
+def test_a_push_that_falls_with_the_warmth_of_the_drive(time, ease, left):
     physics = Physics(
-        lambda t, z, v, h: -GAIN * voltage(t) * (1 - 1 / (1 + 0.01 * h[0])),
+        lambda t, z, v, h: -GAIN * voltage(t) * (1 - left(0.01 * h[0])),
         lambda t, z, v, h: ((voltage(t) ** 2 - h[0]) / time,),
         start=(0.0,),
     )
-    assert_agrees(make("drive-heating", rise=0.01, time=time), physics, SMOOTH)
+    assert_agrees(make("drive-heating", loss=0.01, ease=ease, time=time), physics, SMOOTH)
 
 
 @pytest.mark.parametrize("time", [0.2, 5.0])

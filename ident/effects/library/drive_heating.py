@@ -5,20 +5,22 @@ import jax.numpy as jnp
 from ..effect import AbstractEffect, Drive, Scalar, amplitude, shape
 from ..likeness import SLOW_CHANGE
 
-LEAST = 0.05  # is left of what resists, whatever a search tries
+LEAST = 0.05  # of 1 + eθ, whatever a search tries
+_STRAIGHT = 1e-6  # of e: nearer to zero the power is an exponential
 
 
 class DriveHeating(AbstractEffect):
-    """The actuator pushes less as it warms: F = −G V θ/(1 + θ), θ = w q, τ q̇ = V² − q.
+    """The actuator pushes less as it warms: F = −G V (1 − (1 + eθ)^(−1/e)), θ = w q, τ q̇ = V² − q.
 
-    A coil of copper gains 0.4 % of resistance per kelvin, so that a voltage drives less current: power compression of
-    loudspeakers, 1-6 dB. A magnet loses 0.1-0.2 %/K; a piezoelectric layer mostly gains (w < 0). Where the drive is
-    steady, the push is divided by 1 + w U²/2 in the end: what heats it does not become less. At one level it is a gain
-    and how that was reached; several levels, and a pause, tell it from a drift.
+    The push is G/(1 + θ) with e = 1, as of a resistance that grows; G e^(−θ) with e = 0; and G (1 − θ) with e = −1: how
+    it goes on shows where it has changed by a tenth. A coil of copper gains 0.4 % of resistance per kelvin, so that a
+    voltage drives less current: power compression of loudspeakers, 1-6 dB. A magnet loses 0.1-0.2 %/K; a piezoelectric
+    layer mostly gains (w < 0). Where the drive is steady, θ is w U²/2 in the end: what heats it does not become less.
+    At one level it is a gain and how that was reached; several levels, and a pause, tell it from a drift.
     """
 
     name = "drive-heating"
-    equation = "F = −G V θ/(1 + θ), θ = w q, τ q̇ = V² − q"
+    equation = "F = −G V (1 − (1 + eθ)^(−1/e)), θ = w q, τ q̇ = V² − q"
     source = (
         "W. Klippel, Nonlinear modeling of the heat transfer in loudspeakers, 2004, J. Audio Eng. Soc. 52, 3 "
         "(coil alone, §2)"
@@ -28,12 +30,16 @@ class DriveHeating(AbstractEffect):
     hidden_units = ("V^2",)
     settles_to_a_mean = True
 
-    rise = amplitude("1/V^2", "rise of what resists the push per mean square of the drive, w")
+    loss = amplitude("1/V^2", "part of the push lost per mean square of the drive, at first, w")
+    ease = shape("1", "by which the loss eases off, e", grid=(-1.0, 1.0), limits=(-2.0, 4.0), positive=False)
     time = shape("s", "time in which the actuator warms up, τ", grid=(0.02, 0.1, 0.4, 2.0), scale="duration")
 
     def drive(self, hidden: tuple[Scalar, ...], drive: Drive, t: Scalar) -> Scalar:
-        warm = self.rise * hidden[0]
-        return -drive.gain * drive.V * warm / jnp.maximum(1.0 + warm, LEAST)
+        warm = self.loss * hidden[0]
+        straight = jnp.abs(self.ease) < _STRAIGHT
+        ease = jnp.where(straight, _STRAIGHT, self.ease)
+        lost = jnp.log(jnp.maximum(1.0 + ease * warm, LEAST)) / ease
+        return drive.gain * drive.V * jnp.expm1(-jnp.where(straight, warm, lost))
 
     def state0(self) -> tuple[Scalar, ...]:
         return (0.0,)
