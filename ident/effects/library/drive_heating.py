@@ -31,7 +31,7 @@ class DriveHeating(AbstractEffect):
     settles_to_a_mean = True
 
     loss = amplitude("1/V^2", "part of the push lost per mean square of the drive, at first, w")
-    ease = shape("1", "by which the loss eases off, e", grid=(-1.0, 1.0), limits=(-2.0, 4.0), positive=False)
+    ease = shape("1", "by which the loss eases off, e", grid=(-1.0, 1.0), positive=False)  # of little loss, any
     time = shape("s", "time in which the actuator warms up, τ", grid=(0.02, 0.1, 0.4, 2.0), scale="duration")
 
     def drive(self, hidden: tuple[Scalar, ...], drive: Drive, t: Scalar) -> Scalar:
