@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from .effect import AbstractEffect, Drive, Scalar, State, shape
 
 
@@ -17,7 +19,14 @@ class Heated(AbstractEffect):
     hidden_units = ("V^2", "m^2/s^2")
     settles_to_a_mean = True
 
+    by_drive: Any  # w_V and w_v, each in the unit of what changes
+    by_motion: Any
+
     time = shape("s", "time in which it warms up, τ", grid=(0.02, 0.1, 0.4, 2.0), scale="duration")
+
+    def warmth(self, state: State) -> Scalar:
+        """By how much what warms has changed, W."""
+        return self.by_drive * state.hidden[0] + self.by_motion * state.hidden[1]
 
     def state0(self) -> tuple[Scalar, ...]:
         return (0.0, 0.0)

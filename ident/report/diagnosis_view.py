@@ -171,8 +171,8 @@ def advice(found: Diagnosis) -> list[str]:
     absorbed, settled = ([one.name for one in found.unseen if one.settled is kind] for kind in (False, True))
     if settled:
         sentences.append(
-            f"Curves of settled motion are not asked for {listed(settled)}, of which they show only the mean that it "
-            "comes to: a record in time does."
+            f"Curves of settled motion show only the mean that {listed(settled)} come to, and are not asked for them: "
+            "records in time are."
         )
     if absorbed:
         names, them = listed(absorbed), "it" if len(absorbed) == 1 else "them"

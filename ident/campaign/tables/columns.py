@@ -19,7 +19,7 @@ from .table import Column, Table, signal_unit
 PUSHES: tuple[Dimension, ...] = (CURRENT, (1, 1, -2, 0, 0, 0, 0), (2, 1, -2, 0, 0, 0, 0), (1, 0, -2, 0, 0, 0, 0))
 """What may drive a thing that is no platform: a current, a force, a torque; an acceleration of its base."""
 
-_MOTIONS: tuple[Dimension, ...] = (LENGTH, (1, 0, -1, 0, 0, 0, 0), (1, 0, -2, 0, 0, 0, 0))
+_MOTIONS: tuple[Dimension, ...] = (LENGTH, (1, 0, -1, 0, 0, 0, 0), PUSHES[-1])
 _BY_UNIT = ("level", "response", "drive")  # roles that a column may have although no name tells
 
 

@@ -26,6 +26,7 @@ from ..linearised.trajectory import Diverged
 from ..ranking.look import Look
 from ..ranking.pairs import Pair, best_pair
 from ..unknown.find import Unknown, as_table
+from ..unknown.formula import Formula
 from ..unknown.subsets import NEAR, rank
 from .beyond import Beyond
 from .drive import other_drive
@@ -46,26 +47,26 @@ def one_law(look: Look, fitted: Fit, start: Regression, path: Path, report: Repo
     named = _left_by_names(look, pair)
     if as_good_as_named(named, regression) or not _may_be_one(start, named):
         return None
-    unknown = lacked_by(start, report)
-    formula = unknown.formula
-    if formula is None or not (
-        unknown.of_one_law and formula.complete and says_more(formula.chi2_per_sample, named, start)
-    ):
+    found = _said(start, named, report)
+    if found is None:
         return None
+    unknown, formula = found
     # What a formula of kinks leaves along a motion with noise, names of the same law leave too.
     as_much = AS_WELL * max(formula.chi2_per_sample, 1.0) * start.n
     if said_in_pieces(look, unknown, as_much) or _two_names_do(look, pair, start, as_much, report):
         return None
     if other_drive(start.fit, regression, report, look) is not None:
         return None
-    gains = {one.candidate.name: one.gain for one in look.tried}
-    nothing = Discovery("not-in-library", fitted, (), tuple(look.candidates), gains, (), regression)
     told = _holds(fitted, fitted, start, unknown, path, report)
-    sharper = None if told is None else sharpened(told[0].fit)
-    if told is not None and sharper is not None:
+    if told is None:
+        return None
+    sharper = sharpened(told[0].fit)
+    if sharper is not None:
         told[0].path.unlink()
         return replace(sharper, effect_files=fitted.campaign.effect_files)
-    return None if told is None else _written(nothing, *told)
+    gains = {one.candidate.name: one.gain for one in look.tried}
+    nothing = Discovery("not-in-library", fitted, (), tuple(look.candidates), gains, (), regression)
+    return _written(nothing, *told)
 
 
 def in_their_place(found: Discovery, start: Regression, path: Path, report: Report) -> Written | None:
@@ -77,13 +78,18 @@ def in_their_place(found: Discovery, start: Regression, path: Path, report: Repo
     asked = found.verdict == "not-in-library" and found.steps and not adequate(found.regression)
     if not asked or found.start.campaign.fitted_sweeps:
         return None
+    said = _said(start, found.regression.chi2, report)
+    told = None if said is None else _holds(found.start, found.final, start, said[0], path, report)
+    return None if told is None else _written(found, *told)
+
+
+def _said(start: Regression, named: float, report: Report) -> tuple[Unknown, Formula] | None:
+    """What a fit lacks, where that is one law whose formula says all of it, and more than names do, χ² `named`."""
     unknown = lacked_by(start, report)
     formula = unknown.formula
-    one = formula is not None and unknown.of_one_law and formula.complete
-    if formula is None or not (one and says_more(formula.chi2_per_sample, found.regression.chi2, start)):
+    if formula is None or not (unknown.of_one_law and formula.complete):
         return None
-    told = _holds(found.start, found.final, start, unknown, path, report)
-    return None if told is None else _written(found, *told)
+    return (unknown, formula) if says_more(formula.chi2_per_sample, named, start) else None
 
 
 def _written(found: Discovery, beyond: Beyond, gain: float) -> Written:

@@ -27,4 +27,4 @@ class DampingHeating(Heated):
     by_motion = amplitude("N*s^3/m^3", "damping per mean square of the velocity, w_v")
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
-        return -(self.by_drive * state.hidden[0] + self.by_motion * state.hidden[1]) * state.v
+        return -self.warmth(state) * state.v

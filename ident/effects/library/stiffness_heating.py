@@ -24,4 +24,4 @@ class StiffnessHeating(Heated):
     by_motion = amplitude("N*s^2/m^3", "stiffness per mean square of the velocity, w_v")
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
-        return -(self.by_drive * state.hidden[0] + self.by_motion * state.hidden[1]) * state.z
+        return -self.warmth(state) * state.z
