@@ -1,8 +1,9 @@
 """How far off is a noise floor where the drive hides the noise? `python -m experiments.hidden_noise [SEED]`
 
 Oscillators of 500 Hz with a quadratic and a cubic spring (SciPy) under sweeps through the resonance, read with white
-noise, red noise, or both. The floor is read off three ways: from the frequencies above the drive's alone; in the colour
-of a sine that the same sensor has recorded (`ident.campaign.noise.one_sensor`); from what a model that lacks nothing
+noise, red noise, both, or flicker noise beside white. The floor is read off four ways: from the frequencies above the
+drive's alone; in the colour that says best what three sweeps of one sensor show, or in that of a sine that it has
+recorded (`ident.campaign.noise.one_sensor`); from what a model that lacks nothing
 leaves below and above the drive's frequencies, which is the noise itself (`ident.campaign.noise.interpolated`). And a
 drive of broadband noise, which leaves none free: its floor beside those of four sweeps of the same sensor, whose levels
 differ by nothing, a tenth or a half (`ident.campaign.noise.of_others`). Printed and asserted: the rms of ln(floor /
@@ -28,14 +29,19 @@ from ident.campaign.period import find_period
 
 RESONANCE, CAMPAIGNS = 500.0, 60
 SWEEPS = ((300.0, 700.0), (450.0, 550.0), (700.0, 200.0))  # Hz
-KINDS = ("white", "red", "both")
+KINDS = ("white", "red", "both", "pink")
 
 
 def noise(rng: np.random.Generator, kind: str, n: int, slow: float, share: float) -> np.ndarray:
-    """(n,) of unit variance: white, autoregressive of first order, or a `share` of the first beside the second."""
+    """(n,) of unit variance: white, autoregressive of first order, a `share` of the first beside the second, or of the
+    first beside one whose power goes as 1/f."""
     white = rng.standard_normal(n)
     red = lfilter([np.sqrt(1 - slow**2)], [1.0, -slow], rng.standard_normal(n + 500))[500:]
-    return {"white": white, "red": red, "both": (share * white + red) / np.hypot(share, 1.0)}[kind]
+    size = np.append(0.0, np.arange(1, n // 2 + 1) ** -0.5)
+    size *= np.sqrt(n / 2 / np.sum(size**2))
+    pink = np.fft.irfft(size * np.fft.rfft(rng.standard_normal(n)), n)
+    mixed = lambda slow: (share * white + slow) / np.hypot(share, 1.0)
+    return {"white": white, "red": red, "both": mixed(red), "pink": mixed(pink)}[kind]
 
 
 def answer(time: np.ndarray, drive: np.ndarray, quality: float) -> np.ndarray:
@@ -104,10 +110,12 @@ def main() -> None:
     parser.add_argument("seed", nargs="?", type=int, default=8800)
     rng = np.random.default_rng(parser.parse_args().seed)
     for kind in KINDS:
-        alone, coloured, between, floors = [], [], [], 0
+        alone, swept_alone, coloured, between, floors = [], [], [], [], 0
         for _ in range(CAMPAIGNS // len(KINDS)):
             records, noises, sizes = campaign(rng, kind)
             shared = of_one_sensor(cast(Any, records))
+            for floor, size in zip(of_one_sensor(cast(Any, records[1:])), sizes[1:], strict=True):
+                swept_alone.append(told(floor.sigma, floor.relative_error, size))
             for record, floor, e, size in list(zip(records, shared, noises, sizes, strict=True))[1:]:
                 floors += 1
                 own = record.noise
@@ -117,10 +125,15 @@ def main() -> None:
                 left = interpolated(record.drive, e, own.unseen, 0.0, 0.0) if extrapolated(own) else None
                 if left is not None:
                     between.append(told(left.sigma, left.relative_error, size))
-        for way, found in (("alone", alone), ("of one sensor", coloured), ("below and above", between)):
+        for way, found in (
+            ("alone", alone),
+            ("three sweeps", swept_alone),
+            ("of one sensor", coloured),
+            ("below and above", between),
+        ):
             off, over = np.sqrt(np.mean(np.square(found), axis=0))
             print(f"{kind:6} {way:16} {len(found):3} of {floors}  off by {off:.3f}, {over:.2f} of the error claimed")
-            assert way == "alone" or (len(found) > floors / 2 and off < 0.06 and over < 1.6), way
+            assert way in ("alone", "three sweeps") or (len(found) > floors / 2 and off < 0.06 and over < 1.6), way
         vague = [one for _ in range(CAMPAIGNS // len(KINDS)) for one in broadband(rng, kind)]
         off, over, off_beside, over_beside = np.sqrt(np.mean(np.square(vague), axis=0))
         print(f"{kind:6} {len(vague):3} broadband    off by {off:.3f}, {over:.2f} of the error claimed; "

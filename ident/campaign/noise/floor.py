@@ -11,6 +11,7 @@ from ..quality.clipping import across_gaps
 from ..quality.gaps import missed_across
 from ..record import NoiseFloor
 from .autoregression import Autoregression, fit_autoregression, leverage_of
+from .flicker import or_flicker
 from .hum import HUM, told_apart, with_hum
 from .signal_basis import Pole, beside, find_transient, harmonic_columns, orthonormal, transient_columns
 
@@ -20,6 +21,7 @@ _SURER = 1.5
 """Times: doubts are themselves estimates. Of 1044 sines of the hidden-effect generator 7 had floors 7 to 89 times too
 high, few periods near a sharp resonance; with this 6 of them are within 40 %, and 7 others change, none by more."""
 EXTRAPOLATED = 0.1  # relative error, at least, of a floor that is read off the free frequencies
+NUMBERS = 2  # coefficients, at most, or the share of flicker noise: more carry what they see too far below
 _LOUD = 0.03  # of the response: a floor below is not asked whether the record's parts agree
 _SHORT = 200  # samples of a part at least: the series and the transient take some fifty numbers
 _FAR_BELOW = 0.5  # of the floor of the whole: parts that agree with it scatter by a tenth
@@ -261,7 +263,7 @@ def _free_frequencies(drive: np.ndarray, response: np.ndarray) -> tuple[Autoregr
         low = int(multiple * top)
         if low > 0.8 * last:
             break
-        fit = fit_autoregression(seen, None, 2, np.arange(last + 1) < low)
+        fit = or_flicker(fit_autoregression(seen, None, NUMBERS, np.arange(last + 1) < low), seen)
         if fit.sigma > 5.0 * float(np.sqrt(np.mean(fit.spectrum[low:]))):  # more than such an extrapolation can bear
             fit = fit_autoregression(seen, None, 0, np.arange(last + 1) < low)
             fit = replace(fit, relative_error=0.7)

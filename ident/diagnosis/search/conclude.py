@@ -24,7 +24,7 @@ from ..ranking.confirm import accept, confirm
 from ..ranking.look import Look
 from ..ranking.score import score, significant
 from .change import to_its_end, try_without
-from .lacking import lacking
+from .lacking import lacking, nothing_left
 from .parts import Parts
 from .prune import Pruned, prune
 from .rivals import rivals_of
@@ -71,6 +71,7 @@ def concluded(ended: Ended) -> Discovery:
     steps = [tied_at_the_end(s, final, first.fit, library, report) if s in blurred else s for s in steps]
     steps = [_beside_its_even(_beside_parts(step, alike), even, library) for step in steps]
     remaining = tuple(significant(candidates))
+    steps = _not_only_shapes(steps, regression)
     lacks = lacking(_after_effects(steps, regression), first, report) if steps else 0.0
     verdict = _verdict(steps, regression, first, lacks, final)
     return Discovery(verdict, start, tuple(steps), ranking, walked.gains, remaining, regression, lacks)
@@ -107,6 +108,15 @@ def _on_all_samples(start: Fit, steps: list[Step], report: Report) -> list[Step]
             break
         kept = left
     return kept
+
+
+def _not_only_shapes(steps: list[Step], regression: Regression) -> list[Step]:
+    """The steps with the terms at the end as effects, and no refinements, that leave no structure of what they met."""
+    effects = max((i for i, step in enumerate(steps) if step.role == "effect"), default=len(steps)) + 1
+    refining = steps[effects:]
+    if not refining or not adequate(regression) or not nothing_left(regression, refining[0].regression):
+        return steps
+    return [*steps[:effects], *(step._replace(role="effect") for step in refining)]
 
 
 def _after_effects(steps: list[Step], regression: Regression) -> Regression:

@@ -10,9 +10,12 @@ coordinates, which is one question and not as many as there are sets of coordina
 
 from __future__ import annotations
 
+from scipy.stats import chi2
+
 from ...effects.dependence import Side, depends_on
 from ...pulse import Report
 from ..evidence.coloured_noise import chance_of
+from ..evidence.enough import ANOTHER_LAW
 from ..linearised.regression import Regression
 from ..unknown.coordinates import Stage
 from ..unknown.subsets import TRIED, Block, blocks_of, rank, regress, smallest_sufficient, spline_rows
@@ -41,6 +44,18 @@ def lacking(regression: Regression, first: Regression, report: Report = lambda _
     laws = [law for law in known if 0 < len(law[1]) <= 2]
     curves = [_structure(regression, stage, law[0], blocks_of(law[1]), len(laws)) / excess for law in laws]
     return max((share for share in curves if share >= _ANOTHER_CURVE), default=0.0)
+
+
+def nothing_left(regression: Regression, met: Regression) -> bool:
+    """Whether what a model leaves has no structure, where a share `ANOTHER_LAW` of what its last terms `met` would show.
+
+    Chance alone decides how little of a structure shows: it asks for no level of noise, which is never known so well.
+    """
+    if not regression.trajectories.tape.spans:
+        return False
+    found = smallest_sufficient(rank(regression.of_traces())[1])[0]
+    shows = float(chi2.isf(_CHANCE / TRIED, found.dof))
+    return shows < ANOTHER_LAW * met.of_traces().excess and lacking(regression, met) < ANOTHER_LAW
 
 
 def _structure(regression: Regression, stage: Stage, side: Side, blocks: tuple[Block, ...], tried: int) -> float:

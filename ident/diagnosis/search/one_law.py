@@ -25,7 +25,7 @@ from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
 from ..ranking.look import Look
 from ..ranking.pairs import Pair, best_pair
-from ..unknown.find import Unknown, as_table
+from ..unknown.find import Unknown, as_table, better_than
 from ..unknown.formula import Formula
 from ..unknown.subsets import NEAR, rank
 from .beyond import Beyond
@@ -102,7 +102,7 @@ def _holds(
 ) -> tuple[Beyond, float] | None:
     """The fit with a law beside `fitted`, taken to its end, whose simulation reaches the noise, and which held-out
     records do not refute, nor find worse than a `rival`; of a product they may refute how its formula runs on beyond
-    the fitted ones, and not its table."""
+    the fitted ones, and not its table. Where the simulation leaves more, a law that says more is asked."""
     law: Unknown | None = unknown
     while law is not None:
         try:
@@ -117,8 +117,15 @@ def _holds(
             if last is beyond.fit or not hurts(rival, last):
                 return beyond._replace(fit=last), gain
         beyond.path.unlink()
-        law = as_table(start, law) if fine else None
+        law = as_table(start, law) if fine else _one_better(start, law)
     return None
+
+
+def _one_better(start: Regression, refuted: Unknown) -> Unknown | None:
+    """The law that says more along the measured motion than one whose simulation left more than noise, if it is one."""
+    law = better_than(start, refuted)
+    one = law is not None and law.formula is not None and law.formula.complete and law.of_one_law
+    return law if one else None
 
 
 def _may_be_one(start: Regression, named: float) -> bool:

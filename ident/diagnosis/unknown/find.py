@@ -113,7 +113,24 @@ def find_unknown(regression: Regression) -> Unknown:
     Sweeps beside the traces are not asked: their points are no motion, along which a function could be known.
     """
     regression = regression.of_traces()
+    return _told(regression, *rank(regression))
+
+
+def better_than(regression: Regression, refuted: Unknown) -> Unknown | None:
+    """The same of the sets that the criterion prefers to one whose simulation left more than noise; None without any.
+
+    Along a measured motion noise makes a law leave more, by as much as nobody knows: a simpler one that explains almost
+    as much is asked first, and is the answer unless its simulation says otherwise.
+    """
+    regression = regression.of_traces()
     stage, ranked = rank(regression)
+    itself = next(r for r in ranked if (r.side, r.coordinates) == (refuted.side, refuted.coordinates))
+    better = [r for r in ranked if r.criterion < itself.criterion]
+    return _told(regression, stage, better) if better else None
+
+
+def _told(regression: Regression, stage: Stage, ranked: Sequence[Ranked]) -> Unknown:
+    """What is missing, as the smallest of some sets that is sufficient."""
     enough = smallest_sufficient(ranked)
     chosen, formula = _settle(regression, stage, enough)
     side, coordinates = chosen.side, chosen.coordinates

@@ -30,7 +30,7 @@ NEAR = 0.01  # of the best set's gain: a smaller set that lacks no more explains
 _NEARLY_ALL, _NEAR_ALL = 0.995, 0.003  # … but less may be lacking where the best set explains everything
 _PROMISING = 4  # pairs, the best by the criterion, that are tried as products
 _FEW = 2  # blurred forms of a product, the best of them, that are resolved more finely
-_ALL = 0.999  # share from which nothing more is sought
+_SCATTER = 3.0  # standard deviations of the χ² of noise: while more than that is left, more is sought
 _FINER = ("z", "v", "V")  # coordinates over which a law may turn to and fro: cogs, fringes, steps of an amplifier
 _PIECES = (36, 72, 144)  # splines over one of them, where the first few leave more than these cost: up to thirty turns
 _NULL = 1e-7  # squared share of a combination of rows that must survive the projection
@@ -122,18 +122,27 @@ def rank(regression: Regression) -> tuple[Stage, tuple[Ranked, ...]]:
     """Every set of coordinates on every side, best criterion first, and where they were looked for; more splines and
     pairs only if no single coordinate suffices."""
     stage, known = set_stage(regression), {}
-    found = [_judge(regression, stage, *tried, known) for tried in _candidates((("1",), *SINGLES))]
-    if max(r.share for r in found) < _ALL:
+    still = {name for name, over in stage.of_motion.items() if not over.low < over.high}  # a decay has no drive
+    moving = lambda sets: [one for one in sets if not still & set(one)]
+    found = [_judge(regression, stage, *tried, known) for tried in _candidates((("1",), *moving(SINGLES)))]
+    if _lacking(regression, found):
         stage, found = _resolved(regression, stage, found, known)
-    histories = [_judge(regression, stage, *tried, known) for tried in _candidates(HISTORIES)]
-    if max(r.share for r in found) < _ALL:
-        pairs = [_judge(regression, stage, *tried, known) for tried in _candidates(PAIRS)]
+    histories = [_judge(regression, stage, *tried, known) for tried in _candidates(moving(HISTORIES))]
+    if _lacking(regression, found):
+        pairs = [_judge(regression, stage, *tried, known) for tried in _candidates(moving(PAIRS))]
         if min(r.criterion for r in pairs) < min(regression.chi2, *(r.criterion for r in found)):
             pairs.sort(key=lambda r: r.criterion)
             pairs[:_PROMISING] = [_with_product(regression, stage, pair) for pair in pairs[:_PROMISING]]
         found += pairs
     found += histories
     return stage, tuple(sorted(found, key=lambda r: r.criterion))
+
+
+def _lacking(regression: Regression, found: Sequence[Ranked]) -> bool:
+    """Whether the best of some sets leave more than noise does: of a misfit of thirty noise floors even a thousandth is
+    as much as the noise, and a function of one coordinate that follows it so far may be a product of two."""
+    left = min(regression.chi2 - one.drop + one.dof for one in found) - regression.n
+    return left > _SCATTER * np.sqrt(2.0 * regression.n)
 
 
 def _resolved(
@@ -146,7 +155,7 @@ def _resolved(
         name, first = found.coordinates[0], found
         for pieces in _PIECES if name in _FINER else ():
             left = regression.chi2 - found.drop - (regression.n - found.dof)
-            if found.share > _ALL or left < (pieces - stage.ranges(found.side)[name].pieces) * price:
+            if not _lacking(regression, [found]) or left < (pieces - stage.ranges(found.side)[name].pieces) * price:
                 break
             rows: _Known = {}
             trial = stage.resolved(found.side, name, pieces)
