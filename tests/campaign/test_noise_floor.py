@@ -117,6 +117,41 @@ def test_what_a_drive_hides_of_a_red_noise_is_told_by_a_periodic_record(clean, s
     assert of_one_sensor([traces[0], other])[1] is other.noise
 
 
+def _pink(rng: np.random.Generator, n: int) -> np.ndarray:
+    """(n,) noise of unit variance whose power goes as 1/f."""
+    size = np.append(0.0, np.arange(1, n // 2 + 1) ** -0.5)
+    return np.fft.irfft(size * np.fft.rfft(rng.standard_normal(n)), n) * np.sqrt(n / 2 / np.sum(size**2))
+
+
+def test_pink_noise_is_told_from_one_that_levels_off():
+    """Of records of one sensor, each beneath a sweep: extrapolated by two coefficients the floors were 0.5 to 0.7 of
+    the noise. One that levels off, and a white one, stay what they are."""
+    rng, n = np.random.default_rng(23), 5000
+    sweep = lambda t: np.sin(2 * np.pi * (300 + 1000 * np.asarray(t)) * np.asarray(t))
+    time, drive, response = respond(sweep, n, SINES[0][0] * SINES[0][1])
+    size = 0.005 * float(np.std(response))
+
+    def told(noise) -> tuple[float, list[float]]:
+        """Floors over noise, those of one record alone and of all together."""
+        traces = []
+        for one in range(5):
+            read = response + size * noise(one)
+            floor = noise_floor(time, drive, read, find_period(drive))
+            traces.append(
+                SimpleNamespace(noise=floor, response=read, masked=None, step=time[1], measures="displacement")
+            )
+        together = [floor.sigma / size for floor in of_one_sensor(traces)]
+        return float(np.median([t.noise.sigma / size for t in traces])), together
+
+    alone, together = told(lambda _: np.hypot(0.95, 0.3) ** -1 * (0.95 * _pink(rng, n) + 0.3 * rng.standard_normal(n)))
+    assert 0.8 < alone < 1.2
+    assert all(0.85 < one < 1.2 for one in together)
+    alone, together = told(lambda _: coloured(rng, n, (0.6,), 1.0))
+    assert 0.85 < alone < 1.15 and all(0.85 < one < 1.15 for one in together)
+    alone, together = told(lambda _: rng.standard_normal(n))
+    assert 0.95 < alone < 1.05 and all(0.95 < one < 1.05 for one in together)
+
+
 def _beside_others(*floors: NoiseFloor) -> list[NoiseFloor]:
     traces = [SimpleNamespace(noise=floor, masked=None, step=1e-4, measures="displacement") for floor in floors]
     return beside_others(traces, floors)

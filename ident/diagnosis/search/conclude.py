@@ -114,7 +114,8 @@ def _not_only_shapes(steps: list[Step], regression: Regression) -> list[Step]:
     """The steps with the terms at the end as effects, and no refinements, that leave no structure of what they met."""
     effects = max((i for i, step in enumerate(steps) if step.role == "effect"), default=len(steps)) + 1
     refining = steps[effects:]
-    if not refining or not adequate(regression) or not nothing_left(regression, refining[0].regression):
+    met = refining[0].regression if refining else None
+    if met is None or not adequate(regression) or not nothing_left(regression, met):
         return steps
     return [*steps[:effects], *(step._replace(role="effect") for step in refining)]
 

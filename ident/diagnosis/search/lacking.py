@@ -47,9 +47,11 @@ def lacking(regression: Regression, first: Regression, report: Report = lambda _
 
 
 def nothing_left(regression: Regression, met: Regression) -> bool:
-    """Whether what a model leaves has no structure, where a share `ANOTHER_LAW` of what its last terms `met` would show.
+    """Whether what a model leaves has no structure, where a share `ANOTHER_LAW` of what its last terms met would show;
+    `met`: the regression before them.
 
-    Chance alone decides how little of a structure shows: it asks for no level of noise, which is never known so well.
+    Chance alone decides how little of a structure shows: that asks for no level of noise, which is never known so
+    well.
     """
     if not regression.trajectories.tape.spans:
         return False
