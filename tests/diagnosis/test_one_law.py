@@ -77,8 +77,8 @@ def test_a_brake_whose_drag_falls_beyond_its_peak(tmp_path: Path):
 
 
 def test_a_law_that_its_simulation_refutes_makes_way_for_another(tmp_path: Path):
-    """A magnet brakes a decaying blade at one place of its path: over each period that is as a function of the velocity,
-    which explained all but a two-thousandth of the misfit, and left 1.2 noise floors, on held-out decays 1.3."""
+    """A magnet brakes a decaying blade at one place of its path: over each period that is as a function of the
+    velocity, which explained all but a two-thousandth of the misfit, and left 1.2 noise floors, held out 1.3."""
     omega, t, records = 20.0, np.arange(2000) / 66.7, []
     brake = lambda z: 0.06 * (1.0 + 9.0 * np.exp(-(((z - 7.0) / 3.1) ** 2)))
     for seed, begin in enumerate((16.0, -9.0, 9.0, 12.0)):

@@ -10,6 +10,7 @@ P. Whittle, 1953, Ark. Mat. 2, 423 (the likelihood).
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -41,7 +42,7 @@ def or_flicker(fit: Autoregression, samples: np.ndarray) -> Autoregression:
         level = weight @ (seen / shape) / weight.sum()
         return 2.0 * float(weight @ (np.log(level * shape) + seen / (level * shape)))
 
-    found = minimize_scalar(deviance, bounds=(-_NEAREST, _NEAREST), method="bounded")
+    found: Any = minimize_scalar(deviance, bounds=(-_NEAREST, _NEAREST), method="bounded")
     own = 2.0 * float(weight @ (np.log(fit.spectrum[kept]) + seen / fit.spectrum[kept]))
     price = ORDER_PRICE * np.log(2.0 * weight.sum())
     if float(found.fun) + price >= own + price * len(fit.ar):
