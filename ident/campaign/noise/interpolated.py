@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from .autoregression import Autoregression, fit_autoregression
+from .flicker import or_flicker
 from .floor import exciting, latest, windowed
 
 _BELOW = 0.8  # of the lowest frequency of the drive: as far as is asked
@@ -43,5 +44,6 @@ def interpolated(
     hidden[bottom : int(unseen * count)] = True
     if np.count_nonzero(~hidden) < _LEAST:
         return None
-    found = fit_autoregression(windowed(left), None, excluded=hidden)
+    seen = windowed(left)
+    found = or_flicker(fit_autoregression(seen, None, excluded=hidden), seen)
     return replace(found, relative_error=min(1.0, _WIDER * found.relative_error))
