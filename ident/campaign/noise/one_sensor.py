@@ -27,18 +27,16 @@ much (`experiments.hidden_noise`)."""
 
 
 def of_one_sensor(traces: Sequence[Trace]) -> list[NoiseFloor]:
-    """The noise floors of records; those that were extrapolated, in the colour of the surest one that was not, or, with
-    none, of the one that describes best what all show, if that was read and sampled as they were. Where samples say
+    """The noise floors of records; those that were extrapolated, in the colour of the surest one that was read and sampled
+    as they were and was not, or, with none, of the one that describes best what all of these show. Where samples say
     nothing, curves across them have no noise, and say nothing of its colour."""
     whole = [t for t in traces if t.masked is None]
     seen = [t for t in whole if not extrapolated(t.noise) and 0.0 < t.noise.relative_error < EXTRAPOLATED]
     seen.sort(key=lambda trace: trace.noise.relative_error)
     shown = {id(t): _Shown.of(t) for t in whole if extrapolated(t.noise)}
-    if seen or len(shown) < 2:
-        return [_in_the_best_colour(trace, seen, shown.get(id(trace))) for trace in traces]
     told = [t for t in whole if id(t) in shown and t.noise.relative_error < VAGUE]
     told.sort(key=lambda t: sum(one.deviance(t.noise) for o in whole if alike(o, t) and (one := shown.get(id(o)))))
-    return [_in_the_best_colour(trace, told, shown.get(id(trace))) for trace in traces]
+    return [_in_the_best_colour(trace, [*seen, *told], shown.get(id(trace))) for trace in traces]
 
 
 def alike(one: Trace, other: Trace) -> bool:
