@@ -27,9 +27,9 @@ much (`experiments.hidden_noise`)."""
 
 
 def of_one_sensor(traces: Sequence[Trace]) -> list[NoiseFloor]:
-    """The noise floors of records; those that were extrapolated, in the colour of the surest one that was read and sampled
-    as they were and was not, or, with none, of the one that describes best what all of these show. Where samples say
-    nothing, curves across them have no noise, and say nothing of its colour."""
+    """The noise floors of records; those that were extrapolated, in the colour of the surest one that was not and was
+    read and sampled as they were, or, with none, of the one that describes best what all of these show. Where samples
+    say nothing, curves across them have no noise, and say nothing of its colour."""
     whole = [t for t in traces if t.masked is None]
     seen = [t for t in whole if not extrapolated(t.noise) and 0.0 < t.noise.relative_error < EXTRAPOLATED]
     seen.sort(key=lambda trace: trace.noise.relative_error)
