@@ -186,15 +186,6 @@ def test_a_jump_on_which_the_motion_was_on_its_way_is_one(phase: bool) -> None:
     assert abs(seen.frequency - clean.frequency) <= seen.uncertainty
 
 
-def test_a_jump_before_which_the_phase_turns_fast_is_one():
-    """The end of the upper branch of a spring with a gap (SciPy, settled): its last steps are as far as the jump."""
-    f = np.arange(16.0, 17.2, 0.1)
-    amplitude = [1.72, 1.85, 2.00, 2.1492, 2.3163, 2.4568, 2.4071, 0.2654, 0.2572, 0.2476, 0.2390, 0.2309]
-    degrees = [-45.0, -48.9, -53.4, -58.9, -68.2, -80.33, -103.74, -173.64, -174.26, -173.6, -174.3, -174.5]
-    seen = find_jump(f, np.array(amplitude), np.radians(degrees))
-    assert seen is not None and seen.frequency == pytest.approx(16.65) and not seen.rise
-
-
 def test_two_passes_over_the_same_frequencies_tell_the_noise():
     sweeps, ratios = [], []
     for seed in (0, 1):

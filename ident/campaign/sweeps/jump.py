@@ -57,9 +57,7 @@ def find_jump(frequency: np.ndarray, amplitude: np.ndarray, phase: np.ndarray | 
     for width in range(1, _WIDEST + 1):
         if width > 1 and within < 3 * width:
             break
-        # Before the end of a branch the phase turns ever faster, and may be as far as the jump itself.
-        ways = [_jumps_after(a, way, width) for way in ([a] if phase is None else [response, a])]
-        low = next((way for way in ways if way is not None), None)
+        low = _jumps_after(a, response, width)
         if low is not None:
             high = low + width
             after = low + 1 + int(np.argmax(np.abs(np.diff(response[low : high + 1]))))
