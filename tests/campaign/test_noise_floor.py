@@ -10,6 +10,7 @@ import pytest
 
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
+from experiments.hidden_noise import pink
 from ident.campaign.noise.autoregression import fit_autoregression, levinson, variance_of
 from ident.campaign.noise.floor import noise_floor
 from ident.campaign.noise.of_others import beside_others
@@ -117,12 +118,6 @@ def test_what_a_drive_hides_of_a_red_noise_is_told_by_a_periodic_record(clean, s
     assert of_one_sensor([traces[0], other])[1] is other.noise
 
 
-def _pink(rng: np.random.Generator, n: int) -> np.ndarray:
-    """(n,) noise of unit variance whose power goes as 1/f."""
-    size = np.append(0.0, np.arange(1, n // 2 + 1) ** -0.5)
-    return np.fft.irfft(size * np.fft.rfft(rng.standard_normal(n)), n) * np.sqrt(n / 2 / np.sum(size**2))
-
-
 def test_pink_noise_is_told_from_one_that_levels_off():
     """Of records of one sensor, each beneath a sweep: extrapolated by two coefficients the floors were 0.5 to 0.7 of
     the noise. One that levels off, and a white one, stay what they are."""
@@ -143,7 +138,7 @@ def test_pink_noise_is_told_from_one_that_levels_off():
         together = [floor.sigma / size for floor in of_one_sensor(traces)]
         return float(np.median([t.noise.sigma / size for t in traces])), together
 
-    alone, together = told(lambda _: np.hypot(0.95, 0.3) ** -1 * (0.95 * _pink(rng, n) + 0.3 * rng.standard_normal(n)))
+    alone, together = told(lambda _: np.hypot(0.95, 0.3) ** -1 * (0.95 * pink(rng, n) + 0.3 * rng.standard_normal(n)))
     assert 0.8 < alone < 1.2
     assert all(0.85 < one < 1.2 for one in together)
     alone, together = told(lambda _: coloured(rng, n, (0.6,), 1.0))

@@ -57,6 +57,7 @@ def test_noise_that_sweeps_hide_is_told_by_what_a_complete_model_leaves_beside_t
     assert all(r.noise.sigma < 0.9 * s for r, s in zip(found.campaign.traces, sigmas, strict=True))
     again = sharpened(found)
     assert again is not None
+    # Of 6000 samples of so slow a noise 200 are independent, by which its level is known to a twentieth.
     assert [r.noise.sigma for r in again.traces] == pytest.approx(sigmas, rel=0.07)
     assert all(r.noise.relative_error < 0.1 for r in again.traces)
 

@@ -30,10 +30,7 @@ def or_flicker(fit: Autoregression, samples: np.ndarray) -> Autoregression:
     n, used = len(samples), fit.used
     power = np.abs(np.fft.rfft(samples)) ** 2 / n
     below = 1.0 / np.maximum(np.arange(len(power)), 1.0)
-    whole = np.full(len(power), 2.0)  # of n frequencies: each and its negative
-    whole[0] = 1.0
-    whole[-1] = 1.0 if n % 2 == 0 else 2.0
-    below *= n / (below @ whole)
+    below /= autocovariance(below, 0, n)[0]
     kept = used > 0
     weight, seen, slope = used[kept], power[kept], below[kept] - 1.0
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -75,18 +76,17 @@ def _in_the_best_colour(trace: Trace, seen: Sequence[Trace], shown: _Shown | Non
     surest = next((other.noise for other in seen if alike(trace, other)), own)
     if surest is own or shown is None:
         return own
-    count = int(np.count_nonzero(shown.free))
+    count, further = int(np.count_nonzero(shown.free)), extrapolated(surest)
     if shown.deviance(surest) > shown.deviance(own) + ORDER_PRICE * min(len(own.ar), NUMBERS) * np.log(count):
         return own
-    wider = 1.0 if extrapolated(surest) else WIDER  # which says it already
+    wider = 1.0 if further else WIDER  # which says it already
     error = wider * float(np.hypot(surest.relative_error, np.sqrt(0.25 / count)))
-    method = (
-        f"{own.method}, in the colour of a record that shows {'more' if extrapolated(surest) else 'the others too'}"
-    )
+    method = f"{own.method}, in the colour of a record that shows {'more' if further else 'the others too'}"
     sigma = surest.sigma * shown.level(surest) ** 0.5
     return replace(own, sigma=sigma, ar=surest.ar, method=method, relative_error=error)
 
 
+@lru_cache(maxsize=8)  # a colour is asked of many records as long as one another
 def _spectrum(floor: NoiseFloor, count: int) -> np.ndarray:
     """Its power at the `count` frequencies of a periodogram."""
     ar = np.array(floor.ar)

@@ -24,7 +24,7 @@ from ..ranking.confirm import accept, confirm
 from ..ranking.look import Look
 from ..ranking.score import score, significant
 from .change import to_its_end, try_without
-from .lacking import lacking, nothing_left
+from .lacking import lacking, leaves_no_structure
 from .parts import Parts
 from .prune import Pruned, prune
 from .rivals import rivals_of
@@ -112,18 +112,23 @@ def _on_all_samples(start: Fit, steps: list[Step], report: Report) -> list[Step]
 
 def _not_only_shapes(steps: list[Step], regression: Regression) -> list[Step]:
     """The steps with the terms at the end as effects, and no refinements, that leave no structure of what they met."""
-    effects = max((i for i, step in enumerate(steps) if step.role == "effect"), default=len(steps)) + 1
-    refining = steps[effects:]
+    named = _last_effect(steps) + 1
+    refining = steps[named:]
     met = refining[0].regression if refining else None
-    if met is None or not adequate(regression) or not nothing_left(regression, met):
+    if met is None or not adequate(regression) or not leaves_no_structure(regression, met):
         return steps
-    return [*steps[:effects], *(step._replace(role="effect") for step in refining)]
+    return [*steps[:named], *(step._replace(role="effect") for step in refining)]
+
+
+def _last_effect(steps: list[Step]) -> int:
+    """The place of the last step that is an effect, as the first always is; -1 without steps."""
+    return max((i for i, step in enumerate(steps) if step.role == "effect"), default=-1)
 
 
 def _after_effects(steps: list[Step], regression: Regression) -> Regression:
     """The regression of the last effect, without the terms that only refine shapes: they would hide that a law
     differs."""
-    last = max(i for i, step in enumerate(steps) if step.role == "effect")
+    last = _last_effect(steps)
     return regression if last == len(steps) - 1 else prepare(working(steps[last].fit))
 
 

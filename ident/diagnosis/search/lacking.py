@@ -46,7 +46,7 @@ def lacking(regression: Regression, first: Regression, report: Report = lambda _
     return max((share for share in curves if share >= _ANOTHER_CURVE), default=0.0)
 
 
-def nothing_left(regression: Regression, met: Regression) -> bool:
+def leaves_no_structure(regression: Regression, met: Regression) -> bool:
     """Whether what a model leaves has no structure, where a share `ANOTHER_LAW` of what its last terms met would show;
     `met`: the regression before them.
 
@@ -55,9 +55,10 @@ def nothing_left(regression: Regression, met: Regression) -> bool:
     """
     if not regression.trajectories.tape.spans:
         return False
-    found = smallest_sufficient(rank(regression.of_traces())[1])[0]
+    regression, met = regression.of_traces(), met.of_traces()
+    found = smallest_sufficient(rank(regression)[1])[0]
     shows = float(chi2.isf(_CHANCE / TRIED, found.dof))
-    return shows < ANOTHER_LAW * met.of_traces().excess and lacking(regression, met) < ANOTHER_LAW
+    return shows < ANOTHER_LAW * met.excess and lacking(regression, met) < ANOTHER_LAW
 
 
 def _structure(regression: Regression, stage: Stage, side: Side, blocks: tuple[Block, ...], tried: int) -> float:

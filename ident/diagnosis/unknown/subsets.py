@@ -138,11 +138,15 @@ def rank(regression: Regression) -> tuple[Stage, tuple[Ranked, ...]]:
     return stage, tuple(sorted(found, key=lambda r: r.criterion))
 
 
+def _left(regression: Regression, found: Ranked) -> float:
+    """χ² above that of noise beside the functions of a set."""
+    return regression.chi2 - found.drop - (regression.n - found.dof)
+
+
 def _lacking(regression: Regression, found: Sequence[Ranked]) -> bool:
     """Whether the best of some sets leave more than noise does: of a misfit of thirty noise floors even a thousandth is
     as much as the noise, and a function of one coordinate that follows it so far may be a product of two."""
-    left = min(regression.chi2 - one.drop + one.dof for one in found) - regression.n
-    return left > _SCATTER * np.sqrt(2.0 * regression.n)
+    return min(_left(regression, one) for one in found) > _SCATTER * np.sqrt(2.0 * regression.n)
 
 
 def _resolved(
@@ -154,8 +158,8 @@ def _resolved(
     for found in coarse:
         name, first = found.coordinates[0], found
         for pieces in _PIECES if name in _FINER else ():
-            left = regression.chi2 - found.drop - (regression.n - found.dof)
-            if not _lacking(regression, [found]) or left < (pieces - stage.ranges(found.side)[name].pieces) * price:
+            dear = _left(regression, found) < (pieces - stage.ranges(found.side)[name].pieces) * price
+            if dear or not _lacking(regression, [found]):
                 break
             rows: _Known = {}
             trial = stage.resolved(found.side, name, pieces)
