@@ -77,7 +77,8 @@ class Trace:
     - `measures`: what the response is; m stands for m/s or m/s² where it is no displacement.
     - `between`: what the campaign says of the drive between its samples; `edge`: None if it is a smooth curve, else it
       is held, and the value of a sample begins so many sampling intervals after it.
-    - `excerpt`: a stretch of a longer record, cut out to compare models on it; no estimate is reported from it.
+    - `excerpt`: a stretch of a longer record, cut out to compare models on it, which begins so many s `into` that; no
+      estimate is reported from it.
     """
 
     name: str
@@ -93,6 +94,7 @@ class Trace:
     skip: int = 0
     period: float | None = None
     excerpt: bool = False
+    into: float = 0.0
     outliers: tuple[int, ...] = ()
     measures: Measures = "displacement"
     masked: np.ndarray | None = None

@@ -21,8 +21,8 @@ class Lane(NamedTuple):
     grid; `omega`, rad/s, one or one of each block; `load`, kg; `moving`, 1 if the record begins in motion; `order` of
     the derivative of the displacement that was measured; `stiffer` and `damped`, the share by which the device's own
     spring and damper are so in this record; `sine`, 1 if the drive is one of about this frequency, so that the solver's
-    error at it is taken off; `allowed`, by how much a step may miss what is measured where it meets a kink, beyond
-    which it is divided.
+    error at it is taken off; `into`, s of the record before an excerpt of it; `allowed`, by how much a step may miss
+    what is measured where it meets a kink, beyond which it is divided.
     """
 
     step: float
@@ -35,6 +35,7 @@ class Lane(NamedTuple):
     stiffer: float = 0.0
     damped: float = 0.0
     sine: float = 0.0
+    into: float = 0.0
     allowed: float = math.inf
 
 
@@ -50,4 +51,5 @@ def lane_of(record: Trace, substeps: int, allowed: float = ALLOWED) -> Lane:
     moving = float(record.begins_in_motion)
     own = (record.load, moving, record.order, record.stiffer, record.damped)
     noise = max(record.noise.sigma, 1e-4 * float(np.std(record.response)))
-    return Lane(record.step / substeps, voltage, rate, drive_frequency(record), *own, allowed=allowed * noise)
+    omega, into = drive_frequency(record), record.into
+    return Lane(record.step / substeps, voltage, rate, omega, *own, into=into, allowed=allowed * noise)

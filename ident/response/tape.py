@@ -90,7 +90,7 @@ class Tape:
             there = slice(span.block, span.block + span.blocks)
             for name in own:
                 told[name][there] = getattr(lane, name)
-            told["clock"][there] = lane.step * BLOCK * np.arange(span.blocks)
+            told["clock"][there] = lane.into + lane.step * BLOCK * np.arange(span.blocks)
             told["first"][span.block] = 1.0
         last = max(span.block + span.blocks for span in self.spans)
         found = []

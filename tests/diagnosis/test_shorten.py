@@ -12,11 +12,12 @@ from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.diagnosis.linearised import shorten
-from ident.diagnosis.linearised.shorten import CRAWLS, is_long, working
+from ident.diagnosis.linearised.shorten import CRAWLS, is_long, shortened, working
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.fit.rebuild import fit_at
 from ident.model import Model
+from ident.response.substeps import lay_out
 from tests.fit.test_history_misfit import stage
 
 REST, MOVING = 6000, 40_000
@@ -69,3 +70,15 @@ def test_a_fit_to_excerpts_that_crawls_is_left_as_refits_are(monkeypatch: pytest
     model = Model(campaign.device, (built_in()["prandtl-ishlinskii"](),))
     values = np.array([300.0, 0.7, 1.4 * (600 * np.pi) ** 2, 0.3, 0.0, 0.8])
     assert working(fit_at(model, campaign, values)).starts[0].steps <= CRAWLS  # 400 without
+
+
+def test_an_excerpt_knows_how_long_the_record_has_lasted() -> None:
+    """A stiffness that drifts from switching-on has drifted where the excerpt begins; found where the clock began anew
+    with it, and one record of four was called wrong in its time."""
+    record = growing()
+    parts = shortened(Campaign("long", (record,), Oscillator())).fitted
+    assert max(part.time[0] for part in parts) > record.time[0] + 1.0
+    tape = lay_out(parts, 60.0, 10.0, Model(Oscillator()))
+    clocks = np.concatenate([chunk.clock for chunk in tape.chunks])
+    for part, span in zip(parts, tape.spans, strict=True):
+        assert clocks[span.block] == pytest.approx(part.time[0] - record.time[0], abs=1e-9)

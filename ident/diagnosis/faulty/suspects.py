@@ -24,7 +24,7 @@ from ...fit.reading import read
 from ...model import QUALITY, Model
 from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG, Left, behind, criteria
-from ..evidence.enough import ANOTHER_LAW, MOST_OF_IT
+from ..evidence.enough import ANOTHER_LAW, MOST_OF_IT, speaks_for
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, one_stretch_each
 from ..linearised.trajectory import Diverged
@@ -63,7 +63,10 @@ def find_suspects(fitted: Fit, look: Callable[[Fit], Look], report: Report = lam
     report("do the records agree with one another?")
     try:
         seen = one_stretch_each(fitted)
-        others = _by_others(seen, look(seen))
+        told = look(seen)
+        if not speaks_for(told.regression, fitted):
+            return alone  # what changes in the course of a record is not seen in a stretch of it
+        others = _by_others(seen, told)
     except Diverged:  # a stretch of its motion has no bound
         return alone
     if seen is not fitted:

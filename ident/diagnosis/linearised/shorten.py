@@ -136,4 +136,5 @@ def _part(record: Trace, first: int, length: int) -> Trace:
         skip=before,
         period=None,
         excerpt=True,
+        into=record.into + record.step * part.start,
     )

@@ -66,7 +66,7 @@ def places(
 def _coordinates(lane: Lane, path: Path, stride: int) -> Places:
     omega, half = lane.omega if lane.omega > 0 else np.inf, 0.5 * lane.step
     thin = lambda x: np.asarray(x)[None, ::stride]
-    time = half * np.arange(len(lane.voltage))
+    time = lane.into + half * np.arange(len(lane.voltage))
     found = {"z": thin(path.z), "v": thin(path.v), "V": thin(lane.voltage), "dV": thin(lane.rate / omega)}
     return found | {"t": thin(time), "rate": thin(lane.rate), "step": np.array([half * stride])}
 
