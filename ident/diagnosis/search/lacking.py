@@ -10,7 +10,7 @@ coordinates, which is one question and not as many as there are sets of coordina
 
 from __future__ import annotations
 
-from scipy.stats import chi2
+from scipy.special import chdtri  # not `scipy.stats`, whose import takes half a second
 
 from ...effects.dependence import Side, depends_on
 from ...pulse import Report
@@ -57,7 +57,7 @@ def leaves_no_structure(regression: Regression, met: Regression) -> bool:
         return False
     regression, met = regression.of_traces(), met.of_traces()
     found = smallest_sufficient(rank(regression)[1])[0]
-    shows = float(chi2.isf(_CHANCE / TRIED, found.dof))
+    shows = float(chdtri(found.dof, _CHANCE / TRIED))
     return shows < ANOTHER_LAW * met.excess and lacking(regression, met) < ANOTHER_LAW
 
 
