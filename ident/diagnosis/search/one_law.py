@@ -84,12 +84,13 @@ def in_their_place(found: Discovery, start: Regression, path: Path, report: Repo
 
 
 def _said(start: Regression, named: float, report: Report) -> tuple[Unknown, Formula] | None:
-    """What a fit lacks, where that is one law whose formula says all of it, and more than names do, χ² `named`."""
+    """What a fit lacks, where that is one law whose formula says all of it, and more than names do, χ² `named`; of sets
+    of coordinates that explain almost as much the one that the criterion prefers, if the simplest is no such law."""
     unknown = lacked_by(start, report)
-    formula = unknown.formula
-    if formula is None or not (unknown.of_one_law and formula.complete):
+    law = unknown if _is_one(unknown) else _one_better(start, unknown)
+    if law is None or law.formula is None:
         return None
-    return (unknown, formula) if says_more(formula.chi2_per_sample, named, start) else None
+    return (law, law.formula) if says_more(law.formula.chi2_per_sample, named, start) else None
 
 
 def _written(found: Discovery, beyond: Beyond, gain: float) -> Written:
@@ -122,10 +123,15 @@ def _holds(
 
 
 def _one_better(start: Regression, refuted: Unknown) -> Unknown | None:
-    """The law that says more along the measured motion than one whose simulation left more than noise, if it is one."""
+    """The law that says more along the measured motion than one whose simulation left more than noise, or than what is
+    no law, if it is one."""
     law = better_than(start, refuted)
-    one = law is not None and law.formula is not None and law.formula.complete and law.of_one_law
-    return law if one else None
+    return law if law is not None and _is_one(law) else None
+
+
+def _is_one(law: Unknown) -> bool:
+    """Whether what is missing is one law whose formula says all of it."""
+    return law.formula is not None and law.formula.complete and law.of_one_law
 
 
 def _may_be_one(start: Regression, named: float) -> bool:
