@@ -91,7 +91,9 @@ LAWS: tuple[Law, ...] = (
     Law("sensor-drift", "sensor", ("t",), _flag(0.5, 1.5)),
     Law("sensor-offset", "sensor", ("1",), alike=("static-force",)),
     Law("sine-force", "force", ("z",), lambda rng, own: (rng.uniform(3.0, 6.0), 0.0, 0.0), in_library=False),
-    Law("voltage-quadratic-stiffness", "force", ("z", "e"), in_library=False),
+    # How far off the middle the coil stands, and the share of the damping that is the coil's.
+    Law("force-factor", "force", ("z", "v", "e"),
+        lambda rng, own: (rng.uniform(-0.3, 0.3), rng.uniform(0.0, 0.9), 0.0) if own else (0.0, 0.0, 0.0)),
     Law("power-law-stiffness", "force", ("z",), lambda rng, own: (rng.uniform(1.3, 1.8) if own else 1.5, 0.0, 0.0)),
     Law("voltage-damping", "force", ("v", "e"), in_library=False),
     # On a platform near its resonance it is called Coulomb's, which leaves less of it than laws of one kind differ by.
@@ -114,7 +116,7 @@ NAMES = tuple(law.name for law in LAWS)
 INDEX = {name: i for i, name in enumerate(NAMES)}
 
 (STRESS, ARCH, CUBIC, QUADRATIC, VOLT, K_DRIFT, STOP, STATIC, MODE, VISCO, COULOMB, V2, V3, SQUEEZE, C_DRIFT, BOUC,
- PZT, PLAYS, BOUC_E, E2, CREEP, LAG_E, BEND, LAG_S, CROSS, S_DRIFT, OFFSET, SINE, Z2E, POWER_Z, VE, STRIBECK,
+ PZT, PLAYS, BOUC_E, E2, CREEP, LAG_E, BEND, LAG_S, CROSS, S_DRIFT, OFFSET, SINE, COIL, POWER_Z, VE, STRIBECK,
  PLATE, POWER_V, BILINEAR, K_HEAT, C_HEAT, HEAT_E) = range(len(LAWS))  # fmt: skip
 
 STATES = 9
@@ -145,7 +147,7 @@ def _stress(z, e, s, g):
 
 
 @njit(error_model="numpy")
-def force(z, v, e, t, h, q1, q2, warm, c, s, g):
+def force(z, v, e, t, h, q1, q2, warm, quality, c, s, g):
     """F(z, ż, e, t; hidden states) at the fraction t of the record."""
     f = 0.0
     if c[STRESS] != 0:
@@ -187,7 +189,10 @@ def force(z, v, e, t, h, q1, q2, warm, c, s, g):
     f -= c[BOUC] * h
     if c[SINE] != 0:
         f -= c[SINE] * math.sin(s[SINE, 0] * z)
-    f -= c[Z2E] * z * z * e + c[VE] * e * v
+    if c[COIL] != 0:
+        less = c[COIL] * (z * z + s[COIL, 0] * z)
+        f -= less * e - s[COIL, 1] * less * (2 - less) * v / quality
+    f -= c[VE] * e * v
     if c[POWER_Z] != 0:
         f -= c[POWER_Z] * z * abs(z) ** (s[POWER_Z, 0] - 1)
     if c[POWER_V] != 0:
@@ -212,7 +217,7 @@ def rate(x, u, e, t, c, s, g, quality, out):
     of the spring and of the damper."""
     z, v, h, q1, q2, m, mv = x[0], x[1], x[2], x[3], x[4], x[5], x[6]
     out[0] = v
-    out[1] = u - z - v / quality + force(z, v, e, t, h, q1, q2, x[7:], c, s, g)
+    out[1] = u - z - v / quality + force(z, v, e, t, h, q1, q2, x[7:], quality, c, s, g)
     out[2] = out[3] = out[4] = out[5] = out[6] = out[7] = out[8] = 0.0
     if c[BOUC] != 0:
         grip = abs(h / s[BOUC, 0]) ** s[BOUC, 1]

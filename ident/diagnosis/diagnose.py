@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import atexit
 from dataclasses import dataclass, replace
 from functools import partial
 from html import escape
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from shutil import rmtree
+from tempfile import TemporaryDirectory, mkdtemp
 from typing import TYPE_CHECKING, Any
 
 from ..campaign.campaign import Campaign
@@ -103,8 +105,13 @@ def discover(
 ) -> Diagnosis:
     """Fit, see where the model fails, add what explains it, until the noise floor; `.final` is the last model.
 
-    **Arguments:** `data`, `effects`, `told`: as in `ident.fit`; `effect_file`: as in `diagnose`.
+    **Arguments:** `data`, `effects`, `told`: as in `ident.fit`; `effect_file`: as in `diagnose`; without one what the
+    library lacks is written to a folder that goes when Python ends.
     """
+    if effect_file is None:
+        folder = mkdtemp(prefix="ident-")
+        atexit.register(rmtree, folder, ignore_errors=True)
+        effect_file = Path(folder) / "unknown_effect.py"
     return diagnose(fit_data(data, effects, report=report, **told), None, report, effect_file, keeps_walk=True)
 
 
@@ -178,7 +185,7 @@ def _answered(
         again = Walked(fit(fitted.model, campaign, initial=fitted.values))
         return _answered(again, library, report, effect_file, keeps_walk, keep)
 
-    if not (walked.steps or first or (keeps_walk and effect_file is None)):
+    if not (walked.steps or first):
         with TemporaryDirectory() as folder:
             law = one_law(look, fitted, regression, effect_file or Path(folder) / "law.py", report)
             if isinstance(law, Campaign):
