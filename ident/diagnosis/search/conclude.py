@@ -24,7 +24,7 @@ from ..ranking.confirm import accept, confirm
 from ..ranking.look import Look
 from ..ranking.score import score, significant
 from .change import to_its_end, try_without
-from .lacking import lacking, leaves_no_structure
+from .lacking import lacking, leaves_no_structure, says_more_than_shapes
 from .parts import Parts
 from .prune import Pruned, prune
 from .rivals import rivals_of
@@ -111,11 +111,14 @@ def _on_all_samples(start: Fit, steps: list[Step], report: Report) -> list[Step]
 
 
 def _not_only_shapes(steps: list[Step], regression: Regression) -> list[Step]:
-    """The steps with the terms at the end as effects, and no refinements, that leave no structure of what they met."""
+    """The steps with the terms at the end as effects, and no refinements, that reach the noise and leave no structure
+    of what they met, or say more than any bending of the laws before them would."""
     named = _last_effect(steps) + 1
     refining = steps[named:]
     met = refining[0].regression if refining else None
-    if met is None or not adequate(regression) or not leaves_no_structure(regression, met):
+    if met is None or not adequate(regression):
+        return steps
+    if not (leaves_no_structure(regression, met) or says_more_than_shapes(regression, met)):
         return steps
     return [*steps[:named], *(step._replace(role="effect") for step in refining)]
 

@@ -10,14 +10,16 @@ coordinates, which is one question and not as many as there are sets of coordina
 
 from __future__ import annotations
 
+import numpy as np
 from scipy.special import chdtri  # not `scipy.stats`, whose import takes half a second
 
 from ...effects.dependence import Side, depends_on
 from ...pulse import Report
 from ..evidence.coloured_noise import chance_of
+from ..evidence.criterion import Left, clearly_better
 from ..evidence.enough import ANOTHER_LAW
 from ..linearised.regression import Regression
-from ..unknown.coordinates import Stage
+from ..unknown.coordinates import Stage, set_stage
 from ..unknown.subsets import TRIED, Block, blocks_of, rank, regress, smallest_sufficient, spline_rows
 
 _DOUBT = 0.0001  # of the first excess: structured misfit beyond which a law may be another of the same kind
@@ -40,8 +42,7 @@ def lacking(regression: Regression, first: Regression, report: Report = lambda _
     share = _structure(regression, stage, found.side, found.blocks, TRIED) / excess
     if share >= _DOUBT:
         return share
-    known = {law for effect in regression.fit.model.effects if (law := depends_on(effect)) is not None}
-    laws = [law for law in known if 0 < len(law[1]) <= 2]
+    laws = [law for law in _laws_of(regression) if law is not None]
     curves = [_structure(regression, stage, law[0], blocks_of(law[1]), len(laws)) / excess for law in laws]
     return max((share for share in curves if share >= _ANOTHER_CURVE), default=0.0)
 
@@ -59,6 +60,30 @@ def leaves_no_structure(regression: Regression, met: Regression) -> bool:
     found = smallest_sufficient(rank(regression)[1])[0]
     shows = float(chdtri(found.dof, _CHANCE / TRIED))
     return shows < ANOTHER_LAW * met.excess and lacking(regression, met) < ANOTHER_LAW
+
+
+def says_more_than_shapes(regression: Regression, met: Regression) -> bool:
+    """Whether the last terms of a model clearly say more than any functions of the coordinates of the laws before them
+    do, along the motion that was measured: however those were bent, they would not say it. `met`: the regression before
+    those terms. No answer where one of the laws has a memory, or three coordinates."""
+    if not regression.trajectories.tape.spans:
+        return False
+    regression, met = regression.of_traces(), met.of_traces()
+    laws = _laws_of(met)
+    if not laws or None in laws:
+        return False
+    stage = set_stage(met)
+    rows = np.concatenate([spline_rows(met, stage, law[0], blocks_of(law[1])) for law in laws if law is not None])
+    solved = regress(rows, met.residual)
+    bent = Left(met.residual - solved.coefficients @ rows, met.fit.freedom + solved.dof)
+    return clearly_better(Left(regression.residual, regression.fit.freedom), bent)
+
+
+def _laws_of(regression: Regression) -> set[tuple[Side, tuple[str, ...]] | None]:
+    """The side and the coordinates of each law of a model, but for constants; None in the place of one that has a
+    memory, or more coordinates than two."""
+    laws = [depends_on(effect) for effect in regression.fit.model.effects]
+    return {law if law is not None and len(law[1]) <= 2 else None for law in laws if law is None or law[1]}
 
 
 def _structure(regression: Regression, stage: Stage, side: Side, blocks: tuple[Block, ...], tried: int) -> float:
