@@ -91,9 +91,9 @@ LAWS: tuple[Law, ...] = (
     Law("sensor-drift", "sensor", ("t",), _flag(0.5, 1.5)),
     Law("sensor-offset", "sensor", ("1",), alike=("static-force",)),
     Law("sine-force", "force", ("z",), lambda rng, own: (rng.uniform(3.0, 6.0), 0.0, 0.0), in_library=False),
-    # How far off the middle the coil stands, and the share of the damping that is the coil's.
+    # How the push falls off farther out, and the share of the damping that is the coil's.
     Law("force-factor", "force", ("z", "v", "e"),
-        lambda rng, own: (rng.uniform(-0.3, 0.3), rng.uniform(0.0, 0.9), 0.0) if own else (0.0, 0.0, 0.0)),
+        lambda rng, own: (rng.uniform(0.05, 0.15), rng.uniform(0.0, 0.9), 0.0) if own else (0.0, 0.0, 0.0)),
     Law("power-law-stiffness", "force", ("z",), lambda rng, own: (rng.uniform(1.3, 1.8) if own else 1.5, 0.0, 0.0)),
     Law("voltage-damping", "force", ("v", "e"), in_library=False),
     # On a platform near its resonance it is called Coulomb's, which leaves less of it than laws of one kind differ by.
@@ -190,7 +190,7 @@ def force(z, v, e, t, h, q1, q2, warm, quality, c, s, g):
     if c[SINE] != 0:
         f -= c[SINE] * math.sin(s[SINE, 0] * z)
     if c[COIL] != 0:
-        less = c[COIL] * (z * z + s[COIL, 0] * z)
+        less = c[COIL] * z * z / (1 + s[COIL, 0] * z * z)
         f -= less * e - s[COIL, 1] * less * (2 - less) * v / quality
     f -= c[VE] * e * v
     if c[POWER_Z] != 0:
