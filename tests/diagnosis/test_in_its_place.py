@@ -13,7 +13,7 @@ from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
 from ident.diagnosis.linearised.regression import prepare
 from ident.diagnosis.search.steps import Discovery, Step
-from ident.diagnosis.search.written import _by_itself, _says_more, beyond_library
+from ident.diagnosis.search.written import _by_itself, beyond_library, outdoes
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.model import Model
@@ -28,9 +28,9 @@ def test_more_numbers_that_tell_no_more_replace_no_name() -> None:
     named = fit(start + library["cubic-stiffness"](), campaign)
     bent = fit(start + library["cubic-stiffness"]() + library["residual-stress"](), campaign)
     assert bent.fitted.chi2 <= named.fitted.chi2 * 1.001
-    assert not _says_more(named, bent)
-    assert not _says_more(named, fit(start, campaign))
-    assert _says_more(fit(start, campaign), named)
+    assert not outdoes(named, bent)
+    assert not outdoes(named, fit(start, campaign))
+    assert outdoes(fit(start, campaign), named)
 
 
 def test_what_was_written_stands_alone_where_the_names_before_it_do_no_more() -> None:
@@ -82,7 +82,7 @@ def test_one_law_of_a_coordinate_takes_the_place_of_several_names_that_come_near
     assert kept.discovery is alone and not (tmp_path / "other.py").exists()
 
 
-def test_sure_names_are_in_doubt_beside_one_law_that_says_more_with_fewer_numbers(tmp_path: Path) -> None:
+def test_sure_names_are_in_doubt_beside_one_law_thatoutdoes_with_fewer_numbers(tmp_path: Path) -> None:
     """A sine of less than a turn was a bent spring with a stop at its end, for sure."""
     start = ident.fit({"device": {"kind": "oscillator"}, "record": _one_way()}, effects=())
     two = ident.fit(start.campaign, effects=("power-law-damping", "electrostriction"))

@@ -20,6 +20,7 @@ from ident.campaign.device import Oscillator
 from ident.campaign.trust import checksum
 from ident.diagnosis.diagnose import diagnose, discover
 from ident.diagnosis.linearised import shorten
+from ident.diagnosis.search import one_law
 from ident.diagnosis.search.one_law import said_in_pieces, says_more
 from ident.diagnosis.unknown.simulated import curve_of
 from ident.effects.dependence import depends_on
@@ -163,6 +164,22 @@ def test_a_law_is_simulated_that_says_most_of_what_names_leave():
     start = cast(Any, SimpleNamespace(n=1000))
     assert says_more(1.05, 900.0, start) and says_more(2.4, 16500.0, start)
     assert not says_more(2.4, 2600.0, start) and not says_more(2.4, 3700.0, start)
+
+
+def test_a_law_is_asked_for_beside_what_only_follows_the_motion(monkeypatch):
+    """A brake that acts at one place was told as a function of v and V that no formula says, and a friction that
+    depends on the place as a memory of z: a few tenths of a per cent lay between them along the measured motion."""
+    law = SimpleNamespace(formula=SimpleNamespace(complete=True, chi2_per_sample=2.4), of_one_law=True)
+    vague = SimpleNamespace(formula=None, of_one_law=False)
+    start = cast(Any, SimpleNamespace(n=1000))
+    for preferred, remembers_nothing in ((law, None), (None, law), (vague, law)):
+        monkeypatch.setattr(one_law, "lacked_by", lambda *_: vague)
+        monkeypatch.setattr(one_law, "better_than", lambda *_, found=preferred: found)
+        monkeypatch.setattr(one_law, "without_memory", lambda _, found=remembers_nothing: found)
+        assert one_law._said(start, 16500.0, print) == (law, law.formula)
+        assert one_law._said(start, 2600.0, print) is None  # names say as much
+    monkeypatch.setattr(one_law, "without_memory", lambda _: vague)
+    assert one_law._said(start, 16500.0, print) is None
 
 
 def test_a_damper_that_the_drive_makes_is_told_without_a_walk(tmp_path: Path):

@@ -25,14 +25,14 @@ from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
 from ..ranking.look import Look
 from ..ranking.pairs import Pair, best_pair
-from ..unknown.find import Unknown, as_table, better_than
+from ..unknown.find import Unknown, as_table, better_than, without_memory
 from ..unknown.formula import Formula
 from ..unknown.subsets import NEAR, rank
 from .beyond import Beyond
 from .drive import other_drive
 from .steps import Discovery
 from .together import both
-from .written import AS_WELL, Written, as_good_as_named, ended, kept_if_it_ends, lacked_by, simulated, step_of
+from .written import AS_WELL, Written, as_good_as_named, ended, kept_if_it_ends, lacked_by, outdoes, simulated, step_of
 
 
 def one_law(look: Look, fitted: Fit, start: Regression, path: Path, report: Report) -> Written | Campaign | None:
@@ -85,9 +85,10 @@ def in_their_place(found: Discovery, start: Regression, path: Path, report: Repo
 
 def _said(start: Regression, named: float, report: Report) -> tuple[Unknown, Formula] | None:
     """What a fit lacks, where that is one law whose formula says all of it, and more than names do, χ² `named`; of sets
-    of coordinates that explain almost as much the one that the criterion prefers, if the simplest is no such law."""
+    of coordinates that explain almost as much the one that the criterion prefers, if the simplest is no such law, or
+    the best that needs no memory."""
     unknown = lacked_by(start, report)
-    law = unknown if _is_one(unknown) else _one_better(start, unknown)
+    law = _one_of(unknown) or _one_better(start, unknown) or _one_of(without_memory(start))
     if law is None or law.formula is None:
         return None
     return (law, law.formula) if says_more(law.formula.chi2_per_sample, named, start) else None
@@ -103,7 +104,8 @@ def _holds(
 ) -> tuple[Beyond, float] | None:
     """The fit with a law beside `fitted`, taken to its end, whose simulation reaches the noise, and which held-out
     records do not refute, nor find worse than a `rival`; of a product they may refute how its formula runs on beyond
-    the fitted ones, and not its table. Where the simulation leaves more, a law that says more is asked."""
+    the fitted ones, and not its table. Where the simulation leaves more, a law that says more is asked; of a `rival`
+    that a walk has ended with it need only outdo that."""
     law: Unknown | None = unknown
     while law is not None:
         try:
@@ -113,25 +115,27 @@ def _holds(
                 fine = adequate(left) and speaks_for(left, beyond.fit)
         except Diverged:  # with it the motion has no bound
             return None
-        if fine and not contradicted(beyond.fit) and not hurts(rival, beyond.fit):
+        after = None if fine else _one_better(start, law)
+        outdone = rival is not fitted and after is None and outdoes(rival, beyond.fit)
+        if (not contradicted(beyond.fit) if fine else outdone) and not hurts(rival, beyond.fit):
             last = ended(beyond.fit)
             if last is beyond.fit or not hurts(rival, last):
                 return beyond._replace(fit=last), gain
         beyond.path.unlink()
-        law = as_table(start, law) if fine else _one_better(start, law)
+        law = as_table(start, law) if fine else after
     return None
 
 
 def _one_better(start: Regression, refuted: Unknown) -> Unknown | None:
     """The law that says more along the measured motion than one whose simulation left more than noise, or than what is
     no law, if it is one."""
-    law = better_than(start, refuted)
-    return law if law is not None and _is_one(law) else None
+    return _one_of(better_than(start, refuted))
 
 
-def _is_one(law: Unknown) -> bool:
-    """Whether what is missing is one law whose formula says all of it."""
-    return law.formula is not None and law.formula.complete and law.of_one_law
+def _one_of(law: Unknown | None) -> Unknown | None:
+    """What is missing, if it is one law whose formula says all of it."""
+    one = law is not None and law.formula is not None and law.formula.complete and law.of_one_law
+    return law if one else None
 
 
 def _may_be_one(start: Regression, named: float) -> bool:

@@ -53,7 +53,7 @@ def beyond_library(
         if unknown is None or path is None or not (keeps_walk and _one_for_many(unknown, found, start)):
             return Written(found, unknown)
         beyond, gain = simulated(found.start, start, unknown, path, report)
-        if not _says_more(found.final, beyond.fit):
+        if not outdoes(found.final, beyond.fit):
             beyond.path.unlink()
             return Written(found, unknown)
         step = step_of(beyond._replace(fit=ended(beyond.fit)), gain)
@@ -76,7 +76,7 @@ def beyond_library(
         beyond.path.unlink()  # neither an effect of the library nor this one is there, once it is simulated
         return Written(replace(found, verdict="ambiguous", lacking=0.0), followed_noise(beyond.unknown, gain))
     better = beyond.fit.fitted.error_over_noise < found.final.fitted.error_over_noise and (
-        beside or not found.steps or (beyond.unknown.told and _says_more(found.final, beyond.fit))
+        beside or not found.steps or (beyond.unknown.told and outdoes(found.final, beyond.fit))
     )
     if better and not hurts(last, beyond.fit):  # what bends to the fitted records alone is written, but not kept
         step = step_of(beyond._replace(fit=ended(beyond.fit)), gain)
@@ -116,7 +116,7 @@ def _with_shorter(found: Discovery, start: Regression, path: Path | None, report
             beyond, _ = simulated(found.start, start, unknown, path, report)
     except Diverged:  # with it the motion has no bound
         return kept
-    if not _says_more(found.final, beyond.fit, numbers_apart=True):
+    if not outdoes(found.final, beyond.fit, numbers_apart=True):
         path.unlink()
         return kept
     return Written(replace(found, verdict="ambiguous", shorter=formula.text), beyond.unknown, path)
@@ -202,7 +202,7 @@ def _by_itself(found: Discovery, first: Regression, report: Report) -> Fit | Non
     return by_itself if fine else None
 
 
-def _says_more(named: Fit, written: Fit, numbers_apart: bool = False) -> bool:
+def outdoes(named: Fit, written: Fit, numbers_apart: bool = False) -> bool:
     """Whether what was written in the place of named effects is better than they are by the criterion, which counts its
     numbers, and on records held out; `numbers_apart`: that it has fewer is no reason."""
     try:

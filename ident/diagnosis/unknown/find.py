@@ -129,6 +129,15 @@ def better_than(regression: Regression, refuted: Unknown) -> Unknown | None:
     return _told(regression, stage, better) if better else None
 
 
+def without_memory(regression: Regression) -> Unknown | None:
+    """The same of the sets without what came before, if there are any: a memory follows what noise does to the kinks of
+    a law along the measured motion, and only a simulation tells whether it is one."""
+    regression = regression.of_traces()
+    stage, ranked = rank(regression)
+    known = [r for r in ranked if "history" not in r.coordinates]
+    return _told(regression, stage, known) if known else None
+
+
 def _told(regression: Regression, stage: Stage, ranked: Sequence[Ranked]) -> Unknown:
     """What is missing, as the smallest of some sets that is sufficient."""
     enough = smallest_sufficient(ranked)
