@@ -147,7 +147,7 @@ def _stress(z, e, s, g):
 
 
 @njit(error_model="numpy")
-def force(z, v, e, t, h, q1, q2, warm, quality, c, s, g):
+def force(z, v, e, t, h, q1, q2, warm, u, quality, c, s, g):
     """F(z, ż, e, t; hidden states) at the fraction t of the record."""
     f = 0.0
     if c[STRESS] != 0:
@@ -190,8 +190,8 @@ def force(z, v, e, t, h, q1, q2, warm, quality, c, s, g):
     if c[SINE] != 0:
         f -= c[SINE] * math.sin(s[SINE, 0] * z)
     if c[COIL] != 0:
-        less = c[COIL] * z * z / (1 + s[COIL, 0] * z * z)
-        f -= less * e - s[COIL, 1] * less * (2 - less) * v / quality
+        less = min(c[COIL] * z * z / (1 + s[COIL, 0] * z * z), 1.0)
+        f -= less * u - s[COIL, 1] * less * (2 - less) * v / quality
     f -= c[VE] * e * v
     if c[POWER_Z] != 0:
         f -= c[POWER_Z] * z * abs(z) ** (s[POWER_Z, 0] - 1)
@@ -217,7 +217,7 @@ def rate(x, u, e, t, c, s, g, quality, out):
     of the spring and of the damper."""
     z, v, h, q1, q2, m, mv = x[0], x[1], x[2], x[3], x[4], x[5], x[6]
     out[0] = v
-    out[1] = u - z - v / quality + force(z, v, e, t, h, q1, q2, x[7:], quality, c, s, g)
+    out[1] = u - z - v / quality + force(z, v, e, t, h, q1, q2, x[7:], u, quality, c, s, g)
     out[2] = out[3] = out[4] = out[5] = out[6] = out[7] = out[8] = 0.0
     if c[BOUC] != 0:
         grip = abs(h / s[BOUC, 0]) ** s[BOUC, 1]

@@ -65,7 +65,7 @@ def read_apart(trace: Trace, kind: Kind, sizes: Iterable[float]) -> Trace:
     if kind == "clock":
         index, ran = np.arange(len(trace.time)), 1 - told[1][0]
         drive = CubicSpline(index, trace.drive)(np.clip(index * ran, 0, index[-1]))
-        return replace(trace, own=told, time=trace.time * ran, drive=drive)
+        return replace(trace, own=told, time=trace.time * ran, into=trace.into * ran, drive=drive)
     if kind in ("level", "baseline"):
         moved = np.asarray(told[1]) @ curves(trace)[: TOLD[kind].each]
         return replace(trace, own=told, response=trace.response - moved)

@@ -78,7 +78,7 @@ class Trace:
     - `between`: what the campaign says of the drive between its samples; `edge`: None if it is a smooth curve, else it
       is held, and the value of a sample begins so many sampling intervals after it.
     - `excerpt`: a stretch of a longer record, cut out to compare models on it, which begins so many s `into` that; no
-      estimate is reported from it.
+      estimate is reported from it. `begun`: the `start` of the whole record.
     """
 
     name: str
@@ -95,6 +95,7 @@ class Trace:
     period: float | None = None
     excerpt: bool = False
     into: float = 0.0
+    begun: Start | None = None
     outliers: tuple[int, ...] = ()
     measures: Measures = "displacement"
     masked: np.ndarray | None = None
@@ -140,8 +141,8 @@ class Trace:
 
     @property
     def begins_in_motion(self) -> bool:
-        """Whether the drive had been on before the first sample; models are compared on an excerpt as if not."""
-        return self.start != "rest" and not self.excerpt
+        """Whether the drive had been on before the first sample, that of the whole record if this is a part of one."""
+        return (self.begun or self.start) != "rest"
 
 
 @dataclass(frozen=True)

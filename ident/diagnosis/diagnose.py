@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import atexit
 from dataclasses import dataclass, replace
 from functools import partial
 from html import escape
 from pathlib import Path
-from shutil import rmtree
-from tempfile import TemporaryDirectory, mkdtemp
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from ..campaign.campaign import Campaign
@@ -105,13 +103,9 @@ def discover(
 ) -> Diagnosis:
     """Fit, see where the model fails, add what explains it, until the noise floor; `.final` is the last model.
 
-    **Arguments:** `data`, `effects`, `told`: as in `ident.fit`; `effect_file`: as in `diagnose`; without one what the
-    library lacks is written to a folder that goes when Python ends.
+    **Arguments:** `data`, `effects`, `told`: as in `ident.fit`; `effect_file`: as in `diagnose`; without one a law that
+    the library lacks is told (`.unknown`), and `.final` is without it.
     """
-    if effect_file is None:
-        folder = mkdtemp(prefix="ident-")
-        atexit.register(rmtree, folder, ignore_errors=True)
-        effect_file = Path(folder) / "unknown_effect.py"
     return diagnose(fit_data(data, effects, report=report, **told), None, report, effect_file, keeps_walk=True)
 
 

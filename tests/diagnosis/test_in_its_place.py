@@ -82,7 +82,7 @@ def test_one_law_of_a_coordinate_takes_the_place_of_several_names_that_come_near
     assert kept.discovery is alone and not (tmp_path / "other.py").exists()
 
 
-def test_sure_names_are_in_doubt_beside_one_law_thatoutdoes_with_fewer_numbers(tmp_path: Path) -> None:
+def test_sure_names_are_in_doubt_beside_one_law_that_says_more_with_fewer_numbers(tmp_path: Path) -> None:
     """A sine of less than a turn was a bent spring with a stop at its end, for sure."""
     start = ident.fit({"device": {"kind": "oscillator"}, "record": _one_way()}, effects=())
     two = ident.fit(start.campaign, effects=("power-law-damping", "electrostriction"))

@@ -170,7 +170,7 @@ def test_a_law_is_asked_for_beside_what_only_follows_the_motion(monkeypatch):
     """A brake that acts at one place was told as a function of v and V that no formula says, and a friction that
     depends on the place as a memory of z: a few tenths of a per cent lay between them along the measured motion."""
     law = SimpleNamespace(formula=SimpleNamespace(complete=True, chi2_per_sample=2.4), of_one_law=True)
-    vague = SimpleNamespace(formula=None, of_one_law=False)
+    vague = SimpleNamespace(formula=None, of_one_law=False, coordinates=("z", "history"))
     start = cast(Any, SimpleNamespace(n=1000))
     for preferred, remembers_nothing in ((law, None), (None, law), (vague, law)):
         monkeypatch.setattr(one_law, "lacked_by", lambda *_: vague)

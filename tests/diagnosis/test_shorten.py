@@ -73,8 +73,8 @@ def test_a_fit_to_excerpts_that_crawls_is_left_as_refits_are(monkeypatch: pytest
 
 
 def test_an_excerpt_knows_how_long_the_record_has_lasted() -> None:
-    """A stiffness that drifts from switching-on has drifted where the excerpt begins; found where the clock began anew
-    with it, and one record of four was called wrong in its time."""
+    """A stiffness that drifts from switching-on has drifted where the excerpt begins: where its clock began anew it was
+    not found, and one record of four was called wrong in its time."""
     record = growing()
     parts = shortened(Campaign("long", (record,), Oscillator())).fitted
     assert max(part.time[0] for part in parts) > record.time[0] + 1.0
@@ -82,3 +82,5 @@ def test_an_excerpt_knows_how_long_the_record_has_lasted() -> None:
     clocks = np.concatenate([chunk.clock for chunk in tape.chunks])
     for part, span in zip(parts, tape.spans, strict=True):
         assert clocks[span.block] == pytest.approx(part.time[0] - record.time[0], abs=1e-9)
+    running = shortened(Campaign("long", (replace(record, start="unknown"),), Oscillator())).fitted
+    assert not any(part.begins_in_motion for part in parts) and all(part.begins_in_motion for part in running)

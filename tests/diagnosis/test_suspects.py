@@ -276,7 +276,6 @@ def test_a_law_that_says_everything_is_not_blamed_on_a_record():
     found = ident.discover(campaign_of(draw(8610, ("force-factor",), size=0.08, noise=0.001)))
     assert not found.suspects and found.final.model.names == ("force-factor",)
     found = ident.discover(campaign_of(draw(8610, ("voltage-damping",), size=0.08, noise=0.001)))
-    assert found.verdict == "not-in-library" and found.final.model.names == ("unknown-effect",)
-    assert found.final.fitted.error_over_noise < 1.05
+    assert found.verdict == "not-in-library" and found.final is found.discovery.start
     assert found.unknown is not None and "v V" in str(found.unknown.formula)
-    assert found.effect_file is not None and found.effect_file.exists()
+    assert found.effect_file is None

@@ -257,7 +257,9 @@ def explanations(
     for j, (other, reading) in enumerate(zip(traces, readings, strict=True)):
         if j != i and len(reading) == len(record.response) and np.all(np.isfinite(reading)):
             misfit = rms((record.response - reading)[record.counted], record.noise.sigma)
-            as_that = replace(record, drive=other.drive, time=other.time, start=other.start, period=other.period)
+            as_that = replace(
+                record, drive=other.drive, time=other.time, start=other.start, period=other.period, into=other.into
+            )
             found.append(Nuisance("wrong-record", float(j), other.name, misfit, as_that))
     return sorted((one for one in found if np.isfinite(one.error)), key=lambda one: one.error)
 

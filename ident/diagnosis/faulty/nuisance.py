@@ -130,7 +130,7 @@ def _drift(record: Trace, predicted: np.ndarray) -> Nuisance:
 
 def stretched(record: Trace, scale: float) -> Trace:
     """The record if its time runs `scale` times as fast as it says."""
-    return replace(record, time=record.time * scale)
+    return replace(record, time=record.time * scale, into=record.into * scale)
 
 
 def best_scale(error: Callable[[float], float], tried: Sequence[float]) -> tuple[float, float]:

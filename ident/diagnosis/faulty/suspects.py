@@ -64,7 +64,7 @@ def find_suspects(fitted: Fit, look: Callable[[Fit], Look], report: Report = lam
     try:
         seen = one_stretch_each(fitted)
         told = look(seen)
-        if not speaks_for(told.regression, fitted):
+        if seen is not fitted and not speaks_for(told.regression.instead_of or told.regression, fitted):
             return alone  # what changes in the course of a record is not seen in a stretch of it
         others = _by_others(seen, told)
     except Diverged:  # a stretch of its motion has no bound

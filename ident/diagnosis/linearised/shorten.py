@@ -137,4 +137,5 @@ def _part(record: Trace, first: int, length: int) -> Trace:
         period=None,
         excerpt=True,
         into=record.into + record.step * part.start,
+        begun=record.begun or record.start,
     )

@@ -64,8 +64,9 @@ def leaves_no_structure(regression: Regression, met: Regression) -> bool:
 
 def says_more_than_shapes(regression: Regression, met: Regression) -> bool:
     """Whether the last terms of a model clearly say more than any functions of the coordinates of the laws before them
-    do, along the motion that was measured: however those were bent, they would not say it. `met`: the regression before
-    those terms. No answer where one of the laws has a memory, or three coordinates."""
+    do, along the motion that was measured: however those were bent, they would not say it. The functions pay no price
+    for their many numbers, but for what these take from noise. `met`: the regression before those terms. No answer
+    where one of the laws has a memory, or three coordinates."""
     if not regression.trajectories.tape.spans:
         return False
     regression, met = regression.of_traces(), met.of_traces()
@@ -75,8 +76,9 @@ def says_more_than_shapes(regression: Regression, met: Regression) -> bool:
     stage = set_stage(met)
     rows = np.concatenate([spline_rows(met, stage, law[0], blocks_of(law[1])) for law in laws if law is not None])
     solved = regress(rows, met.residual)
-    bent = Left(met.residual - solved.coefficients @ rows, met.fit.freedom + solved.dof)
-    return clearly_better(Left(regression.residual, regression.fit.freedom), bent)
+    bent = met.residual - solved.coefficients @ rows
+    bent *= np.sqrt(1.0 + solved.dof / max(float(bent @ bent), 1e-300))
+    return clearly_better(Left(regression.residual, 0.0), Left(bent, 0.0))
 
 
 def _laws_of(regression: Regression) -> set[tuple[Side, tuple[str, ...]] | None]:

@@ -32,7 +32,18 @@ from .beyond import Beyond
 from .drive import other_drive
 from .steps import Discovery
 from .together import both
-from .written import AS_WELL, Written, as_good_as_named, ended, kept_if_it_ends, lacked_by, outdoes, simulated, step_of
+from .written import (
+    AS_WELL,
+    Written,
+    as_good_as_named,
+    ended,
+    kept_if_it_ends,
+    lacked_by,
+    nearly_explained,
+    outdoes,
+    simulated,
+    step_of,
+)
 
 
 def one_law(look: Look, fitted: Fit, start: Regression, path: Path, report: Report) -> Written | Campaign | None:
@@ -57,7 +68,7 @@ def one_law(look: Look, fitted: Fit, start: Regression, path: Path, report: Repo
         return None
     if other_drive(start.fit, regression, report, look) is not None:
         return None
-    told = _holds(fitted, fitted, start, unknown, path, report)
+    told = _holds(fitted, None, start, unknown, path, report)
     if told is None:
         return None
     sharper = sharpened(told[0].fit)
@@ -79,7 +90,7 @@ def in_their_place(found: Discovery, start: Regression, path: Path, report: Repo
     if not asked or found.start.campaign.fitted_sweeps:
         return None
     said = _said(start, found.regression.chi2, report)
-    told = None if said is None else _holds(found.start, found.final, start, said[0], path, report)
+    told = None if said is None else _holds(found.start, found, start, said[0], path, report)
     return None if told is None else _written(found, *told)
 
 
@@ -88,7 +99,9 @@ def _said(start: Regression, named: float, report: Report) -> tuple[Unknown, For
     of coordinates that explain almost as much the one that the criterion prefers, if the simplest is no such law, or
     the best that needs no memory."""
     unknown = lacked_by(start, report)
-    law = _one_of(unknown) or _one_better(start, unknown) or _one_of(without_memory(start))
+    law = _one_of(unknown) or _one_better(start, unknown)
+    if law is None and "history" in unknown.coordinates:
+        law = _one_of(without_memory(start))
     if law is None or law.formula is None:
         return None
     return (law, law.formula) if says_more(law.formula.chi2_per_sample, named, start) else None
@@ -100,27 +113,29 @@ def _written(found: Discovery, beyond: Beyond, gain: float) -> Written:
 
 
 def _holds(
-    fitted: Fit, rival: Fit, start: Regression, unknown: Unknown, path: Path, report: Report
+    fitted: Fit, named: Discovery | None, start: Regression, unknown: Unknown, path: Path, report: Report
 ) -> tuple[Beyond, float] | None:
     """The fit with a law beside `fitted`, taken to its end, whose simulation reaches the noise, and which held-out
-    records do not refute, nor find worse than a `rival`; of a product they may refute how its formula runs on beyond
-    the fitted ones, and not its table. Where the simulation leaves more, a law that says more is asked; of a `rival`
-    that a walk has ended with it need only outdo that."""
+    records do not refute, nor find worse than what a walk has `named`, if it has been gone; of a product they may
+    refute how its formula runs on beyond the fitted ones, and not its table. Where the simulation leaves more, a law
+    that says more is asked; names beside which little is left to look for it need only outdo."""
     law: Unknown | None = unknown
+    rival = fitted if named is None else named.final
     while law is not None:
         try:
             with kept_if_it_ends(path):
                 beyond, gain = simulated(fitted, start, law, path, report)
                 left = prepare(working(beyond.fit))
                 fine = adequate(left) and speaks_for(left, beyond.fit)
+                after = None if fine else _one_better(start, law)
+                far = named is not None and after is None and not nearly_explained(named)
+                holds = not contradicted(beyond.fit) if fine else far and outdoes(rival, beyond.fit)
+                if holds and not hurts(rival, beyond.fit):
+                    last = ended(beyond.fit)
+                    if last is beyond.fit or not hurts(rival, last):
+                        return beyond._replace(fit=last), gain
         except Diverged:  # with it the motion has no bound
             return None
-        after = None if fine else _one_better(start, law)
-        outdone = rival is not fitted and after is None and outdoes(rival, beyond.fit)
-        if (not contradicted(beyond.fit) if fine else outdone) and not hurts(rival, beyond.fit):
-            last = ended(beyond.fit)
-            if last is beyond.fit or not hurts(rival, last):
-                return beyond._replace(fit=last), gain
         beyond.path.unlink()
         law = as_table(start, law) if fine else after
     return None

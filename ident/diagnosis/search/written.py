@@ -62,7 +62,7 @@ def beyond_library(
         return Written(found)  # they lack nothing: it is the held-out records that contradict, or the whole ones
     if path is None:
         return Written(found, lacked_by(start, report))
-    beside = keeps_walk and _nearly_explained(found)
+    beside = keeps_walk and nearly_explained(found)
     base, unknown = _lacked(found, start, report) if beside else (start, lacked_by(start, report))
     if unknown.written is None:
         return Written(found, unknown)
@@ -182,7 +182,7 @@ def step_of(beyond: Beyond, gain: float) -> Step:
     return Step(name, beyond.unknown.share, gain, (name,), "effect", beyond.fit)
 
 
-def _nearly_explained(found: Discovery) -> bool:
+def nearly_explained(found: Discovery) -> bool:
     """Whether named effects leave so little that the rest is looked for beside them, and not in their place."""
     before, after = (fit.fitted.error_over_noise**2 - 1 for fit in (found.start, found.final))
     return after < _NEARLY * before

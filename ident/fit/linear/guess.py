@@ -125,7 +125,7 @@ def _scales(records: tuple[Trace, ...], frequency: float) -> DataScales:
             slope = np.convolve(record.response, line, "valid") / (np.sum(line**2) * record.step)
             velocity = max(velocity, float(np.percentile(np.abs(slope), 99.5)) / omega**record.order)
     voltage = max(float(np.max(np.abs(r.drive))) for r in records) or 1.0  # where nothing drives, any scale does
-    duration = max(float(r.time[-1] - r.time[0]) for r in records)
+    duration = max(r.into + float(r.time[-1] - r.time[0]) for r in records)  # since its record began
     return DataScales(displacement, velocity, voltage, 1.0 / frequency, duration)
 
 
