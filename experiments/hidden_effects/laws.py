@@ -110,6 +110,9 @@ LAWS: tuple[Law, ...] = (
     Law("stiffness-heating", "force", ("z", "history"), _heat),
     Law("damping-heating", "force", ("v", "history"), _heat),
     Law("drive-heating", "drive", ("e", "history"), _heat),
+    # A brake at one place of the path: where, and how wide.
+    Law("local-damping", "force", ("z", "v"), lambda rng, own: (rng.uniform(0.1, 0.5), rng.uniform(0.15, 0.4), 0.0),
+        in_library=False),
 )  # fmt: skip
 
 NAMES = tuple(law.name for law in LAWS)
@@ -117,7 +120,7 @@ INDEX = {name: i for i, name in enumerate(NAMES)}
 
 (STRESS, ARCH, CUBIC, QUADRATIC, VOLT, K_DRIFT, STOP, STATIC, MODE, VISCO, COULOMB, V2, V3, SQUEEZE, C_DRIFT, BOUC,
  PZT, PLAYS, BOUC_E, E2, CREEP, LAG_E, BEND, LAG_S, CROSS, S_DRIFT, OFFSET, SINE, COIL, POWER_Z, VE, STRIBECK,
- PLATE, POWER_V, BILINEAR, K_HEAT, C_HEAT, HEAT_E) = range(len(LAWS))  # fmt: skip
+ PLATE, POWER_V, BILINEAR, K_HEAT, C_HEAT, HEAT_E, BRAKE) = range(len(LAWS))  # fmt: skip
 
 STATES = 9
 
@@ -193,6 +196,8 @@ def force(z, v, e, t, h, q1, q2, warm, u, quality, c, s, g):
         less = min(c[COIL] * z * z / (1 + s[COIL, 0] * z * z), 1.0)
         f -= less * u - s[COIL, 1] * less * (2 - less) * v / quality
     f -= c[VE] * e * v
+    if c[BRAKE] != 0:
+        f -= c[BRAKE] * math.exp(-(((z - s[BRAKE, 0]) / s[BRAKE, 1]) ** 2)) * v
     if c[POWER_Z] != 0:
         f -= c[POWER_Z] * z * abs(z) ** (s[POWER_Z, 0] - 1)
     if c[POWER_V] != 0:

@@ -13,6 +13,7 @@ from experiments.simulator.signals import sine
 
 LIBRARY = {
     "bilinear-stiffness",
+    "force-factor",
     "residual-stress",
     "arch-force",
     "cubic-stiffness",
