@@ -25,13 +25,9 @@ class ForceFactor(AbstractEffect):
     alike = (CUBIC_LOSS,)
 
     bend = amplitude("1/m^2", "relative change of the push per squared displacement, b")
-    induced = shape(
-        "V*s/m",
-        "voltage that a velocity induces at rest, B",
-        grid=(0.1, 0.4, 1.0),
-        scale="induction",
-        limits=(0.003, 1.5),
-    )  # fmt: skip  (1: all of the damping at the resonance)
+    # Where 1 is all of the damping at the resonance, as far as the records reach it.
+    induced = shape("V*s/m", "voltage that a velocity induces at rest, B", grid=(0.1, 0.4, 1.0), scale="induction",
+                    limits=(0.003, 1.5))  # fmt: skip
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         more = self.bend * state.z**2
