@@ -65,7 +65,10 @@ def coloured(seed: int, effects: tuple[str, ...], **told: Any) -> Case:
 
 def two_records(seed: int, effects: tuple[str, ...], **told: Any) -> Case:
     """A platform of which a strong sine near its resonance and a multisine are known, and a chirp to judge by."""
-    case = draw(seed, effects, **told)
+    return _two_of(draw(seed, effects, **told))
+
+
+def _two_of(case: Case) -> Case:
     near, broad, chirp = case.records[2], case.records[-2], case.records[-1]
     return replace(case, records=[near, replace(broad, holdout=False), chirp])
 
@@ -74,6 +77,15 @@ def three_records(seed: int, effects: tuple[str, ...], **told: Any) -> Case:
     """The same, and a sine well below the resonance."""
     case, fewer = draw(seed, effects, **told), two_records(seed, effects, **told)
     return replace(fewer, records=[case.records[0], *fewer.records])
+
+
+LONG = 30_000  # samples: minutes at a slow device, and more than are simulated whole before the last fit
+
+
+def long_records(seed: int, effects: tuple[str, ...], **told: Any) -> Case:
+    """An oscillator in two long records, a strong sine near its resonance and a multisine, and a chirp to judge by:
+    what drifts does so over the whole of each."""
+    return _two_of(oscillator(seed, effects, length=LONG, **told))
 
 
 def velocity(seed: int, effects: tuple[str, ...], **told: Any) -> Case:
@@ -103,8 +115,8 @@ def _derived(case: Case, measures: Literal["velocity", "acceleration"]) -> Case:
 
 CIRCUMSTANCES: dict[str, Callable[..., Case]] = {
     made.__name__: made
-    for made in (oscillator, any_quality, offset, further_mode, coloured, two_records, three_records, velocity,
-                 acceleration)
+    for made in (oscillator, any_quality, offset, further_mode, coloured, two_records, three_records, long_records,
+                 velocity, acceleration)
 }  # fmt: skip
 
 

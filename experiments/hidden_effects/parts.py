@@ -27,7 +27,7 @@ from .generator import Case, NoiseKind, Starts, draw, measure_again
 from .laws import INDEX, LAWS
 from .mimics import left_by
 
-Part = Literal["single", "pairs", "nulls", "outside", "poor", "cut", "steady", "circumstances"]
+Part = Literal["single", "pairs", "nulls", "outside", "poor", "cut", "steady", "circumstances", "long"]
 
 INSIDE = tuple(law.name for law in LAWS if law.in_library)
 OUTSIDE = tuple(law.name for law in LAWS if not law.in_library)
@@ -133,9 +133,16 @@ def _circumstances(seeds: Sequence[int], effects: Any, levels: Any) -> Iterator[
         yield Task("circumstances", seed, (name,), size, noise, circumstance=where)
 
 
+def _long(seeds: Sequence[int], effects: Any, levels: Any) -> Iterator[Task]:
+    """Every effect that an oscillator can show in long records."""
+    for seed, (size, noise), name in itertools.product(seeds, levels or ((0.04, 0.003),), effects or INSIDE):
+        if can_show("long_records", name):
+            yield Task("long", seed, (name,), size, noise, circumstance="long_records")
+
+
 _MAKERS: dict[Part, Callable[..., Iterator[Task]]] = {
     "single": _single, "pairs": _pairs, "nulls": _nulls, "outside": _outside, "poor": _poor,
-    "cut": _cut, "steady": _steady, "circumstances": _circumstances,
+    "cut": _cut, "steady": _steady, "circumstances": _circumstances, "long": _long,
 }  # fmt: skip
 
 

@@ -40,6 +40,7 @@ PARTS: dict[Part, range] = {
     "cut": range(5000, 5002),
     "steady": range(5000, 5002),
     "circumstances": range(5000, 5012),
+    "long": range(5000, 5001),
 }
 """Parts and the seeds of the report."""
 

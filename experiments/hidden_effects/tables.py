@@ -250,7 +250,7 @@ def _list(rows: Sequence[Row], fine: Callable[[Row], bool]) -> None:
 _SHOWN: dict[str, Callable[[Sequence[Row]], None]] = {
     "single": _single, "pairs": _pairs, "nulls": _nulls, "outside": _outside, "poor": _poor,
     "cut": _single,
-    "steady": _single, "circumstances": _circumstances,
+    "steady": _single, "circumstances": _circumstances, "long": _single,
 }  # fmt: skip
 
 Target = tuple[str, float, str, float]
@@ -273,6 +273,7 @@ _TARGETS: dict[str, Callable[[Sequence[Row]], list[Target]]] = {
         *_median_and_p90(visible(rows)),
     ],
     "circumstances": lambda rows: [("class top-1", share(visible(rows), lambda row: top(row, 1)), ">=", 0.95)],
+    "long": lambda rows: [("class top-1", share(visible(rows), lambda row: top(row, 1)), ">=", 0.95)],
     "cut": lambda rows: [
         ("class top-1", share(visible(rows), lambda row: top(row, 1)), ">=", 0.95),
         *_median_and_p90(visible(rows)),

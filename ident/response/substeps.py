@@ -59,7 +59,8 @@ def steps_of(
     `finest` of them in a period of the resonance at the least.
 
     The phase error of Runge–Kutta steps is (ωh)⁴/120 per radian. It always has the same sign, so that samples do not
-    average it as they do the noise: near resonance ln ω is known to σ/(2Q √n rms); a tenth of that is allowed.
+    average it as they do the noise: near resonance ln ω is known to σ/(2Q √n rms), or to σ/(ωT √n rms) by a record that
+    is over, after T, before the motion has forgotten its beginning; a tenth of that is allowed.
     (With σ/10 instead of σ/(10 √n) 400 simulated campaigns returned frequencies 0.18 error bars too high.)
     In an excerpt no frequency is reported: σ/10 is fine, and so is half of the steps that sharp effects need. Nor is
     one of a model that is only `compared` with others, by residuals which another frequency then makes up for.
@@ -72,13 +73,14 @@ def steps_of(
     if compared:
         share = max(share, _COMPARED)
     allowed = share * min(max(record.noise.sigma / signal, 1e-4), 0.1)
-    largest = (120 * allowed / max(2 * quality, 2.0)) ** 0.25
+    omega = 2 * math.pi * frequency
+    remembered = max(min(2 * quality, omega * (record.time[-1] - record.time[0])), 2.0)  # radians
+    largest = (120 * allowed / remembered) ** 0.25
     slower = 1.0  # than the resonance, what moves
     if form == "quasi-static":
         largest, slower = 0.5, ABOVE_THE_DRIVE
     if finest:
         largest = min(largest, 2 * math.pi / finest * slower * (2 if record.excerpt else 1))
-    omega = 2 * math.pi * frequency
     if record.edge is not None:
         largest = min(largest, math.sqrt(12 * _EDGES * min(record.noise.sigma / signal, 0.1)) * slower)
     if quality < 0.5:

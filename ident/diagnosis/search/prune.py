@@ -22,6 +22,7 @@ from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
 from ..ranking.confirm import accept, confirm
 from ..ranking.score import Candidate, score, significant
+from ..side_by_side import at_once
 from .change import ENOUGH, still_possible, try_without, values_without
 from .parts import Parts, take_apart
 
@@ -54,7 +55,13 @@ def rivals(name: str, regression: Regression, library: Registry) -> list[Candida
 
 
 def _replaced(
-    name: str, last: Fit, full: Regression, regression: Regression, library: Registry, even: dict[str, str]
+    name: str,
+    last: Fit,
+    full: Regression,
+    regression: Regression,
+    library: Registry,
+    report: Report,
+    even: dict[str, str],
 ) -> tuple[str, Fit] | None:
     """A rival in an effect's place, with the fit, if the criterion clearly prefers it, or prefers one with fewer
     numbers; between laws that the fitted records do not tell apart, or by no more than a simpler one may lack in shape,
@@ -63,8 +70,8 @@ def _replaced(
     `regression`: without the effect. Refits start from what its presence has made of the other parameters.
     """
     likely, rest = rivals(name, regression, library), values_without(last, name)
-    tried = [confirm(regression, library[rival.name], rival, ENOUGH, rest) for rival in likely]
-    tried = [found for found in tried if found.possible]
+    refit = lambda rival: confirm(regression, library[rival.name], rival, ENOUGH, rest)
+    tried = [found for found in at_once(refit, likely, report, "rivals") if found.possible]
     if not tried:
         return None
     best = tried[int(np.argmin(criteria(tried)))]
@@ -159,7 +166,7 @@ def _changed(
         if superfluous(regression, full, first) and still_possible(without, last) and not hurts(last, without):
             return [*names[:i], *names[i + 1 :]], without
         # Where scores cannot be believed, every effect has been refitted already.
-        found = _replaced(name, last, full, regression, library, even) if full.credible else None
+        found = _replaced(name, last, full, regression, library, report, even) if full.credible else None
     except Diverged:  # without it, or with another in its place, the motion has no bound
         return None
     return None if found is None else ([*names[:i], found[0], *names[i + 1 :]], found[1])
