@@ -14,9 +14,29 @@ Source: G. Strang, G. Fix, An Analysis of the Finite Element Method, 1973, ch. 3
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 _ALIKE = 0.5  # correlation of neighbouring changes: that of six samples a period
+
+
+class Edges(NamedTuple):
+    """Where the drives of a campaign have edges between their samples: none, they are smooth curves; or each value is
+    held from `first` sampling intervals after its sample on, `everywhere`, as a converter holds it, or only in records
+    whose drive jumps, as that of a generator does which is smooth elsewhere."""
+
+    first: float | None = None
+    everywhere: bool = True
+
+    def of(self, drive: np.ndarray) -> float | None:
+        """The edge of one drive (n,), None if it is smooth (`Trace.edge`)."""
+        return self.first if self.first is None or self.everywhere or jumps(drive) else None
+
+    @property
+    def numbers(self) -> int:
+        """How many it needs: the clock of the samples is none."""
+        return int(self.first not in (None, 0.0))
 
 
 def held_drive(samples: np.ndarray, substeps: int, edge: float) -> tuple[np.ndarray, np.ndarray]:

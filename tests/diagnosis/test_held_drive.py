@@ -55,6 +55,15 @@ def test_the_edges_are_found_beside_a_fit(edge):
     assert other.traces[0].edge == pytest.approx(edge, abs=0.02)
 
 
+def test_a_record_whose_drive_is_smooth_may_stay_so():
+    """Beside a switch, whose edges a converter's clock does not tell."""
+    square, chirp = campaign_of(-0.3), campaign_of(None)
+    both = replace(square, records=(*square.records, *(replace(r, name="b") for r in chirp.records)))
+    other = asked(both)
+    assert other is not None and other.traces[1].edge is None
+    assert other.traces[0].edge == pytest.approx(-0.3, abs=0.1)
+
+
 def test_an_effect_that_promises_more_goes_first():
     """The loss of a rubber mount hid in a drive that was said to be held, and names were sought beside that."""
     found = fit(start_model(campaign_of(1.0)), campaign_of(1.0))

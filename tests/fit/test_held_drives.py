@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.linalg import expm
+from scipy.signal import lsim
 
 from ident.campaign import Channel, NoiseFloor, Trace
 from ident.campaign.campaign import Campaign
@@ -75,20 +76,43 @@ def test_the_records_say_since_when_a_drive_is_held_and_the_fit_reaches_the_nois
     )
 
 
+def sweep(at: np.ndarray) -> np.ndarray:
+    return np.sin(2 * np.pi * (5 * at + 8 * at**2))
+
+
+def swept(edge: float | None) -> Trace:
+    """A record of the linear oscillator under a sweep that is held from so many samples on, or smooth."""
+    fine, drive = STEP / 16 * np.arange(1500 * 16), sweep(STEP * np.arange(1500))
+    whole = sweep(fine) if edge is None else np.repeat(drive, 16)
+    response = lsim(([OMEGA**2], [1.0, OMEGA / Q, OMEGA**2]), whole, fine, interp=edge is None)[1][::16]
+    return trace(drive, response + 0.002 * np.random.default_rng(4).standard_normal(1500))
+
+
+def switch() -> Trace:
+    drive = switched()
+    response = OMEGA**2 * exact(SPRING, drive, 0.0)[:, 0]
+    return trace(drive, response + 0.002 * np.random.default_rng(5).standard_normal(len(drive)))
+
+
+@pytest.mark.parametrize("everywhere", [False, True])
+def test_a_drive_may_be_held_only_where_it_jumps(everywhere):
+    """A generator's sweep beside its switch, and both of a converter."""
+    records = (swept(0.0 if everywhere else None), switch())
+    campaign = with_drives(Campaign("both", records, Oscillator("m", "V")))
+    chirp, jumping = (record.edge for record in campaign.traces)
+    assert jumping == pytest.approx(0.0, abs=0.05) and (chirp is not None) == everywhere
+    assert fit(start_model(campaign), campaign).fitted.error_over_noise == pytest.approx(1.0, abs=0.06)
+
+
 def test_what_a_campaign_says_of_its_drive_stays():
     drive = switched()
     record = trace(drive, OMEGA**2 * exact(SPRING, drive, 0.0)[:, 0], between="smooth")
     campaign = Campaign("told", (record,), Oscillator("m", "V"))
     assert with_drives(campaign) is campaign
-    assert choose_linear([record]).chosen.edge is None
+    assert choose_linear([record]).chosen.edges.first is None
     held = replace(record, between="hold", edge=0.0)
     assert choose_linear([held]).chosen.left < 1e-3 < choose_linear([record]).chosen.left
 
 
 def test_a_smooth_drive_stays_smooth():
-    t = STEP * np.arange(1500)
-    drive = np.sin(2 * np.pi * (5 * t + 8 * t**2))
-    b, a = FORMS["oscillator"].point(F, Q), stretch_of(trace(drive, drive))
-    response = OMEGA**2 * FORMS["oscillator"].answer(b, a, drive)
-    record = trace(drive, response + 0.002 * np.random.default_rng(4).standard_normal(len(t)))
-    assert choose_linear([record]).chosen.edge is None
+    assert choose_linear([swept(None)]).chosen.edges.first is None

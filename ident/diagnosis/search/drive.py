@@ -10,13 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TypeGuard
 
 import numpy as np
 
 from ...campaign.campaign import Campaign
 from ...campaign.device import Oscillator
 from ...campaign.drive import half_step_drive
-from ...campaign.held_drive import jumps
+from ...campaign.held_drive import Edges, jumps
 from ...campaign.record import Trace
 from ...fit import Fit, fit
 from ...pulse import Report
@@ -47,21 +48,15 @@ def other_drive(
     records = [r for r in fitted.campaign.fitted if _may_be_otherwise(r)]
     if not records or not isinstance(fitted.model.device, Oscillator) or not regression.credible:
         return None
-    now, jumping = records[0].edge, any(jumps(r.drive) for r in records)
-    edges = [None, 0.0]
-    if jumping:
-        found = _left_with(regression, list(_EDGES))
-        edges.append(_refined(regression, float(_EDGES[np.argmin([float(x @ x) for x in found])])))
-        if now is not None:  # found beside what has been missing, and perhaps bent by it
-            edges.append(_refined(regression, now))
-    edges = [e for e in edges if e != now]
-    left = _left_with(regression, edges)
-    numbers = lambda edge: regression.numbers + (edge not in (None, 0.0))
-    weighed = [Left(x, numbers(edge)) for x, edge in zip(left, edges, strict=True)]
+    now = _edges_of(records)
+    ways = [way for way in _ways(regression, records, now) if way != now]
+    left = _left_with(regression, ways)
+    numbers = lambda way: regression.numbers + way.numbers
+    weighed = [Left(x, numbers(way)) for x, way in zip(left, ways, strict=True)]
     here = Left(regression.residual, numbers(now))
     *others, _ = criteria([*weighed, here])
     best = int(np.argmin(others))
-    edge, drop = edges[best], regression.chi2 - float(left[best] @ left[best])
+    way, drop = ways[best], regression.chi2 - float(left[best] @ left[best])
     promise = 0.0 if look is None else look.promise
     if not clearly_better(weighed[best], here) or drop < min(MOST_OF_IT * promise, promise - VERY_STRONG):
         return None
@@ -69,67 +64,92 @@ def other_drive(
     if look is not None and drop < promise - VERY_STRONG:
         rivals += [one for one in look.tried if one.possible]
     try:
-        shown = fit(fitted.model, with_edges(regression.fit.campaign, edge), initial=fitted.values, most=CRAWLS)
+        shown = fit(fitted.model, with_edges(regression.fit.campaign, way), initial=fitted.values, most=CRAWLS)
         there = prepare(shown)
-        reached, simulated = Left(there.residual, numbers(edge)), Left(there.left, numbers(edge))
+        reached, simulated = Left(there.residual, numbers(way)), Left(there.left, numbers(way))
         second = instead_of and Left(instead_of.residual, instead_of.numbers)
         if not clearly_better(reached, here) or (second is not None and clearly_better(second, reached)):
             return None
         if any(clearly_better(rival, simulated) for rival in rivals):
             return None
-        if edge not in (None, 0.0):
-            edge = _settled(shown, edge)
+        if way.numbers:
+            way = _settled(shown, way)
     except Diverged:
         return None
-    held = "is a smooth curve" if edge is None else f"is held, from {edge:+.2g} samples"
+    where = "" if way.everywhere else ", where it jumps,"
+    held = "is a smooth curve" if way.first is None else f"is held{where} from {way.first:+.2g} samples"
     report(f"the drive {held} between its samples: once more, with such a drive")
-    return with_edges(fitted.campaign, edge)
+    return with_edges(fitted.campaign, way)
 
 
-def with_edges(campaign: Campaign, edge: float | None) -> Campaign:
+def with_edges(campaign: Campaign, way: Edges) -> Campaign:
     """The campaign with another drive between the samples, where it does not say what it is."""
-    records = (replace(r, edge=edge) if _may_be_otherwise(r) else r for r in campaign.records)
+    records = (replace(r, edge=way.of(r.drive)) if _may_be_otherwise(r) else r for r in campaign.records)
     return replace(campaign, records=tuple(records))
 
 
-def _may_be_otherwise(record: object) -> bool:
+def _edges_of(records: Sequence[Trace]) -> Edges:
+    """What the drives of records are taken for."""
+    edges = [record.edge for record in records]
+    first = next((edge for edge in edges if edge is not None), None)
+    return Edges(first, first is None or None not in edges)
+
+
+def _ways(regression: Regression, records: Sequence[Trace], now: Edges) -> list[Edges]:
+    """What drives may be between their samples: smooth, or held on the clock of the samples or, where they jump, with
+    the edges that leave least; each everywhere, or only where they jump."""
+    ways, jumping = [Edges(), Edges(0.0)], [jumps(record.drive) for record in records]
+    for everywhere in (True, False) if any(jumping) else ():
+        if not everywhere and all(jumping):
+            continue
+        tried = [Edges(float(edge), everywhere) for edge in _EDGES]
+        found = _left_with(regression, tried)
+        ways += [Edges(0.0, everywhere), _refined(regression, tried[np.argmin([float(x @ x) for x in found])])]
+    if any(jumping) and now.first is not None:  # found beside what has been missing, and perhaps bent by it
+        ways.append(_refined(regression, now))
+    return list(dict.fromkeys(ways))
+
+
+def _may_be_otherwise(record: object) -> TypeGuard[Trace]:
     """Whether a record does not say itself what its drive is, and where its edges lie is no number of its own."""
     if not isinstance(record, Trace) or record.between != "auto" or not record.driven:
         return False
     return record.edge is None or record.own is None or record.own[0] != "delay"
 
 
-def _left_with(regression: Regression, edges: Sequence[float | None]) -> list[np.ndarray]:
+def _left_with(regression: Regression, ways: Sequence[Edges]) -> list[np.ndarray]:
     """Whitened residuals (n,) with other drives, without what the model absorbs."""
     trajectories = regression.trajectories
     tape, equation = trajectories.tape, trajectories.solved.static.equation
     gain = float(assemble(equation, equation.constants, regression.fit.values).gain)
     grids = []
     for record, lane, span in zip(regression.fit.campaign.fitted, tape.lanes, tape.spans, strict=True):
-        free = _may_be_otherwise(record)
-        others = [half_step_drive(replace(record, edge=e if free else record.edge), span.substeps)[0] for e in edges]
+        edges = [way.of(record.drive) if _may_be_otherwise(record) else record.edge for way in ways]
+        others = [half_step_drive(replace(record, edge=edge), span.substeps)[0] for edge in edges]
         grids.append(gain * np.stack([other - lane.voltage for other in others]))
     rows = by_record(regression, push_columns(tape, trajectories.dynamics, tape.windows(grids)))
     traces = regression.left[: rows.shape[1]]
     rest = regression.left[rows.shape[1] :]
-    return list(regression.project(np.concatenate([traces - rows, np.tile(rest, (len(edges), 1))], axis=1)))
+    return list(regression.project(np.concatenate([traces - rows, np.tile(rest, (len(ways), 1))], axis=1)))
 
 
-def _settled(shown: Fit, edge: float) -> float:
-    """The edge of a fit with it, sought again from there until it stays: it was found beside a model that lacked it,
-    whose damping had made good a part."""
+def _settled(shown: Fit, way: Edges) -> Edges:
+    """The edges of a fit with them, sought again from there until they stay: they were found beside a model that lacked
+    them, whose damping had made good a part."""
     for _ in range(_AGAIN):
-        before, edge = edge, _refined(prepare(shown), edge)
-        if abs(edge - before) < _CLOSER[-1]:
+        before, way = way, _refined(prepare(shown), way)
+        if abs((way.first or 0.0) - (before.first or 0.0)) < _CLOSER[-1]:
             break
-        shown = fit(shown.model, with_edges(shown.campaign, edge), initial=shown.values, most=CRAWLS)
-    return edge
+        shown = fit(shown.model, with_edges(shown.campaign, way), initial=shown.values, most=CRAWLS)
+    return way
 
 
-def _refined(regression: Regression, edge: float) -> float:
-    """The edge that leaves least: by the parabola through three, and through three that lie closer there."""
+def _refined(regression: Regression, way: Edges) -> Edges:
+    """The edges that leave least: by the parabola through three, and through three that lie closer there."""
+    edge = way.first or 0.0
     for spacing in _CLOSER:
-        low, middle, high = (float(x @ x) for x in _left_with(regression, [edge - spacing, edge, edge + spacing]))
+        three = [way._replace(first=edge + shift * spacing) for shift in (-1, 0, 1)]
+        low, middle, high = (float(x @ x) for x in _left_with(regression, three))
         bend = low - 2 * middle + high
         edge += 0.5 * spacing * (low - high) / bend if bend > 0 else 0.0
-    return edge
+    return way._replace(first=edge)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from ...campaign.held_drive import Edges
 from .modes import Mode
 
 
@@ -14,8 +15,8 @@ class Candidate(NamedTuple):
     **Arguments:** `form`: its name, also "constant" and "quasi-static"; `level`: whether with a constant; `left`: rms
     of what it leaves over that of the signal; `numbers`: how many are fitted beside the initial states; `criterion`;
     `first`, `second`: frequency (Hz) and quality, or a time scale (Hz) and the decay time (s) without a spring; `gain`
-    ((m/s²)/V) and `constant` (N, or m in the reading); `further` modes of an oscillator; `edge` of a drive that
-    is held, None of a smooth one (see `Trace`).
+    ((m/s²)/V) and `constant` (N, or m in the reading); `further` modes of an oscillator; `edges` of the
+    drives between their samples.
     """
 
     form: str
@@ -28,7 +29,7 @@ class Candidate(NamedTuple):
     gain: float = 0.0
     constant: float = 0.0
     further: tuple[Mode, ...] = ()
-    edge: float | None = None
+    edges: Edges = Edges()
 
     @property
     def words(self) -> str:
@@ -39,5 +40,6 @@ class Candidate(NamedTuple):
                  "shaken": "oscillator shaken by its base"}  # fmt: skip
         level = {"constant": "", "quasi-static": "", "no-spring": ", constant force"}.get(self.form, ", offset")
         modes = f", {1 + len(self.further)} modes" if self.further else ""
-        held = "" if self.edge is None else ", drive held"
+        held = "" if self.edges.first is None else ", drive held"
+        held += "" if self.edges.everywhere else " where it jumps"
         return names.get(self.form, self.form) + modes + (level if self.level else "") + held

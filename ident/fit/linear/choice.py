@@ -75,8 +75,7 @@ def choose_linear(
     **Arguments:** `told`: "auto", or the form that the campaign asks for; `modes`: how many an oscillator has, None if
     the records decide; `base`: whether it may stand on what the drive moves.
     """
-    free = [record.between == "auto" and record.driven for record in records]
-    stretches = with_edge([stretch_of(record) for record in records], free, None)
+    stretches = with_edge([stretch_of(record) for record in records], _free(records), None)
     driven = any(stretch.driven for stretch in stretches)
     level = driven and all(record.start != "rest" for record in records)
     off = driven and not level and begin_off_zero(records)
@@ -104,13 +103,13 @@ def choose_linear(
         return _weighed(stretches, [*found, *every(True, forced)])
 
     found, n = compared(stretches)
-    other = _held(records, stretches, free, found, n)
+    other = _held(records, stretches, found, n)
     if other is not None:
-        stretches = with_edge(stretches, free, other.edge)
+        edges = other.edges
+        stretches = with_edge(stretches, _free(records, edges.everywhere), edges.first)
         starts = {"oscillator": (other.first, other.second)} if other.form == "oscillator" else {}
         own, n = compared(stretches)
-        priced = int(other.edge != 0)
-        own = [c._replace(edge=other.edge, numbers=c.numbers + priced) for c in own if c.form in FORMS]
+        own = [c._replace(edges=edges, numbers=c.numbers + edges.numbers) for c in own if c.form in FORMS]
         found = sorted((c._replace(criterion=_plain(c, n)) for c in [*own, *found]), key=lambda c: c.criterion)
     if base and other is None and "base" in names:
         found = sorted([*found, *_on_base(records, stretches, found, n)], key=lambda c: c.criterion)
@@ -162,17 +161,29 @@ def _chosen(
     return chosen, more
 
 
+def _free(records: Sequence[Trace], everywhere: bool = True) -> list[bool]:
+    """Which records do not say what their drive is between its samples; not `everywhere`: where it jumps."""
+    return [r.between == "auto" and r.driven and (everywhere or jumps(r.drive)) for r in records]
+
+
 def _held(
-    records: Sequence[Trace], stretches: Sequence[Stretch], free: Sequence[bool], found: Sequence[Candidate], n: float
+    records: Sequence[Trace], stretches: Sequence[Stretch], found: Sequence[Candidate], n: float
 ) -> Candidate | None:
-    """The best candidate with drives that are held, if the records choose one; `free`: whose drives they may be."""
-    one = next((c for c in found if c.form in FORMS), None)
+    """The best candidate with drives that are held, if the records choose one."""
+    one, free = next((c for c in found if c.form in FORMS), None), _free(records)
     if one is None or not any(free) or one.left < _GREATER_PART * _least(records, stretches):
         return None
-    jumping = any(jumps(record.drive) for record, own in zip(records, free, strict=True) if own)
-    best = min([one, *held(stretches, one, free, jumping)], key=lambda c: _plain(c, n))
-    clear = jumping or best.left < one.left / _GREATER_PART
-    return best if best.edge is not None and clear else None
+    jumping = _free(records, everywhere=False)
+    among = held(stretches, one, free, any(jumping))
+    if any(jumping) and jumping != free:
+        among += [_only_jumps(c) for c in held(stretches, one, jumping, True)]
+    best = min([one, *among], key=lambda c: _plain(c, n))
+    clear = any(jumping) or best.left < one.left / _GREATER_PART
+    return best if best.edges.first is not None and clear else None
+
+
+def _only_jumps(one: Candidate) -> Candidate:
+    return one._replace(edges=one.edges._replace(everywhere=False))
 
 
 def _on_base(

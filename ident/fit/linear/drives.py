@@ -20,6 +20,7 @@ from scipy import optimize
 
 from ident.units import LENGTH, find_unit
 
+from ...campaign.held_drive import Edges
 from .candidate import Candidate
 from .forms import FORMS
 from .rows import Kind, fitted, solve
@@ -35,7 +36,7 @@ _STEPS = (0.01, 0.1, 0.2)  # first steps in ln of frequency and quality, or of a
 def held(stretches: Sequence[Stretch], one: Candidate, free: Sequence[bool], jumping: bool) -> list[Candidate]:
     """The candidate with drives that are held instead of smooth: edges on the samples, or best where they jump.
 
-    **Arguments:** `free`: which of the records do not say what their drive is between its samples.
+    **Arguments:** `free`: of which records the drive may be.
     """
     form = FORMS[one.form]
     kind, start = Kind(one.form, one.level, form), np.log(form.point(one.first, one.second))
@@ -59,13 +60,13 @@ def held(stretches: Sequence[Stretch], one: Candidate, free: Sequence[bool], jum
         _, x, edge = min(trials)
         point = form.told(np.exp(np.array(x[: len(start)])), stretches)
         there = fitted(with_edge(stretches, free, edge), kind, point)
-        return there._replace(edge=edge, numbers=there.numbers + (len(starts) > 1))
+        return there._replace(edges=Edges(edge), numbers=there.numbers + (len(starts) > 1))
 
     if not jumping:
         return [best([0.0])]
     found = best(_EDGES)
-    between = found.edge is not None and found.edge < _LATEST - _NEAR
-    return [best([0.0]), found] if between else []
+    edge = found.edges.first
+    return [best([0.0]), found] if edge is not None and edge < _LATEST - _NEAR else []
 
 
 def with_edge(stretches: Sequence[Stretch], free: Sequence[bool], edge: float | None) -> list[Stretch]:

@@ -49,10 +49,10 @@ def with_drives(campaign: Campaign) -> Campaign:
     there: smooth curves, or held values (`Trace.edge`)."""
     free = [r for r in campaign.traces if r.between == "auto" and r.driven]
     choice = linear_choice(campaign) if free else None
-    if choice is None or all(r.edge == choice.chosen.edge for r in free):
+    if choice is None or all(r.edge == choice.chosen.edges.of(r.drive) for r in free):
         return campaign
-    records = tuple(replace(r, edge=choice.chosen.edge) if r in free else r for r in campaign.records)
-    return replace(campaign, records=records)
+    records = (replace(r, edge=choice.chosen.edges.of(r.drive)) if r in free else r for r in campaign.records)
+    return replace(campaign, records=tuple(records))
 
 
 def _place(campaign: Campaign) -> str:

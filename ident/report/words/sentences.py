@@ -75,12 +75,14 @@ def _not_counted(fit: Fit) -> str:
 
 def _held(fit: Fit) -> str:
     """How the drive ran between its samples, where the records have told it to be no smooth curve."""
-    edges = {r.edge for r in fit.campaign.traces if r.between == "auto" and r.edge is not None}
+    free = [r.edge for r in fit.campaign.traces if r.between == "auto" and r.driven]
+    edges = [edge for edge in free if edge is not None]
     if not edges:
         return ""
     apart = max(edges, key=abs)
+    where = " in the records where it jumps" if None in free else ""
     when = "" if round(apart, 1) == 0 else f", and acts {abs(apart):.2g} samples {'late' if apart > 0 else 'early'}"
-    return f" The drive is held between its samples{when}: so the records ask, and the campaign does not say."
+    return f" The drive is held between its samples{where}{when}: so the records ask, and the campaign does not say."
 
 
 def _differing(fit: Fit) -> str:
