@@ -224,8 +224,8 @@ def march(
                 now, (first, middle, last) = system_of(numbers).at(block), stages(at)
                 rate, allowed = limits = limits_of(now, block.allowed)
                 missed = bend(now, parts, states, (first, middle, middle, last), block.step)
-                if equation.can_stick:
-                    missed = jnp.where(sticks(now, parts, y, last, block.step), 0.0, missed)
+                if equation.can_stick:  # of the states of a method that is not stable there nothing is told
+                    missed = jnp.where(sticks(now, parts, y, last, block.step), jnp.inf, missed)
                 divided = lambda: in_parts(y, dy, at, remembered, changes, limits)
                 after, dafter = lax.cond(missed > rate * allowed, divided, lambda: (after, dafter))
             return (after, dafter), (shown, y[0], y[1], dshown)

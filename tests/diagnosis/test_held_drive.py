@@ -15,7 +15,7 @@ from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.diagnosis.linearised.regression import prepare
 from ident.diagnosis.ranking.look import Look
-from ident.diagnosis.search.drive import other_drive
+from ident.diagnosis.search.drive import other_drive, with_edges
 from ident.fit import fit
 from ident.fit.linear.forms import FORMS
 from ident.fit.linear.start_model import start_model
@@ -38,7 +38,8 @@ def campaign_of(edge: float | None, **told: object) -> Campaign:
 
 def asked(campaign: Campaign) -> Campaign | None:
     found = fit(start_model(campaign), campaign)
-    return other_drive(found, prepare(found), lambda _: None)
+    way = other_drive(found, prepare(found), lambda _: None)
+    return None if way is None else with_edges(campaign, way)
 
 
 def look_at(promise: float, tried: Sequence[object] = ()) -> Look:

@@ -33,7 +33,7 @@ from .constant import with_its_constant
 from .drive import other_drive
 from .fewer_modes import without_a_mode, without_its_mode
 from .further_mode import with_its_mode
-from .once_more import begun_with, drive_beside, lower_start, with_other_starts
+from .once_more import begun_with, drive_beside, drive_in_place, lower_start, with_other_starts
 from .other_form import in_another_form, steps_in_another_form
 from .rivals import rivals_of
 from .steps import Ended, Step, Walked
@@ -105,6 +105,8 @@ def walk_on(
             if fewer is not None:
                 return walk_on(Walked(fewer), library, report, keep, revised=revised)
         keep(Walked(start, tuple(steps), gains))
+    if revised and (other := drive_in_place([step.added for step in steps], current, start, look)) is not None:
+        return once_more(begun_with(start, other))
     if revised and steps and (lower := lower_start(start, current, report)) is not None:
         return once_more(lower)
     asked = steps or not adequate(look.regression)

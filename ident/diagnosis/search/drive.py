@@ -37,8 +37,8 @@ _AGAIN = 4  # refits at most until an edge stays
 
 def other_drive(
     fitted: Fit, regression: Regression, report: Report, look: Look | None = None, instead_of: Regression | None = None
-) -> Campaign | None:
-    """The campaign of a fit with another drive between the samples, if the records clearly ask for it by now; what it
+) -> Edges | None:
+    """Other drives between the samples than those of a fit, if the records clearly ask for them by now; what a campaign
     says itself stays.
 
     **Arguments:** `regression`: of the fit; `look`: at it, for an effect that may be added, which the drive must
@@ -79,7 +79,7 @@ def other_drive(
     where = "" if way.everywhere else ", where it jumps,"
     held = "is a smooth curve" if way.first is None else f"is held{where} from {way.first:+.2g} samples"
     report(f"the drive {held} between its samples: once more, with such a drive")
-    return with_edges(fitted.campaign, way)
+    return way
 
 
 def with_edges(campaign: Campaign, way: Edges) -> Campaign:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...campaign.campaign import Campaign
+from ...campaign.held_drive import Edges
 from ...fit import Fit, fit
 from ...model import QUALITY
 from ...pulse import Report
@@ -16,13 +16,15 @@ from ..linearised.regression import prepare
 from ..linearised.shorten import CRAWLS, is_long, working
 from ..linearised.trajectory import Diverged
 from ..ranking.look import Look
-from .drive import other_drive
+from .change import try_without
+from .drive import other_drive, with_edges
 from .steps import Step
 
 
-def begun_with(start: Fit, campaign: Campaign) -> Fit:
+def begun_with(start: Fit, edges: Edges) -> Fit:
     """The first model on a campaign whose drives run otherwise between their samples; one that had rung only to follow
     a drive that came at another time is overdamped."""
+    campaign = with_edges(start.campaign, edges)
     again = fit(start.model, campaign, initial=start.values)
     if again.model.form != "oscillator" or "at-bound" not in again.estimates[QUALITY].flags:
         return again
@@ -61,10 +63,11 @@ def with_other_starts(one: Fit) -> Fit | None:
     return freed
 
 
-def drive_beside(more: list[Step], current: Fit, look: Look) -> Campaign | None:
-    """The campaign with another drive between the samples, if the records ask for it beside what was added, and no
-    effect promises more; beside the first of two, too, for the second may be its lag, where it explains no more than
-    that drive does. `look`: at the fit with them."""
+def drive_beside(more: list[Step], current: Fit, look: Look) -> Edges | None:
+    """Another drive between the samples, if the records ask for it beside what was added, and no effect promises more;
+    beside the first of two, too, for the second may be its lag, where it explains no more than that drive does.
+
+    `look`: at the fit with them."""
     if len(more) > 1:
         first = more[0].fit
         try:
@@ -74,3 +77,23 @@ def drive_beside(more: list[Step], current: Fit, look: Look) -> Campaign | None:
         if other is not None:
             return other
     return other_drive(current, look.regression, look.report, look)
+
+
+def drive_in_place(names: list[str], current: Fit, first: Fit, look: Look) -> Edges | None:
+    """Another drive between the samples, if with it one of the effects has nothing more to say: beside a law that is
+    missing a smooth drive may be taken for one that is held, and half a sample of lag makes that good later.
+
+    `first`: the fit before any was added; `look`: at the fit with them all.
+    """
+    last = working(current)
+    for name in names:
+        if current.model.carries(name):
+            continue
+        try:
+            without = try_without(last, name, first)
+            other = other_drive(without, prepare(without), look.report, instead_of=look.regression)
+        except Diverged:  # without it the motion has no bound
+            continue
+        if other is not None:
+            return other
+    return None
