@@ -1,4 +1,4 @@
-"""Twelve things that go wrong with one record of a campaign, done to a case of the hidden-effect generator.
+"""Thirteen things that go wrong with one record of a campaign, done to a case of the hidden-effect generator.
 
 What a fault needs beyond the measured samples (a later start, another device) is simulated again by the generator.
 """
@@ -9,18 +9,20 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from experiments.hidden_effects.generator import Case, Device, Made, Plan, hidden_in, respond
 
 FAULTS = (
     "late", "early", "gain", "inverted", "time-scale", "load",
-    "device", "drift", "clipped", "spikes", "dropped", "twice",
+    "device", "drift", "clipped", "spikes", "dropped", "twice", "own-clock",
 )  # fmt: skip
 
 EXPECTED = {
     "late": ("delay",), "early": ("delay",), "gain": ("gain",), "inverted": ("sign",), "time-scale": ("time-scale",),
     "load": ("wrong-record", "time-scale"), "device": ("wrong-record", "time-scale"), "drift": ("drift",),
     "clipped": ("clipping",), "spikes": ("spikes",), "dropped": ("delay",), "twice": ("duplicate",),
+    "own-clock": ("time-scale",),
 }  # fmt: skip
 """Kinds of suspect that name the fault; a resonance that is off is a time scale as well, but for the drive."""
 
@@ -116,7 +118,21 @@ def _dropped(case: Case, k: int, rng: np.random.Generator) -> Made:
     return replace(made, response=np.concatenate([longer[:at], longer[at + lost :]]))
 
 
+def _own_clock(case: Case, k: int, rng: np.random.Generator) -> Made:
+    """The response was taken by another instrument, whose clock runs faster than that of the drive."""
+    made, scale = case.records[k], 1.0 + float(rng.uniform(1e-3, 1.9e-3))
+    n = len(made.response)
+    clean = CubicSpline(np.arange(n + 8), _again(replace(case, records=_silent(case)), k, rng, 8))
+    response = clean(scale * np.arange(n)) + made.sigma * rng.standard_normal(n)
+    return replace(made, response=response)
+
+
+def _silent(case: Case) -> list[Made]:
+    return [replace(made, sigma=0.0) for made in case.records]
+
+
 _DO: dict[str, Callable[[Case, int, np.random.Generator], Made]] = {
     "late": _late, "early": _early, "gain": _gain, "inverted": _inverted, "time-scale": _time_scale, "load": _load,
     "device": _device, "drift": _drift, "clipped": _clipped, "spikes": _spikes, "dropped": _dropped,
+    "own-clock": _own_clock,
 }  # fmt: skip

@@ -25,7 +25,7 @@ from ...fit.linear.guess import GRID_STEP, DataScales, coarse_frequency
 from ...fit.reading import read
 from ...model import FREQUENCY, Model
 from ..side_by_side import at_once
-from .nuisance import Nuisance, best_scale, nuisances, rms, stretched
+from .nuisance import OWN_CLOCK, Nuisance, best_scale, nuisances, rms, stretched
 
 _SCALES = (0.5, 2.0, 0.1, 10.0, 0.9, 1.1, 0.95, 1.05, 0.98, 1.02, 0.99, 1.01)  # of time, tried first
 _DELAYS = (-10, -6, -4, -2.5, -1.5, -0.7, 0, 0.7, 1.5, 2.5, 4, 6, 10)  # samples that all records may be late
@@ -266,7 +266,7 @@ def explanations(
 
 def _anew(model: Model, values: np.ndarray, record: Trace, told: Nuisance) -> Nuisance:
     """The same explanation of a record, its number by what the model says now."""
-    if told.kind == "time-scale":
+    if told.kind == "time-scale" and told.unit != OWN_CLOCK:
         return _time_scale(model, values, record, (told.size,))
     reading = read(model, values, [record], compared=True)[0]
     if told.kind == "wrong-record" or not np.all(np.isfinite(reading)):

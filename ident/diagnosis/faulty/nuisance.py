@@ -6,6 +6,7 @@ record as it should have been read is made of it, so that a fit can say what all
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -19,8 +20,11 @@ from ...campaign.quality.suspect import Kind
 from ...campaign.record import Trace
 
 DROPPED = "samples from some sample on"
+OWN_CLOCK = "of the drive's clock"
+_APART = 0.002  # of two clocks: one of a computer is a ten-thousandth wrong, a rate that was rounded ten times as much
 _DIPS = 4  # of the mismatch over delays, the deepest
 _SAME = 1.02  # of an error: within that two numbers of lost samples say the same
+_OF_A_SAMPLE = 0.01  # to which it is told by how much a clock has run away by the end
 _NEAR = 0.05  # of a time scale, around which a better one is looked for
 _SHARP = 1e-6  # of a time scale: after a thousand periods the phase is then right to a hundredth of a radian
 
@@ -44,7 +48,7 @@ def rms(misfit: np.ndarray, sigma: float) -> float:
 def nuisances(record: Trace, predicted: np.ndarray) -> list[Nuisance]:
     """Every explanation of a record by one number, best first."""
     found = [_gain(record, predicted), _drift(record, predicted)]
-    found += [_delay(record, predicted)] if record.driven else []  # a decay has nothing to come late to
+    found += [_delay(record, predicted), _own_clock(record, predicted)] if record.driven else []
     return sorted([*found, _dropped(record, predicted)], key=lambda one: one.error)
 
 
@@ -111,6 +115,36 @@ def _lost(record: Trace, predicted: np.ndarray, lost: int) -> Nuisance:
     if not 0 < begin < kept:
         return Nuisance("delay", -float(lost), DROPPED, np.inf)
     return Nuisance("delay", -float(lost), DROPPED, error / record.noise.sigma, in_time(record, -float(lost), begin))
+
+
+def _own_clock(record: Trace, predicted: np.ndarray) -> Nuisance:
+    """The response was taken by another clock than the drive, which runs r times as fast: it comes ever earlier."""
+    index, n = np.arange(len(predicted), dtype=float), len(predicted)
+    curve, measured, sigma = CubicSpline(index, predicted), record.response, record.noise.sigma
+
+    def error(scale: float) -> float:
+        counted = record.counted & (index * scale <= n - 1)
+        return rms(measured[counted] - curve(index[counted] * scale), sigma)
+
+    most = math.ceil(_APART * n)
+    begin = min((1 + samples / n for samples in range(-most, most + 1)), key=error)
+    best: Any = minimize_scalar(error, bounds=(begin - 1 / n, begin + 1 / n), method="bounded",
+                                options={"xatol": _OF_A_SAMPLE / n})  # fmt: skip
+    scale = float(best.x)
+    return Nuisance("time-scale", scale, OWN_CLOCK, float(best.fun), _by_the_other_clock(record, scale))
+
+
+def _by_the_other_clock(record: Trace, scale: float) -> Trace:
+    """The record with the drive as it was when the response was taken; of one with edges, whose places no curve keeps,
+    the response as it was at the times of the drive."""
+    index, smooth = np.arange(len(record.time), dtype=float), record.edge is None
+    at = index * scale if smooth else index / scale
+    known = record.counted & (at <= index[-1])
+    resampled = CubicSpline(index, record.drive if smooth else record.response)(np.minimum(at, index[-1]))
+    seen = replace(record, masked=None if np.all(known) else ~known)
+    if not smooth:
+        return replace(seen, response=resampled)
+    return replace(stretched(seen, scale), drive=resampled, period=record.period and record.period / scale)
 
 
 def _drift(record: Trace, predicted: np.ndarray) -> Nuisance:

@@ -41,7 +41,7 @@ from .faults import (
     reach,
     told_by_others,
 )
-from .nuisance import DROPPED, Nuisance, rms
+from .nuisance import DROPPED, OWN_CLOCK, Nuisance, rms
 
 BY_OTHERS = ("delay", "gain", "sign", "time-scale", "wrong-record")
 """Kinds of suspects that only other records tell. An effect may be mistaken for them: beside one no name is sure."""
@@ -308,7 +308,7 @@ def _beyond_an_effect(fault: Fault, fitted: Fit) -> bool:
 
 def _beyond_its_width(told: Nuisance, values: np.ndarray) -> bool:
     half_width = 0.5 / max(float(values[QUALITY]), 1.0)
-    if told.kind == "time-scale":
+    if told.kind == "time-scale" and told.unit != OWN_CLOCK:
         return abs(told.size - 1) > half_width
     return told.unit != OF_FREQUENCY or abs(told.size) > 100 * half_width
 
@@ -334,6 +334,8 @@ def _held_out(traces: Sequence[Trace], known: _Explained, i: int) -> Suspect | N
 def words_of(one: Nuisance, traces: Sequence[Trace]) -> str:
     """What is wrong with a record."""
     size = f"{one.size:.4g}" if one.kind == "time-scale" else f"{one.size:.3g}"
+    if one.unit == OWN_CLOCK:
+        return f"its response was taken by a clock that runs {one.size:.6g} times as fast as that of its drive"
     if one.unit == DROPPED:
         return f"samples are missing: towards its end the response comes {abs(one.size):.3g} samples too early"
     if one.kind == "wrong-record":

@@ -105,7 +105,8 @@ def walk_on(
             if fewer is not None:
                 return walk_on(Walked(fewer), library, report, keep, revised=revised)
         keep(Walked(start, tuple(steps), gains))
-    if revised and (other := drive_in_place([step.added for step in steps], current, start, look)) is not None:
+    names = [step.added for step in steps]
+    if revised and (other := drive_in_place(names, current, start, look.regression, report)) is not None:
         return once_more(begun_with(start, other))
     if revised and steps and (lower := lower_start(start, current, report)) is not None:
         return once_more(lower)
@@ -116,7 +117,7 @@ def walk_on(
         and (fewer := without_a_mode(start, current, library, first, report)) is not None
     ):
         return walk_on(Walked(fewer), library, report, keep, revised=revised)
-    return Ended(Walked(start, tuple(steps), gains), look, at_best, ranking)
+    return Ended(Walked(start, tuple(steps), gains), look, at_best, ranking, once_more if revised else None)
 
 
 def _with_its_mode(current: Fit, regression: Regression, look: Look) -> tuple[Fit, Regression]:
