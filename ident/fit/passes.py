@@ -112,7 +112,7 @@ class Passes:
         """The state in which a pass begins, (s,), and its derivatives (d, s)."""
         lane, n = prelude.lanes[0], 2 + len(equation.history_units)
         omega, level = float(lane.omega), complex(lane.voltage[0], -lane.rate[0] / lane.omega)
-        mass, force = equation.constants
+        mass, (_, force) = equation.model.mass_of(values), equation.constants
         stiffness, damping = equation.model.spring_and_damper(values[FREQUENCY], values[QUALITY], mass)
         answer = values[GAIN] * force * level / (stiffness - (mass + lane.load) * omega**2 + 1j * omega * damping)
         size = max(abs(answer), 1e-300)

@@ -10,6 +10,7 @@ from .build import open_words as open_words  # noqa: E402
 from .build import told_of as told_of  # noqa: E402
 from .linear import FREQUENCY as FREQUENCY  # noqa: E402
 from .linear import GAIN as GAIN  # noqa: E402
+from .linear import MASS as MASS  # noqa: E402
 from .linear import QUALITY as QUALITY  # noqa: E402
 from .linear import LinearPart as LinearPart  # noqa: E402
 from .linear import linear_part as linear_part  # noqa: E402

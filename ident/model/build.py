@@ -11,7 +11,17 @@ from ..effects.effect import AbstractEffect
 from ..effects.registry import Registry, find, registry
 from ..errors import UserError
 from .model import Model
-from .settings import LISTS, check_priors, check_settings, check_starts, check_units, listed, parameter_names, place_of
+from .settings import (
+    LISTS,
+    check_priors,
+    check_settings,
+    check_starts,
+    check_units,
+    is_weighed,
+    listed,
+    parameter_names,
+    place_of,
+)
 
 
 def build_model(campaign: Campaign, effects: Sequence[str] | None = None) -> Model:
@@ -39,7 +49,7 @@ def build_model(campaign: Campaign, effects: Sequence[str] | None = None) -> Mod
     except UserError as error:
         raise UserError(error.what, where=error.where or where, do=error.do) from None
     start, held, freed = told_of(campaign, known)
-    model = replace(model, start=start, held=held, freed=freed)
+    model = replace(model, start=start, held=held, freed=freed, weighed=is_weighed(campaign))
     check_starts(campaign, model)
     return model
 

@@ -11,7 +11,7 @@ from ..effects.dependence import told_in_reading
 from ..effects.effect import AbstractEffect
 from ..errors import UserError
 from ..units import in_reading
-from .linear import LinearPart, linear_part
+from .linear import MASS, LinearPart, linear_part
 from .parameters import ModelParameter
 
 COARSE = 40
@@ -44,6 +44,7 @@ class Model:
       oscillator whose spring and damper stand on what the drive moves; "shaken", one whose drive is the acceleration of
       its base, and whose accelerometer rides on the body;
       "quasi-static", an oscillator so far above the drive's band that its inertia does nothing there, both held.
+    - `weighed`: whether the mass is a parameter, too, as where records with another load tell it.
     """
 
     device: Device
@@ -53,6 +54,7 @@ class Model:
     freed: frozenset[str] = frozenset()
     undetermined: frozenset[str] = frozenset()
     form: str = "oscillator"
+    weighed: bool = False
 
     def __post_init__(self) -> None:
         for effect in self.effects:
@@ -111,7 +113,7 @@ class Model:
     @property
     def key(self) -> tuple[Any, ...]:
         """What decides the compiled code."""
-        return (self.kind, tuple(effect.key for effect in self.effects))
+        return (self.kind, self.weighed, tuple(effect.key for effect in self.effects))
 
     @property
     def kind(self) -> str:
@@ -120,7 +122,8 @@ class Model:
 
     @property
     def parameters(self) -> tuple[ModelParameter, ...]:
-        """Every parameter of the model: frequency (Hz), quality factor and drive gain first, then effect by effect."""
+        """Every parameter of the model: frequency (Hz), quality factor and drive gain first, the mass (kg) where it is
+        weighed, then effect by effect."""
         linear = self.linear
         own = [
             *self._times(),
@@ -128,6 +131,9 @@ class Model:
                            1e-12, False, kind="linear", expected=linear.expected_gain,
                            doc=_GAINS.get(self.form, "drive gain")),
         ]  # fmt: skip
+        if self.weighed:
+            own.append(ModelParameter(f"{linear.prefix}.mass", "kg", linear.mass, True, kind="linear",
+                                      expected=linear.expected_mass, doc="mass of the stage"))  # fmt: skip
         for effect in self.effects:
             own += [
                 ModelParameter(f"{effect.name}.{p.name}", p.unit, p.default, p.positive, p.fitted, p.kind,
@@ -170,6 +176,10 @@ class Model:
                            doc="quality factor"),
         )  # fmt: skip
 
+    def mass_of(self, values: Any) -> Any:
+        """Mass of the linear part, kg, at values (m,) SI of the parameters."""
+        return values[MASS] if self.weighed else self.linear.mass
+
     def spring_and_damper(self, first: Any, second: Any, mass: Any) -> tuple[Any, Any]:
         """Stiffness (N/m) and damping (N s/m) of the linear part from its first two parameters and its mass, kg."""
         if self.form == "no-spring":
@@ -196,7 +206,7 @@ class Model:
 
     def bind(self, values: Any) -> tuple[tuple[Any, Any, Any], tuple[AbstractEffect, ...]]:
         """Split a parameter vector into (frequency, quality, gain) and the effects carrying their own values."""
-        linear, rest, bound = tuple(values[:3]), 3, []
+        linear, rest, bound = tuple(values[:3]), 4 if self.weighed else 3, []
         for effect in self.effects:
             names = [p.name for p in effect.parameters]
             bound.append(effect.with_values(**{n: values[rest + i] for i, n in enumerate(names)}))

@@ -37,9 +37,15 @@ def _one_of(name: str, names: Iterable[str]) -> str:
     return nearest(name, names, f"it has: {', '.join(names) or 'none'}")
 
 
+def is_weighed(campaign: Campaign) -> bool:
+    """Whether the fitted records of a platform have different loads, and so tell its mass."""
+    loads = {record.load for record in (*campaign.fitted, *campaign.fitted_sweeps)}
+    return isinstance(campaign.device, Platform) and len(loads) > 1
+
+
 def _linear_names(campaign: Campaign) -> tuple[str, tuple[str, ...]]:
     linear = linear_part(campaign.device)
-    return linear.prefix, ("frequency", "quality", linear.gain_name)
+    return linear.prefix, ("frequency", "quality", linear.gain_name, *(("mass",) if is_weighed(campaign) else ()))
 
 
 def parameter_names(campaign: Campaign, known: Registry, owner: str) -> tuple[str, ...] | None:
@@ -120,8 +126,9 @@ def check_units(campaign: Campaign, known: Registry) -> None:
         return
     document = read_document(campaign.path, campaign.path.name)
     parameters = {f"{effect.name}.{p.name}": p.unit for effect in known.values() for p in effect.parameters}
-    prefix, (frequency, _, gain) = _linear_names(campaign)
-    parameters |= {f"{prefix}.{frequency}": "Hz", f"{prefix}.{gain}": linear_part(campaign.device).gain_unit}
+    linear = linear_part(campaign.device)
+    units = {"frequency": "Hz", linear.gain_name: linear.gain_unit, "mass": "kg"}
+    parameters |= {f"{linear.prefix}.{name}": unit for name, unit in units.items()}
     for owner, settings in campaign.settings.items():
         for key in settings:
             text, full = document.values["effect"][owner][key], f"{owner}.{key}"

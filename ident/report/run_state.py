@@ -48,6 +48,7 @@ def state(fit: Fit) -> dict[str, Any]:
         "freed": sorted(model.freed),
         "undetermined": sorted(model.undetermined),
         "form": model.form,
+        "weighed": model.weighed,
         "starts": [list(start) for start in fit.starts],
         "substeps": [span.substeps for span in fit.solved.data.tape.spans],
         # An estimate, and with sigma = "fitted" a result: another version might find another.
@@ -94,7 +95,7 @@ def _model(document: dict[str, Any], campaign: Campaign, folder: Path) -> tuple[
     effects = tuple(find(name, known)(campaign.device, kept["settings"].get(name)) for name in names)
     start, held, freed = _told(kept, campaign, known, {*names, linear_part(campaign.device).prefix})
     model = Model(campaign.device, effects, start, held, freed, frozenset(kept.get("undetermined", ())),
-                  kept.get("form", "oscillator"))  # fmt: skip
+                  kept.get("form", "oscillator"), kept.get("weighed", False))  # fmt: skip
     missing = [p.name for p in model.parameters if p.name not in kept["values"]]
     if missing:
         what = f"the run knows nothing of {missing[0]}, which its effect has today"

@@ -322,7 +322,7 @@ def _corrected(
 def _linear(model: Periodic, levels: np.ndarray, loads: np.ndarray, frequency: np.ndarray) -> np.ndarray:
     """What the linear part alone would do, as unknowns (points, n + 2)."""
     linear, omega = model.equation.model, 2 * np.pi * frequency
-    mass, force = model.equation.constants
+    mass, (_, force) = linear.mass_of(model.values), model.equation.constants
     stiffness, damping = linear.spring_and_damper(model.values[0], model.values[1], mass)
     answer = model.values[2] * force * levels / (stiffness - (mass + loads) * omega**2 + 1j * omega * damping)
     hidden = np.zeros((len(levels), model.size - 2))

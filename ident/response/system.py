@@ -44,11 +44,11 @@ class Equation:
     def fingerprint(self) -> str | None:
         """The same for other processes; None if an effect has no file that could tell whether it changed."""
         told = [effect.fingerprint for effect in self.model.effects]
-        return None if None in told else repr((self.model.kind, told))
+        return None if None in told else repr((self.model.kind, self.model.weighed, told))
 
     @cached_property
     def constants(self) -> np.ndarray:
-        """Mass, kg, and force per unit of the gain, N/V."""
+        """Mass, kg, where it is no parameter, and force per unit of the gain, N/V."""
         return np.array([self.model.linear.mass, self.model.linear.force_per_gain])
 
     @cached_property
@@ -210,12 +210,13 @@ class System(NamedTuple):
 def assemble(equation: Equation, constants: Numbers, values: Numbers) -> System:
     """Bind parameter values, (m,) SI, to the equation of motion; `constants` as the equation's own."""
     (frequency, quality, gain), effects = equation.model.bind(values)
-    stiffness, damping = equation.model.spring_and_damper(frequency, quality, constants[0])
+    mass = equation.model.mass_of(values) if equation.model.weighed else constants[0]
+    stiffness, damping = equation.model.spring_and_damper(frequency, quality, mass)
     if equation.model.form == "base":
-        return System(effects, constants[0], damping, stiffness, stiffness * gain, base=gain)
+        return System(effects, mass, damping, stiffness, stiffness * gain, base=gain)
     riding = equation.model.form == "shaken"
     force = constants[1] * gain
-    return System(effects, constants[0], damping, stiffness, -force if riding else force, riding=riding)
+    return System(effects, mass, damping, stiffness, -force if riding else force, riding=riding)
 
 
 def slices(equation: Equation) -> tuple[slice | None, ...]:

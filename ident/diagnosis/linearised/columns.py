@@ -278,7 +278,7 @@ def linearised(
 
 
 def _linear(equation: Equation, values: np.ndarray, chunk: Chunk) -> tuple[np.ndarray, ...]:
-    mass = equation.constants[0]
+    mass = float(equation.model.mass_of(values))
     stiffness, damping = equation.model.spring_and_damper(float(values[FREQUENCY]), float(values[QUALITY]), mass)
     whole = mass + np.asarray(chunk.load)
     share, nothing = np.ones((BLOCKS, 2 * BLOCK + 1)) / whole[:, None], np.zeros((BLOCKS, BLOCK))
@@ -313,7 +313,7 @@ def slopes(
 
     force = _at_points(by_state(_force), system, moved, paths, chunk, 1)
     shown = _at_points(by_state(_shown), system, seen, paths, chunk, 2)
-    mass = constants[0] + chunk.load
+    mass = system.mass + chunk.load
     stiffness, damping = (-slope / mass[:, None] for slope in force)
     return (carry, mass, stiffness, damping, *_of_motion(chunk.order, stiffness, damping, *shown))
 

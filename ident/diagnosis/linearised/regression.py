@@ -160,7 +160,7 @@ class Regression:
         for i, p in enumerate(model.parameters):
             if p.kind == "shape":
                 found[i] = values[i] + np.clip(whole[i], -_FARTHEST * abs(values[i]), _FARTHEST * abs(values[i]))
-        mass = model.linear.mass
+        mass = float(model.mass_of(values))
         moved = values + 1j * _TINY * whole
         ahead = model.spring_and_damper(moved[FREQUENCY], moved[QUALITY], mass)  # and their slopes
         spring, damper = (max(x.real + x.imag / _TINY, _LEAST * x.real) for x in ahead)

@@ -225,7 +225,7 @@ def is_possible(model: Model, values: np.ndarray, effect: AbstractEffect, scales
             share = own[f"{effect.name}.{p.name}"] / getattr(scales, p.scale)
             if not p.limits[0] <= share <= p.limits[1]:
                 return False
-    spring, damper = model.spring_and_damper(values[FREQUENCY], values[QUALITY], model.linear.mass)
+    spring, damper = model.spring_and_damper(values[FREQUENCY], values[QUALITY], model.mass_of(values))
     there = effect.with_values(**{p.name: own[f"{effect.name}.{p.name}"] for p in effect.parameters})
     if not there.can_be(float(spring), float(damper)):
         return False

@@ -39,7 +39,7 @@ def split_starts(regression: Regression, model: Model, base: np.ndarray) -> list
     axes = [(0.0,) if p.kind == "amplitude" else [g * getattr(scales, p.scale) for g in p.grid] for p in declared]
     points = np.array([np.concatenate([base, point]) for point in itertools.product(*axes)])
     taken_by = len(base) + size
-    mass = model.linear.mass
+    mass = model.mass_of(base)
     stiffness, damping = model.spring_and_damper(base[FREQUENCY], base[QUALITY], mass)
     if not stiffness > 0:
         return []

@@ -25,7 +25,6 @@ from ..ranking.look import Look
 from ..ranking.score import score, significant
 from .change import to_its_end, try_without
 from .lacking import lacking, leaves_no_structure, says_more_than_shapes
-from .once_more import begun_with, drive_in_place
 from .parts import Parts
 from .prune import Pruned, prune
 from .rivals import rivals_of
@@ -47,7 +46,7 @@ def concluded_or_sharper(ended: Ended) -> Discovery | Campaign:
 def concluded(ended: Ended) -> Discovery:
     """What stays of a walk: steps that held-out records refute or later ones make superfluous are taken back, and each
     is asked anew what it could be mistaken for."""
-    walked, look, at_best, ranking, again = ended
+    walked, look, at_best, ranking = ended
     start, first, library, report = walked.start, look.first, look.library, look.report
     regression, candidates = look.regression, look.candidates
     steps = _without_refuted(start, list(walked.steps), regression)
@@ -58,10 +57,6 @@ def concluded(ended: Ended) -> Discovery:
         needed = prune(steps[-1].fit, [s.added for s in steps], library, first, report, weighed)
         alike, even = needed.alike, needed.even
         if needed.names != tuple(s.added for s in steps):
-            left = prepare(working(needed.fit))
-            other = drive_in_place(needed.names, needed.fit, start, left, report) if again else None
-            if again and other is not None:
-                return concluded(again(begun_with(start, other)))
             steps = _replayed(start, needed, Look(at_best, at_best, library, report), walked.gains)
             if steps:  # the laws before the last one have changed
                 steps = _without_refuted(start, steps, prepare(working(steps[-1].fit)))

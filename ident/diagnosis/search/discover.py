@@ -18,7 +18,7 @@ from ...fit import Fit
 from ...fit.start_score import taken_by_starts
 from ...pulse import Report
 from ..evidence.coloured_noise import behind_in_colour
-from ..evidence.criterion import VERY_STRONG, behind, criteria
+from ..evidence.criterion import VERY_STRONG, Left, behind, clearly_better, criteria
 from ..evidence.enough import Role, adequate, laws_differ_by, not_worth_adding, role_of
 from ..evidence.family import is_that_member
 from ..evidence.held_out import hurts
@@ -30,10 +30,10 @@ from ..ranking.look import Look, best_drop, first_look
 from ..ranking.score import kept_more_than_chance
 from ..side_by_side import at_once
 from .constant import with_its_constant
-from .drive import other_drive
+from .drive import other_drive, smooth_instead
 from .fewer_modes import without_a_mode, without_its_mode
 from .further_mode import with_its_mode
-from .once_more import begun_with, drive_beside, drive_in_place, lower_start, with_other_starts
+from .once_more import begun_with, drive_beside, lower_start, with_other_starts
 from .other_form import in_another_form, steps_in_another_form
 from .rivals import rivals_of
 from .steps import Ended, Step, Walked
@@ -54,10 +54,31 @@ def walk_on(
     report: Report = lambda _: None,
     keep: Keep = lambda _: None,
     look: Look | None = None,
+) -> Ended:
+    """The loop from a fit, or from where it was stopped; `look`: at the first fit, if somebody had one already.
+
+    A drive that is held comes half a sample late. Where no jump of it, but only what was missing, has told that it is,
+    a lag may stand in its place, or what was missing may have had one: the loop is gone with a smooth drive, too.
+    """
+    ended = _walk(walked, library, report, keep, look)
+    smooth = smooth_instead(ended.walked.start.campaign)
+    if smooth is None or not ended.walked.steps:
+        return ended
+    report("a drive that is smooth between its samples: once more, to compare")
+    other = _walk(Walked(begun_with(ended.walked.start, smooth)), library, report, revised=0)
+    one, two = (Left(end.look.regression.residual, end.look.regression.numbers) for end in (ended, other))
+    return other if clearly_better(two, one) else ended
+
+
+def _walk(
+    walked: Walked,
+    library: Registry,
+    report: Report,
+    keep: Keep = lambda _: None,
+    look: Look | None = None,
     revised: int = _DRIVES,
 ) -> Ended:
-    """The loop from a fit, or from where it was stopped; `look`: at the first fit, if somebody had one already;
-    `revised`: how often it may still begin again with another drive between the samples."""
+    """`revised`: how often it may still begin again with another drive between the samples."""
     start = walked.start
     look = look or first_look(start, library, report)
     at_best, gains = look.regression, dict(walked.gains)
@@ -66,7 +87,7 @@ def walk_on(
     first = look.first
 
     def once_more(start: Fit) -> Ended:
-        return walk_on(Walked(start), library, report, keep, revised=revised - 1)
+        return _walk(Walked(start), library, report, keep, revised=revised - 1)
 
     asked = revised and not steps and look.worth_it and look.real
     if asked and (other := other_drive(start, look.regression, report, look)) is not None:
@@ -103,11 +124,8 @@ def walk_on(
         if len(steps) == len(more):
             questioned, fewer = current, without_a_mode(start, current, library, first, report)
             if fewer is not None:
-                return walk_on(Walked(fewer), library, report, keep, revised=revised)
+                return _walk(Walked(fewer), library, report, keep, revised=revised)
         keep(Walked(start, tuple(steps), gains))
-    names = [step.added for step in steps]
-    if revised and (other := drive_in_place(names, current, start, look.regression, report)) is not None:
-        return once_more(begun_with(start, other))
     if revised and steps and (lower := lower_start(start, current, report)) is not None:
         return once_more(lower)
     asked = steps or not adequate(look.regression)
@@ -116,8 +134,8 @@ def walk_on(
         and current is not questioned
         and (fewer := without_a_mode(start, current, library, first, report)) is not None
     ):
-        return walk_on(Walked(fewer), library, report, keep, revised=revised)
-    return Ended(Walked(start, tuple(steps), gains), look, at_best, ranking, once_more if revised else None)
+        return _walk(Walked(fewer), library, report, keep, revised=revised)
+    return Ended(Walked(start, tuple(steps), gains), look, at_best, ranking)
 
 
 def _with_its_mode(current: Fit, regression: Regression, look: Look) -> tuple[Fit, Regression]:

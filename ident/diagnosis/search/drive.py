@@ -88,6 +88,15 @@ def with_edges(campaign: Campaign, way: Edges) -> Campaign:
     return replace(campaign, records=tuple(records))
 
 
+def smooth_instead(campaign: Campaign) -> Edges | None:
+    """A drive that is held only where it jumps, if it is taken for one that is held everywhere, and no campaign says
+    so."""
+    records = [record for record in campaign.fitted if _may_be_otherwise(record)]
+    now = _edges_of(records)
+    held = now.first is not None and now.everywhere and not all(jumps(record.drive) for record in records)
+    return now._replace(everywhere=False) if held else None
+
+
 def _edges_of(records: Sequence[Trace]) -> Edges:
     """What the drives of records are taken for."""
     edges = [record.edge for record in records]

@@ -3,7 +3,6 @@ minimum of its first model."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,11 +12,10 @@ from ...fit import Fit, fit
 from ...model import QUALITY
 from ...pulse import Report
 from ..evidence.criterion import clearly_better
-from ..linearised.regression import Regression, prepare
+from ..linearised.regression import prepare
 from ..linearised.shorten import CRAWLS, is_long, working
 from ..linearised.trajectory import Diverged
 from ..ranking.look import Look
-from .change import try_without
 from .drive import other_drive, with_edges
 from .steps import Step
 
@@ -78,25 +76,3 @@ def drive_beside(more: list[Step], current: Fit, look: Look) -> Edges | None:
         if other is not None:
             return other
     return other_drive(current, look.regression, look.report, look)
-
-
-def drive_in_place(
-    names: Sequence[str], current: Fit, first: Fit, regression: Regression, report: Report
-) -> Edges | None:
-    """Another drive between the samples, if with it one of the effects has nothing more to say: beside a law that is
-    missing a smooth drive may be taken for one that is held, and half a sample of lag makes that good later.
-
-    `first`: the fit before any was added; `regression`: of the fit with them all.
-    """
-    last = working(current)
-    for name in names:
-        if current.model.carries(name):
-            continue
-        try:
-            without = try_without(last, name, first)
-            other = other_drive(without, prepare(without), report, instead_of=regression)
-        except Diverged:  # without it the motion has no bound
-            continue
-        if other is not None:
-            return other
-    return None

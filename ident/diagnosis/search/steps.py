@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal, NamedTuple
@@ -82,12 +82,10 @@ class Discovery:
 class Ended(NamedTuple):
     """A walk that adds nothing more, unquestioned.
 
-    **Arguments:** `look`: at its last fit; `at_best`: where it began, with the `ranking` there; `again`: another one
-    from another first fit, None if that has been done often enough.
+    **Arguments:** `look`: at its last fit; `at_best`: where it began, with the `ranking` there.
     """
 
     walked: Walked
     look: Look
     at_best: Regression
     ranking: tuple[Candidate, ...]
-    again: Callable[[Fit], Ended] | None = None

@@ -237,5 +237,5 @@ def _possible(regression: Regression, stage: Stage, formula: Formula) -> bool:
     known = rows_of(regression, stage, "force", linear)
     change = np.linalg.lstsq(known.T, regression.left - by_terms, rcond=1e-10)[0][1] * stage.force_unit / velocity
     model, values = regression.fit.model, regression.fit.values
-    _, damping = model.spring_and_damper(float(values[FREQUENCY]), float(values[QUALITY]), model.linear.mass)
+    _, damping = model.spring_and_damper(float(values[FREQUENCY]), float(values[QUALITY]), model.mass_of(values))
     return damping - change > 0.0
