@@ -90,7 +90,7 @@ def start_state(campaign: Campaign, model: Model) -> State:
     """A model where its fit to a campaign would start."""
     if not campaign.traces:
         raise UserError("the campaign has no traces", do="a forward model needs the drive of a trace")
-    guess = guess_linear(campaign.traces, model.linear.nominal_frequency)
+    guess = guess_linear(campaign.traces, model.linear.nominal_frequency, mass=model.linear.mass)
     return model, campaign, base_values(model, guess, data_scales(campaign.traces, guess.frequency))
 
 

@@ -26,7 +26,7 @@ def first_guess(model: Model, campaign: Campaign) -> LinearGuess:
     held = None if quality.fitted else quality.value
     if not campaign.fitted:
         return guess_curves(campaign.fitted_sweeps, held)
-    return guess_linear(campaign.fitted, model.linear.nominal_frequency, held)
+    return guess_linear(campaign.fitted, model.linear.nominal_frequency, held, model.linear.mass)
 
 
 def scales_of(campaign: Campaign, frequency: float) -> DataScales:

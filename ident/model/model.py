@@ -21,6 +21,7 @@ ten times as stiff as the suspension lasts six of them."""
 ABOVE_THE_DRIVE = 15.0
 """Times the drive's band lies the resonance that stands for none in a quasi-static model: there inertia changes the
 answer by 1/15², and at a quality of as much damping shifts it by less."""
+_OTHER_STAGE = 3.0  # times as heavy or as light: no stage of the given geometry
 _LEAST_QUALITY = {"oscillator": 0.5, "overdamped": 1e-4, "base": 1e-2, "shaken": 1e-2}
 
 _GAINS = {
@@ -133,6 +134,7 @@ class Model:
         ]  # fmt: skip
         if self.weighed:
             own.append(ModelParameter(f"{linear.prefix}.mass", "kg", linear.mass, True, kind="linear",
+                                      limits=(linear.mass / _OTHER_STAGE, linear.mass * _OTHER_STAGE),
                                       expected=linear.expected_mass, doc="mass of the stage"))  # fmt: skip
         for effect in self.effects:
             own += [

@@ -83,7 +83,7 @@ def told_by_others(fitted: Fit, i: int) -> Rest | None:
     others = without(fitted.campaign, i)
     initial: np.ndarray | None = fitted.values
     if fitted.model.form in ("oscillator", "overdamped"):
-        frequency = coarse_frequency(others.fitted, fitted.campaign.fitted)
+        frequency = coarse_frequency(others.fitted, fitted.campaign.fitted, fitted.model.linear.mass)
         far = abs(math.log(frequency / fitted.values[FREQUENCY])) >= 1.5 * GRID_STEP
         initial = None if far else initial
     found = _minimum(fitted.model, others, initial, scales=fitted.scales)

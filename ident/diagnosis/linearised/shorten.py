@@ -38,7 +38,8 @@ def is_long(campaign: Campaign) -> bool:
     records = [record for record in campaign.fitted if not record.excerpt]
     if sum(len(record.time) for record in records) * _STEPS < _MOST:
         return False
-    resonance = guess_linear(campaign.fitted, linear_part(campaign.device).nominal_frequency)
+    linear = linear_part(campaign.device)
+    resonance = guess_linear(campaign.fitted, linear.nominal_frequency, mass=linear.mass)
     taken = (len(r.time) * steps_of(r, resonance.frequency, resonance.quality, _STEPS) for r in records)
     return sum(taken) > _MOST
 

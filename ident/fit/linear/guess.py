@@ -56,20 +56,26 @@ class DataScales(NamedTuple):
 
 
 def guess_linear(
-    records: Sequence[Trace], nominal_frequency: float | None = None, held: float | None = None
+    records: Sequence[Trace],
+    nominal_frequency: float | None = None,
+    held: float | None = None,
+    mass: float = 1.0,
 ) -> LinearGuess:
-    """The linear oscillator nearest to the records; `held`: its quality factor, if that is known."""
-    return _searched(tuple(records), nominal_frequency, held)
+    """The linear oscillator nearest to the records; `held`: its quality factor, if that is known; its `mass`, kg, that
+    the records' loads are added to."""
+    return _searched(tuple(records), nominal_frequency, held, mass)
 
 
 @lru_cache(maxsize=32)  # every model of a campaign starts from it
-def _searched(records: tuple[Trace, ...], nominal_frequency: float | None, held: float | None) -> LinearGuess:
+def _searched(
+    records: tuple[Trace, ...], nominal_frequency: float | None, held: float | None, mass: float
+) -> LinearGuess:
     stretches = [stretch_of(record) for record in records]
     grid = _frequencies(records, nominal_frequency)
     qualities = _QUALITIES if held is None else (held,)
     ringings = [found for r in records if not r.driven and (found := read_ringing(r.response, r.step)) is not None]
     read = [(ringing.frequency, ringing.quality if held is None else held) for ringing in ringings]
-    trials = [(_misfit(stretches, f, q), f, q) for f, q in [*((f, q) for q in qualities for f in grid), *read]]
+    trials = [(_misfit(stretches, f, q, mass), f, q) for f, q in [*((f, q) for q in qualities for f in grid), *read]]
     trials.sort()
     step = min([_STEP, *(_CYCLE / ringing.cycles for ringing in ringings)])
     best = trials[0]
@@ -77,7 +83,7 @@ def _searched(records: tuple[Trace, ...], nominal_frequency: float | None, held:
     within = [(math.log(grid.min() / 2), math.log(grid.max() * 2)), (math.log(LEAST_QUALITY), _LOG_QUALITY)]
     for start in _distinct(trials)[:2]:
         found = optimize.minimize(
-            lambda x: _misfit(stretches, math.exp(x[0]), math.exp(x[1]) if held is None else held),
+            lambda x: _misfit(stretches, math.exp(x[0]), math.exp(x[1]) if held is None else held, mass),
             [math.log(start[1]), math.log(start[2])],
             method="Nelder-Mead",
             bounds=within,
@@ -91,13 +97,14 @@ def _searched(records: tuple[Trace, ...], nominal_frequency: float | None, held:
         quality = math.exp(found.x[1]) if held is None else held
         best = min(best, (float(found.fun), math.exp(found.x[0]), quality))
     misfit, frequency, quality = best
-    return LinearGuess(frequency, quality, _gain(stretches, frequency, quality), misfit)
+    return LinearGuess(frequency, quality, _gain(stretches, frequency, quality, mass), misfit)
 
 
-def coarse_frequency(records: Sequence[Trace], among: Sequence[Trace]) -> float:
-    """The best frequency (Hz) for some records of a campaign, on the grid for all of them; good to a step of it."""
+def coarse_frequency(records: Sequence[Trace], among: Sequence[Trace], mass: float) -> float:
+    """The best frequency (Hz) for some records of a campaign, on the grid for all of them; good to a step of it. `mass`
+    as of `guess_linear`."""
     stretches = [stretch_of(record) for record in records]
-    return min((_misfit(stretches, f, q), f) for q in _QUALITIES for f in _frequencies(among, None))[1]
+    return min((_misfit(stretches, f, q, mass), f) for q in _QUALITIES for f in _frequencies(among, None))[1]
 
 
 def told_guess(start: Mapping[str, float], names: Sequence[str]) -> LinearGuess | None:
@@ -147,8 +154,8 @@ def _highest_content(record: Trace) -> float:
     return max(highest_content(x, record.step) for x in (record.drive, record.response))
 
 
-def _misfit(stretches: Sequence[Stretch], frequency: float, quality: float) -> float:
-    seen = sums(stretches, frequency, quality)
+def _misfit(stretches: Sequence[Stretch], frequency: float, quality: float, mass: float) -> float:
+    seen = sums(stretches, frequency, quality, mass)
     driven = any(stretch.driven for stretch in stretches)
     if driven and not (np.isfinite(seen.forced) and seen.forced > 0.0):
         return 1.0
@@ -156,10 +163,10 @@ def _misfit(stretches: Sequence[Stretch], frequency: float, quality: float) -> f
     return math.sqrt(max(left, 0.0) / seen.power)
 
 
-def _gain(stretches: Sequence[Stretch], frequency: float, quality: float) -> float:
+def _gain(stretches: Sequence[Stretch], frequency: float, quality: float, mass: float) -> float:
     if not any(stretch.driven for stretch in stretches):
         return 0.0
-    seen = sums(stretches, frequency, quality)
+    seen = sums(stretches, frequency, quality, mass)
     return seen.both / seen.forced
 
 

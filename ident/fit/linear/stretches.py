@@ -32,8 +32,8 @@ class Sums(NamedTuple):
 class Stretch(NamedTuple):
     """A record for the linear search: its liveliest stretch, the response divided by its `size`; `rate` of the drive,
     per s; `rest`: whether it starts from rest; `power` of the response about its mean; `order` of the derivative of the
-    displacement that it is; `edge` of a drive that is held, as of `Trace`; `sums` that have been asked for, by
-    frequency and quality."""
+    displacement that it is; `edge` of a drive that is held and `load` of the device, as of `Trace`; `sums` that have
+    been asked for, by frequency and quality."""
 
     step: float
     drive: np.ndarray
@@ -45,6 +45,7 @@ class Stretch(NamedTuple):
     power: float
     order: int
     edge: float | None
+    load: float
     sums: dict[tuple[float, float], Sums]
 
 
@@ -68,6 +69,7 @@ def stretch_of(record: Trace) -> Stretch:
         power,
         record.order,
         record.edge,
+        record.load,
         {},
     )
 
@@ -160,8 +162,8 @@ def _rates(omega: float, quality: float) -> tuple[float, float]:
     return fast, omega**2 / fast
 
 
-def sums(stretches: Sequence[Stretch], frequency: float, quality: float) -> Sums:
-    """The records as a trial frequency and quality see them.
+def sums(stretches: Sequence[Stretch], frequency: float, quality: float, mass: float = 1.0) -> Sums:
+    """The records as a trial frequency and quality of the unloaded `mass`, kg, see them.
 
     A driven record must be explained by its drive: the share of its power that is left beside its free motion counts.
     A decay is free motion, and all of it counts.
@@ -170,21 +172,33 @@ def sums(stretches: Sequence[Stretch], frequency: float, quality: float) -> Sums
     for stretch in stretches:  # what is known is remembered: campaigns that differ by a record ask for the others again
         if (frequency, quality) not in stretch.sums:
             alike.setdefault(
-                (stretch.step, len(stretch.drive), stretch.rest, stretch.driven, stretch.order, stretch.edge), []
+                (
+                    stretch.step,
+                    len(stretch.drive),
+                    stretch.rest,
+                    stretch.driven,
+                    stretch.order,
+                    stretch.edge,
+                    stretch.load,
+                ),
+                [],
             ).append(stretch)
     for group in alike.values():
-        for stretch, found in zip(group, _projected(group, frequency, quality), strict=True):
+        heavier = 1 + group[0].load / mass
+        loaded = frequency / math.sqrt(heavier), quality * math.sqrt(heavier)
+        for stretch, found in zip(group, _projected(group, *loaded, heavier), strict=True):
             stretch.sums[frequency, quality] = found
     return Sums(*np.sum([stretch.sums[frequency, quality] for stretch in stretches], axis=0))
 
 
-def _projected(stretches: Sequence[Stretch], frequency: float, quality: float) -> list[Sums]:
-    """`sums` of each of several records with one clock, start and sensor: one filter and one free motion serve all."""
+def _projected(stretches: Sequence[Stretch], frequency: float, quality: float, heavier: float) -> list[Sums]:
+    """`sums` of each of several records with one clock, start, load and sensor: one filter and one free motion serve
+    all. Frequency and quality are those of the loaded device, `heavier` so many times."""
     first = stretches[0]
     measured = np.stack([stretch.response for stretch in stretches])
     forced = np.zeros_like(measured)  # to a decay a constant drive is a level, whatever the gain
     if first.driven:
-        drives = np.stack([stretch.drive / stretch.size for stretch in stretches], axis=1)
+        drives = np.stack([stretch.drive / (stretch.size * heavier) for stretch in stretches], axis=1)
         forced = recursive_filter(*oscillator_filter(frequency, quality, first.step, first.order, first.edge), drives).T
     both = np.stack([forced, measured])
     if first.rest:
