@@ -113,6 +113,8 @@ LAWS: tuple[Law, ...] = (
     # A brake at one place of the path: where, and how wide.
     Law("local-damping", "force", ("z", "v"), lambda rng, own: (rng.uniform(0.1, 0.5), rng.uniform(0.15, 0.4), 0.0),
         in_library=False),
+    # By how much more moves along at one end of the path than at the other, for what does so at both.
+    Law("variable-inertia", "force", ("z", "v"), _one(-1.0, 1.0, 0.0)),
 )  # fmt: skip
 
 NAMES = tuple(law.name for law in LAWS)
@@ -120,7 +122,7 @@ INDEX = {name: i for i, name in enumerate(NAMES)}
 
 (STRESS, ARCH, CUBIC, QUADRATIC, VOLT, K_DRIFT, STOP, STATIC, MODE, VISCO, COULOMB, V2, V3, SQUEEZE, C_DRIFT, BOUC,
  PZT, PLAYS, BOUC_E, E2, CREEP, LAG_E, BEND, LAG_S, CROSS, S_DRIFT, OFFSET, SINE, COIL, POWER_Z, VE, STRIBECK,
- PLATE, POWER_V, BILINEAR, K_HEAT, C_HEAT, HEAT_E, BRAKE) = range(len(LAWS))  # fmt: skip
+ PLATE, POWER_V, BILINEAR, K_HEAT, C_HEAT, HEAT_E, BRAKE, INERTIA) = range(len(LAWS))  # fmt: skip
 
 STATES = 9
 
@@ -223,6 +225,9 @@ def rate(x, u, e, t, c, s, g, quality, out):
     z, v, h, q1, q2, m, mv = x[0], x[1], x[2], x[3], x[4], x[5], x[6]
     out[0] = v
     out[1] = u - z - v / quality + force(z, v, e, t, h, q1, q2, x[7:], u, quality, c, s, g)
+    if c[INERTIA] != 0:  # of its kinetic energy
+        more, change = c[INERTIA] * (s[INERTIA, 0] + z) * z, c[INERTIA] * (s[INERTIA, 0] + 2 * z)
+        out[1] = (out[1] - 0.5 * change * v * v) / (1 + more)
     out[2] = out[3] = out[4] = out[5] = out[6] = out[7] = out[8] = 0.0
     if c[BOUC] != 0:
         grip = abs(h / s[BOUC, 0]) ** s[BOUC, 1]

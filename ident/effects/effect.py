@@ -77,6 +77,8 @@ class AbstractEffect:
     A subclass sets `name`, declares its parameters, and writes any of
 
     - `force(state, drive, t)`: force on the stage, N;
+    - `inertia(z)`: mass that moves along with the stage at a displacement, kg; what its change does by the velocity,
+      −m'(z) ż²/2, belongs to `force`;
     - `drive(hidden, drive, t)`: force through the actuator, N; sees the drive and its own memory only;
     - `sensor(state, drive, t)`: what the sensor adds to what it reads of the motion, m;
     - `state0()` and `rate(state, drive, t)`: hidden states of its own and their time derivatives, in `hidden_units`;
@@ -272,6 +274,9 @@ class AbstractEffect:
         return True
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
+        return 0.0
+
+    def inertia(self, z: Scalar) -> Scalar:
         return 0.0
 
     def drive(self, hidden: tuple[Scalar, ...], drive: Drive, t: Scalar) -> Scalar:

@@ -288,6 +288,8 @@ def along_motion(
                 off = system.drive(0.0, 0.0)
                 one = lambda z, v, h, effect=effect, off=off: effect.force(State(z, v, tuple(h)), off, 0.0)
                 acting = acting + jax.vmap(one, in_axes=(0, 0, 1 if len(path) else None))(z, v, path)
+            if effect.overrides("inertia"):
+                acting = acting + effect.inertia(z) * omega**2 * z
             if effect.overrides("sensor"):
                 shown = lambda z, v, h, u, r, effect=effect: effect.sensor(
                     State(z, v, tuple(h)), system.drive(u, r), 0.0

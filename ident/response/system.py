@@ -171,6 +171,10 @@ class System(NamedTuple):
         ordered = lambda *of: jnp.where(self.order > 1, of[2], jnp.where(self.order > 0, of[1], of[0]))
         return ordered(z, v, acceleration), ordered(v, acceleration, jerk)
 
+    def moved(self, z: Any) -> Any:
+        """The mass that is moved at a displacement, kg."""
+        return sum((e.inertia(z) for e in self.effects if e.overrides("inertia")), self.mass)
+
     def push(self, voltage: Any) -> Any:
         """Force of the drive itself."""
         return self.gain * voltage if self.base is None else 0.0 * voltage
@@ -274,7 +278,7 @@ def accelerated(system: System, parts: tuple[slice | None, ...], y: tuple[Any, .
             force = force + effect.force(State(*system.seen_by(effect, z, v, voltage, rate), memory), drive, t)
         if effect.overrides("drive"):
             given = given + effect.drive(memory, drive, t)
-    return (system.share * given + force) / system.mass
+    return (system.share * given + force) / system.moved(apart)
 
 
 def _rates(

@@ -197,6 +197,18 @@ def test_a_coil_that_leaves_its_gap_pushes_and_brakes_less():
     assert_agrees(make("force-factor", bend=bend, induced=induced), physics, SMOOTH)
 
 
+def test_what_moves_along_with_the_stage_has_a_momentum_of_its_own():
+    """Written with the kinetic energy (1 + m) ż²/2, from whose momentum Lagrange's equation takes the acceleration."""
+    slope, curvature = 2e4, 6e9  # a tenth of the mass, and a sixth, at 5 µm
+    more, change = lambda z: slope * z + curvature * z * z, lambda z: slope + 2 * curvature * z
+
+    def force(t, z, v, h):  # on the unit mass of the stage alone
+        outer = GAIN * voltage(t) - C * v - K * z
+        return (outer - change(z) * v * v / 2) / (1 + more(z)) - outer
+
+    assert_agrees(make("variable-inertia", slope=slope, curvature=curvature), Physics(force), SMOOTH)
+
+
 @pytest.mark.parametrize("sharpness", [1.0, 2.0])
 @pytest.mark.parametrize("travel", [4e-7, 3e-6])
 @pytest.mark.parametrize("beta", [0.5, 0.8])

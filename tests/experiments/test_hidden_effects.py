@@ -14,6 +14,7 @@ from experiments.simulator.signals import sine
 LIBRARY = {
     "bilinear-stiffness",
     "force-factor",
+    "variable-inertia",
     "residual-stress",
     "arch-force",
     "cubic-stiffness",

@@ -239,7 +239,7 @@ def _at_points(function: Any, system: System, motion: Motion, paths: tuple, chun
 
 
 def _force(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any) -> Any:
-    """Total force on the stage."""
+    """Total force on the stage; where mass moves along with it, the one that gives the stage alone its acceleration."""
     drive, (z, v) = system.drive(u, r), system.apart(z, v, u, r)
     force = system.push(u) - system.damping * v - system.stiffness * z
     for effect, h in zip(system.effects, hidden, strict=True):
@@ -247,7 +247,7 @@ def _force(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any
             force = force + effect.force(State(z, v, tuple(h)), drive, t)
         if effect.overrides("drive"):
             force = force + effect.drive(tuple(h), drive, t)
-    return force
+    return force * system.mass / system.moved(z)
 
 
 def _shown(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any) -> Any:

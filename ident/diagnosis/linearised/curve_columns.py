@@ -278,6 +278,7 @@ def _of(effect: Any, drive: Any, z: Any, v: Any, hidden: Any) -> tuple[Any, Any,
     """Force of an effect on the stage and through the actuator, N, and what it adds to the reading, m."""
     state = State(z, v, tuple(hidden))
     force = effect.force(state, drive, 0.0) if effect.overrides("force") else 0.0
+    force = force + effect.inertia(z) * drive.omega**2 * z if effect.overrides("inertia") else force
     driven = effect.drive(tuple(hidden), drive, 0.0) if effect.overrides("drive") else 0.0
     shown = effect.sensor(state, drive, 0.0) if effect.overrides("sensor") else 0.0
     return force + 0.0 * z, driven + 0.0 * z, shown + 0.0 * z

@@ -10,7 +10,8 @@ class CubicStiffness(AbstractEffect):
     name = "cubic-stiffness"
     equation = "F = −k3 z³"
     source = "Nayfeh & Mook, Nonlinear Oscillations, 1979, §4.1"
-    mistaken_for = ("end-stop", "residual-stress", "sensor-nonlinearity", "pzt-hysteresis", "stiffness-heating")
+    mistaken_for = ("end-stop", "residual-stress", "sensor-nonlinearity", "pzt-hysteresis", "stiffness-heating",
+                     "variable-inertia")  # fmt: skip
     alike = (STRETCHES, STIFFENS, BENT_RESONANCE, WARM_SPRING, SAME_HARMONICS)
 
     k3 = amplitude("N/m^3", "cubic stiffness")
