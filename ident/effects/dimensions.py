@@ -80,6 +80,8 @@ def _evaluate(
     found: dict[str, tuple[float, str]] = {}
     if effect.overrides("force"):
         found["force"] = (float(instance.force(state, drive, t)), "N")
+    if effect.overrides("inertia"):
+        found["inertia"] = (float(instance.inertia(state.z)), "kg")
     if effect.overrides("drive"):
         found["drive"] = (float(instance.drive(hidden, drive, t)), "N")
     if effect.overrides("sensor"):

@@ -91,6 +91,7 @@ def _laws(effect: AbstractEffect, point: _Point, t: Any) -> dict[str, tuple[Any,
     before = drive._replace(V=0.9 * point.V)
     calls = {
         "force": lambda: effect.force(state, drive, t),
+        "inertia": lambda: effect.inertia(point.z),
         "drive": lambda: effect.drive(point.hidden, drive, t),
         "sensor": lambda: effect.sensor(state, drive, t),
         "rate": lambda: effect.rate(state, drive, t),
@@ -100,7 +101,7 @@ def _laws(effect: AbstractEffect, point: _Point, t: Any) -> dict[str, tuple[Any,
         "settled": lambda: effect.settled(1.5 * jnp.abs(point.V) + 0.1, drive),
     }
     return {
-        name: (_number(kind, name, call()),) if name in LAWS else _numbers(kind, name, call(), count)
+        name: (_number(kind, name, call()),) if name in (*LAWS, "inertia") else _numbers(kind, name, call(), count)
         for name, call in calls.items()
         if effect.overrides(name)
     }

@@ -15,7 +15,7 @@ from .mistakes import place_of_method
 
 LAWS = ("force", "drive", "sensor")
 """Where an effect can act; one of them it must."""
-HOOKS = (*LAWS, "rate", "follow", "state0", "begun", "settled", "prepare", "can_be")
+HOOKS = (*LAWS, "inertia", "rate", "follow", "state0", "begun", "settled", "prepare", "can_be")
 _CLOSE = 0.75  # of `difflib`: a letter too many, too few or exchanged, or another case
 
 
@@ -34,6 +34,10 @@ def check_written(effect: type[AbstractEffect]) -> None:
     if not _acts(effect):
         what = f"{effect.__name__} defines none of {', '.join(LAWS)}, so it does nothing"
         raise UserError(what, do="write the one that says where it acts, as in `def force(self, state, drive, t):`")
+    if effect.overrides("inertia") and not effect.overrides("force"):
+        what = f"{effect.__name__} has an inertia and no force, but a mass that changes has one"
+        do = "write `def force(self, state, drive, t):` and return −m'(z) v²/2 of the mass m(z) that inertia returns"
+        raise UserError(what, where=place_of_method(effect, "inertia"), do=do)
     for name in HOOKS:
         if effect.overrides(name):
             _check_arguments(effect, name)

@@ -18,3 +18,4 @@ from .model import ABOVE_THE_DRIVE as ABOVE_THE_DRIVE  # noqa: E402
 from .model import COARSE as COARSE  # noqa: E402
 from .model import Model as Model  # noqa: E402
 from .parameters import ModelParameter as ModelParameter  # noqa: E402
+from .settings import as_weighed_by as as_weighed_by  # noqa: E402

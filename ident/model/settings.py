@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from ..campaign.campaign import Campaign
@@ -12,7 +13,7 @@ from ..effects.parameter import Choice
 from ..effects.registry import Registry
 from ..errors import UserError, nearest
 from ..units import parse_quantity, to_si, unit
-from .linear import linear_part
+from .linear import MASS, linear_part
 from .model import Model
 
 LISTS = ("fixed", "free")
@@ -41,6 +42,14 @@ def is_weighed(campaign: Campaign) -> bool:
     """Whether the fitted records of a platform have different loads, and so tell its mass."""
     loads = {record.load for record in (*campaign.fitted, *campaign.fitted_sweeps)}
     return isinstance(campaign.device, Platform) and len(loads) > 1
+
+
+def as_weighed_by(campaign: Campaign, model: Model, values: Sequence[float]) -> Model:
+    """A model whose mass is known for records of a campaign that do not tell it: held at that of values (m,) SI."""
+    if not model.weighed or is_weighed(campaign):
+        return model
+    name, start = model.parameters[MASS].name, dict(model.start)
+    return replace(model, held=model.held | {name}, start=tuple({**start, name: float(values[MASS])}.items()))
 
 
 def _linear_names(campaign: Campaign) -> tuple[str, tuple[str, ...]]:

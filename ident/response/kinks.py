@@ -3,7 +3,8 @@
 What a step can miss at a kink is told by the forces of the laws that have one, at the four states of the method: where
 these change, or bend, the step is tried whole and as two halves. If their ends differ by more than is allowed, a half
 is tried in the same way, and so on until a part is short enough; the next part is tried twice as long. So a kink is
-closed in by halving, and away from its kinks a law costs what a smooth one does.
+closed in by halving, and away from its kinks a law costs what a smooth one does. Steps in which friction sticks are all
+tried so, for of those no state of the method tells anything.
 
 Where friction sticks the motion creeps over a slope so steep that the method is not stable in any step that is worth
 taking: the velocity would tremble, unseen, and its derivatives grow without bound. There it is stepped implicitly.
@@ -32,16 +33,17 @@ SHORTEST = 1 / 256
 STIFF = 2.5  # of velocity, in a step: the method is stable to 2.78
 
 
-def _alone(system: System, slots: tuple[slice | None, ...]) -> tuple[System, tuple[slice | None, ...]]:
-    """The effects with kinks, and nothing else."""
+def _alone(system: System, slots: tuple[slice | None, ...], z: Any) -> tuple[System, tuple[slice | None, ...]]:
+    """The effects with kinks, and nothing else but the mass that moves at a displacement."""
     own = [i for i, effect in enumerate(system.effects) if effect.has_kink]
     alone = system._replace(effects=tuple(system.effects[i] for i in own), damping=0.0, stiffness=0.0, gain=0.0)
+    alone = alone._replace(mass=system.moved(z))
     return alone, tuple(slots[i] for i in own)
 
 
 def sticks(system: System, slots: tuple[slice | None, ...], y: tuple[Array, ...], at: tuple[Any, ...], h: Any) -> Array:
     """Whether the forces with kinks hold the velocity of the state `y` so hard that a step `h` is not stable."""
-    alone, places = _alone(system, slots)
+    alone, places = _alone(system, slots, y[0])
     by_velocity = lambda v: accelerated(alone, places, (y[0], v, *y[2:]), at[:3])
     return -h * jax.jvp(by_velocity, (y[1],), (jnp.ones_like(y[1]),))[1] > STIFF
 
@@ -59,7 +61,7 @@ def crept(slope: Slope, y: tuple[Array, ...], at: list[tuple[Any, ...]], h: Any)
 def bend(system: System, slots: tuple[slice | None, ...], states: Any, inputs: Any, h: Numbers) -> Array:
     """Change of velocity, m/s, by which a step `h` may be wrong: that by what the forces with kinks, at the four
     `states` and inputs, say beyond a straight line."""
-    alone, places = _alone(system, slots)
+    alone, places = _alone(system, slots, states[0][0])
     a, b, c, d = (accelerated(alone, places, y, at[:3]) for y, at in zip(states, inputs, strict=True))
     return h / 6 * jnp.abs(a - b - c + d)
 

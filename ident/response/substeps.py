@@ -74,7 +74,9 @@ def steps_of(
         share = max(share, _COMPARED)
     allowed = share * min(max(record.noise.sigma / signal, 1e-4), 0.1)
     omega = 2 * math.pi * frequency
-    remembered = max(min(2 * quality, omega * (record.time[-1] - record.time[0])), 2.0)  # radians
+    remembered = max(2 * quality, 2.0)  # radians
+    if record.start != "steady":  # what repeats itself has gone on for ever
+        remembered = min(remembered, max(omega * (record.time[-1] - record.time[0]), 2.0))
     largest = (120 * allowed / remembered) ** 0.25
     slower = 1.0  # than the resonance, what moves
     if form == "quasi-static":

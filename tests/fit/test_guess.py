@@ -43,8 +43,8 @@ def test_a_long_quiet_start_does_not_hide_the_resonance():
 def test_records_that_share_a_clock_say_together_what_each_says_alone():
     records = [record(500.0, 30.0, 2.0, hz) for hz in (317.0, 480.0, 505.0, 530.0)]
     records = records[:2] + [replace(own, start="unknown") for own in records[2:]]
-    together = sums([stretch_of(own) for own in records], 490.0, 25.0)
-    alone = [sums([stretch_of(replace(own))], 490.0, 25.0) for own in records]
+    together = sums([stretch_of(own) for own in records], 490.0, 25.0, 1.0)
+    alone = [sums([stretch_of(replace(own))], 490.0, 25.0, 1.0) for own in records]
     np.testing.assert_allclose(together, np.sum(alone, axis=0), rtol=1e-10)
 
 

@@ -23,7 +23,7 @@ from ...fit.finish import Minimum
 from ...fit.fit import minimise
 from ...fit.linear.guess import GRID_STEP, DataScales, coarse_frequency
 from ...fit.reading import read
-from ...model import FREQUENCY, Model
+from ...model import FREQUENCY, Model, as_weighed_by
 from ..side_by_side import at_once
 from .nuisance import OWN_CLOCK, Nuisance, best_scale, nuisances, rms, stretched
 
@@ -86,7 +86,8 @@ def told_by_others(fitted: Fit, i: int) -> Rest | None:
         frequency = coarse_frequency(others.fitted, fitted.campaign.fitted, fitted.model.linear.mass)
         far = abs(math.log(frequency / fitted.values[FREQUENCY])) >= 1.5 * GRID_STEP
         initial = None if far else initial
-    found = _minimum(fitted.model, others, initial, scales=fitted.scales)
+    model = as_weighed_by(others, fitted.model, fitted.values)
+    found = _minimum(model, others, initial, scales=fitted.scales)
     return found and Rest(others, found.values, len(found.static.free), *residual_of(found, others))
 
 
@@ -110,14 +111,16 @@ def likeliest(fitted: Fit, records: Sequence[int], allowed: Callable[[Fault], bo
 @lru_cache(maxsize=8)  # first whether the record can be described at all, then what is wrong with it
 def own_device(fitted: Fit, i: int) -> Minimum | None:
     """A device of its own for one record: another load, or another device."""
-    return _minimum(fitted.model, _only(fitted.campaign, fitted.campaign.traces[i]), None, scales=fitted.scales)
+    only = _only(fitted.campaign, fitted.campaign.traces[i])
+    return _minimum(as_weighed_by(only, fitted.model, fitted.values), only, None, scales=fitted.scales)
 
 
 def reach(fitted: Fit, record: Trace, *known: Minimum | None) -> float:
     """Error over noise below which no device that all records share brings a record, read so: that of a device of its
     own. `known`: such ones; another is looked for from where the fit is."""
     only = _only(fitted.campaign, record)
-    found = (*known, _minimum(fitted.model, only, fitted.values, scales=fitted.scales))
+    model = as_weighed_by(only, fitted.model, fitted.values)
+    found = (*known, _minimum(model, only, fitted.values, scales=fitted.scales))
     return min((residual_of(one, only)[1] for one in found if one is not None), default=np.inf)
 
 

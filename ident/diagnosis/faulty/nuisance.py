@@ -24,6 +24,7 @@ OWN_CLOCK = "of the drive's clock"
 _APART = 0.002  # of two clocks: one of a computer is a ten-thousandth wrong, a rate that was rounded ten times as much
 _DIPS = 4  # of the mismatch over delays, the deepest
 _SAME = 1.02  # of an error: within that two numbers of lost samples say the same
+_TOLD_BY = 4000  # samples, by how many a clock has run away by the end; all then tell the rest
 _OF_A_SAMPLE = 0.01  # to which it is told by how much a clock has run away by the end
 _NEAR = 0.05  # of a time scale, around which a better one is looked for
 _SHARP = 1e-6  # of a time scale: after a thousand periods the phase is then right to a hundredth of a radian
@@ -118,16 +119,16 @@ def _lost(record: Trace, predicted: np.ndarray, lost: int) -> Nuisance:
 
 
 def _own_clock(record: Trace, predicted: np.ndarray) -> Nuisance:
-    """The response was taken by another clock than the drive, which runs r times as fast: it comes ever earlier."""
+    """Response and drive were taken by two clocks: the response of time t is that of r t by the drive's."""
     index, n = np.arange(len(predicted), dtype=float), len(predicted)
     curve, measured, sigma = CubicSpline(index, predicted), record.response, record.noise.sigma
 
-    def error(scale: float) -> float:
-        counted = record.counted & (index * scale <= n - 1)
-        return rms(measured[counted] - curve(index[counted] * scale), sigma)
+    def error(scale: float, every: int = 1) -> float:
+        seen = np.flatnonzero(record.counted & (index * scale <= n - 1))[::every]
+        return rms(measured[seen] - curve(index[seen] * scale), sigma)
 
-    most = math.ceil(_APART * n)
-    begin = min((1 + samples / n for samples in range(-most, most + 1)), key=error)
+    most, every = math.ceil(_APART * n), math.ceil(n / _TOLD_BY)
+    begin = min((1 + samples / n for samples in range(-most, most + 1)), key=lambda scale: error(scale, every))
     best: Any = minimize_scalar(error, bounds=(begin - 1 / n, begin + 1 / n), method="bounded",
                                 options={"xatol": _OF_A_SAMPLE / n})  # fmt: skip
     scale = float(best.x)
@@ -139,9 +140,10 @@ def _by_the_other_clock(record: Trace, scale: float) -> Trace:
     the response as it was at the times of the drive."""
     index, smooth = np.arange(len(record.time), dtype=float), record.edge is None
     at = index * scale if smooth else index / scale
-    known = record.counted & (at <= index[-1])
-    resampled = CubicSpline(index, record.drive if smooth else record.response)(np.minimum(at, index[-1]))
-    seen = replace(record, masked=None if np.all(known) else ~known)
+    there, within = np.minimum(at, index[-1]), at <= index[-1]
+    known = record.counted if smooth else record.counted[np.rint(there).astype(int)]
+    resampled = CubicSpline(index, record.drive if smooth else record.across(record.response))(there)
+    seen = replace(record, masked=None if np.all(known & within) else ~(known & within))
     if not smooth:
         return replace(seen, response=resampled)
     return replace(stretched(seen, scale), drive=resampled, period=record.period and record.period / scale)

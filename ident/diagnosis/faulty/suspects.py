@@ -335,7 +335,7 @@ def words_of(one: Nuisance, traces: Sequence[Trace]) -> str:
     """What is wrong with a record."""
     size = f"{one.size:.4g}" if one.kind == "time-scale" else f"{one.size:.3g}"
     if one.unit == OWN_CLOCK:
-        return f"its response was taken by a clock that runs {one.size:.6g} times as fast as that of its drive"
+        return f"by the clock of its drive the times of its response are {one.size:.6g} times what they say"
     if one.unit == DROPPED:
         return f"samples are missing: towards its end the response comes {abs(one.size):.3g} samples too early"
     if one.kind == "wrong-record":

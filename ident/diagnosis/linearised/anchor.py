@@ -16,6 +16,7 @@ from ...campaign.record import Trace
 from ...fit import Fit, fit
 from ...fit.rebuild import fit_at
 from ...fit.starts import base_values, first_guess, scales_of
+from ...model import as_weighed_by
 from ..side_by_side import at_once
 from .regression import Regression, prepare
 from .shorten import working
@@ -59,7 +60,7 @@ def _of_one_record(regression: Regression) -> Regression | None:
     joint = regression.fit
     records = joint.campaign.fitted
     alone = at_once(lambda record: _alone(joint, record), records)
-    known = [one for one in alone if one.trusted and not any(e.flags for e in one.estimates)]
+    known = [one for one in alone if one.trusted and not any(e.flags for e in one.estimates if e.fitted)]
     best = min(known, key=lambda one: one.fitted.error_over_noise, default=None)
     if best is None or not best.fitted.error_over_noise < _CLEARLY * joint.fitted.error_over_noise:
         return None
@@ -70,7 +71,8 @@ def _of_one_record(regression: Regression) -> Regression | None:
 def _alone(joint: Fit, record: Trace) -> Fit:
     """The model fitted to one record, from the values of all and from what the record itself says of the linear part,
     which the others may have bent beyond return."""
-    campaign, model = replace(joint.campaign, records=(record,)), joint.model
+    campaign = replace(joint.campaign, records=(record,))
+    model = as_weighed_by(campaign, joint.model, joint.values)
     if model.form != "oscillator":
         return fit(model, campaign)
     linear = [parameter.name for parameter in model.parameters[:3]]

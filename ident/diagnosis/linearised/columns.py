@@ -164,7 +164,7 @@ def terms(
     def acting(values: Any, paths: tuple) -> tuple:
         system, force, shown = assemble(asked.equation, constants, values), jnp.zeros((0, 0)), jnp.zeros((0, 0))
         if asked.push:
-            force = _at_points(_force, system, moved, paths, chunk, 1)
+            force = _at_points(_missing, system, moved, paths, chunk, 1)
         if asked.show:
             shown = _at_points(_shown, system, seen, paths, chunk, 2)
         return force, shown
@@ -231,15 +231,29 @@ def _at_points(function: Any, system: System, motion: Motion, paths: tuple, chun
 
     def one_block(block: Block, z: Any, v: Any, hidden: tuple, voltage: Any, rate: Any) -> Any:
         here, time = system.at(block), block.times(2 * BLOCK + 1, 0.5)
-        one = lambda z, v, h, u, r, t: function(here, z, v, h, u, r, t)
-        axes = (0, 0, tuple(1 for _ in hidden), 0, 0, 0)
-        return jax.vmap(one, in_axes=axes)(*jax.tree.map(thin, (z, v, hidden, voltage, rate, time)))
+        one = lambda z, v, a, h, u, r, t: function(here, z, v, a, h, u, r, t)
+        axes = (0, 0, 0, tuple(1 for _ in hidden), 0, 0, 0)
+        a = jnp.gradient(v) / jnp.where(block.step > 0, 0.5 * block.step, 1.0)  # behind the last record there is none
+        return jax.vmap(one, in_axes=axes)(*jax.tree.map(thin, (z, v, a, hidden, voltage, rate, time)))
 
     return jax.vmap(one_block)(Block.of(chunk), motion.z, motion.v, paths, chunk.voltage, chunk.rate)
 
 
-def _force(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any) -> Any:
-    """Total force on the stage; where mass moves along with it, the one that gives the stage alone its acceleration."""
+def _missing(system: System, z: Any, v: Any, a: Any, hidden: tuple, u: Any, r: Any, t: Any) -> Any:
+    """Force by which a motion of acceleration `a` misses the equation, on the stage without what moves along with it:
+    what a change of the model changes in it, inertia and mass too, is what that pushes."""
+    mass = system.moved(system.apart(z, v, u, r)[0])
+    return jax.lax.stop_gradient(system.mass / mass) * (_total(system, z, v, hidden, u, r, t) - mass * a)
+
+
+def _force(system: System, z: Any, v: Any, a: Any, hidden: tuple, u: Any, r: Any, t: Any) -> Any:
+    """The force that gives the stage without what moves along with it its acceleration."""
+    mass = system.moved(system.apart(z, v, u, r)[0])
+    return system.mass / mass * _total(system, z, v, hidden, u, r, t)
+
+
+def _total(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any) -> Any:
+    """Total force on the stage and on what moves along with it."""
     drive, (z, v) = system.drive(u, r), system.apart(z, v, u, r)
     force = system.push(u) - system.damping * v - system.stiffness * z
     for effect, h in zip(system.effects, hidden, strict=True):
@@ -247,10 +261,10 @@ def _force(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any
             force = force + effect.force(State(z, v, tuple(h)), drive, t)
         if effect.overrides("drive"):
             force = force + effect.drive(tuple(h), drive, t)
-    return force * system.mass / system.moved(z)
+    return force
 
 
-def _shown(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any) -> Any:
+def _shown(system: System, z: Any, v: Any, a: Any, hidden: tuple, u: Any, r: Any, t: Any) -> Any:
     """What the sensor adds to what it reads of the motion, `z`, with its rate `v`."""
     drive, shown = system.drive(u, r), system.felt(0.0 * z, u)
     for effect, h in zip(system.effects, hidden, strict=True):
@@ -308,7 +322,7 @@ def slopes(
     carry, paths = _memories(system, equation.histories, moved, seen, pasts, carry, chunk)
 
     def by_state(function: Any) -> Any:
-        one = lambda system, z, v, h, u, r, t: jax.jacfwd(lambda a, b: function(system, a, b, h, u, r, t), (0, 1))(z, v)
+        one = lambda system, z, v, *rest: jax.jacfwd(lambda z, v: function(system, z, v, *rest), (0, 1))(z, v)
         return one
 
     force = _at_points(by_state(_force), system, moved, paths, chunk, 1)

@@ -236,7 +236,7 @@ def terms_along(
         z = real * cosine - imaginary * sine
         v = -omega * (real * sine + imaginary * cosine)
 
-        def acting(x: Any, off: Any, drift: Any) -> Any:
+        def acting(x: Any, off: Any, drift: Any, swing: Any) -> Any:
             system = bound(equation, constants, values + x @ directions, load, frequency)
             voltage, rate, still = level * cosine, -level * omega * sine, 0.0 * cosine
             seen = Seen(z, v, voltage, rate, still, step, omega, jax.lax.stop_gradient(system.gain), 0.0)
@@ -246,20 +246,20 @@ def terms_along(
                     path = driven_memory(effect, system.gain, level, frequency, circle)
                 else:
                     path = steady_memory(effect, lambda _: seen, jnp.zeros(0), _bending(effect))
-                one = lambda z, v, h, u, r, effect=effect: _of(effect, system.drive(u, r), z, v, h)
-                said = jax.vmap(one, in_axes=(0, 0, 1 if effect.state0() else None, 0, 0))(
-                    z + off, v + drift, path, voltage, rate
+                one = lambda z, v, a, h, u, r, effect=effect: _of(effect, system.drive(u, r), z, v, a, h)
+                said = jax.vmap(one, in_axes=(0, 0, 0, 1 if effect.state0() else None, 0, 0))(
+                    z + off, v + drift, swing - omega**2 * z, path, voltage, rate
                 )
                 found = tuple(a + b for a, b in zip(found, said, strict=True))
             return found
 
         still, axes = jnp.zeros_like(z), jnp.eye(len(directions))
-        one = lambda axis, x, off, drift: jax.jvp(lambda x: acting(x, off, drift), (x,), (axis,))[1]
+        one = lambda axis, x, *off: jax.jvp(lambda x: acting(x, *off), (x,), (axis,))[1]
         along = lambda *at: jax.vmap(lambda axis: one(axis, *at))(axes)
-        changed, further = jax.linearize(along, 0.0 * axes[0], still, still)  # what remembers is followed once
+        changed, further = jax.linearize(along, 0.0 * axes[0], still, still, still)  # what remembers is followed once
         force = changed[0] + changed[1]
         answers = jax.vmap(lambda force: _overtones(force, system))(force)
-        bent = jax.vmap(lambda axis, z, v: further(0.5 * axis, z, v))(axes, *answers)
+        bent = jax.vmap(lambda axis, *off: further(0.5 * axis, *off))(axes, *answers)
         told = jnp.concatenate([*changed, *(part.reshape(-1, len(z)) for part in bent)])
         first = jax.vmap(lambda x: jnp.stack(_fundamental(x, circle)))(told).reshape(-1)
         return jnp.concatenate([first, _harmonics(answers[0] + changed[2], orders).reshape(-1)])
@@ -274,20 +274,21 @@ def _bending(effect: AbstractEffect) -> tuple[str, ...]:
     return tuple(p.name for p in effect.declared() if p.kind == "amplitude" and p.name in shaping(effect))
 
 
-def _of(effect: Any, drive: Any, z: Any, v: Any, hidden: Any) -> tuple[Any, Any, Any]:
-    """Force of an effect on the stage and through the actuator, N, and what it adds to the reading, m."""
+def _of(effect: Any, drive: Any, z: Any, v: Any, a: Any, hidden: Any) -> tuple[Any, Any, Any]:
+    """Force of an effect on the stage, which accelerates by `a`, and through the actuator, N, and what it adds to the
+    reading, m."""
     state = State(z, v, tuple(hidden))
     force = effect.force(state, drive, 0.0) if effect.overrides("force") else 0.0
-    force = force + effect.inertia(z) * drive.omega**2 * z if effect.overrides("inertia") else force
+    force = force - effect.inertia(z) * a if effect.overrides("inertia") else force
     driven = effect.drive(tuple(hidden), drive, 0.0) if effect.overrides("drive") else 0.0
     shown = effect.sensor(state, drive, 0.0) if effect.overrides("sensor") else 0.0
     return force + 0.0 * z, driven + 0.0 * z, shown + 0.0 * z
 
 
-def _overtones(force: Any, system: Any) -> tuple[Any, Any]:
-    """Displacement and velocity with which the linear part answers the mean and the overtones of a force, on the
-    half-step grid."""
-    z, v = 0.0 * force, 0.0 * force
+def _overtones(force: Any, system: Any) -> tuple[Any, Any, Any]:
+    """Displacement, velocity and acceleration with which the linear part answers the mean and the overtones of a force,
+    on the half-step grid."""
+    z, v, swing = 0.0 * force, 0.0 * force, 0.0 * force
     for k in _ORDERS:
         cosine, sine = np.cos(k * _ANGLE), np.sin(k * _ANGLE)
         share = (1.0 if k == 0 else 2.0) / (len(_ANGLE) - 1)
@@ -296,8 +297,9 @@ def _overtones(force: Any, system: Any) -> tuple[Any, Any]:
         size = spring**2 + damper**2
         give = jnp.where(size > 0, 1.0 / jnp.where(size > 0, size, 1.0), 0.0)  # without a spring a mean has no answer
         a, b = give * (a * spring + b * damper), give * (b * spring - a * damper)
-        z, v = z + a * cosine - b * sine, v - k * system.omega * (a * sine + b * cosine)
-    return z, v
+        line = a * cosine - b * sine
+        z, v, swing = z + line, v - k * system.omega * (a * sine + b * cosine), swing - (k * system.omega) ** 2 * line
+    return z, v, swing
 
 
 def _harmonics(x: Any, orders: Any) -> Any:

@@ -167,6 +167,7 @@ def _asked(regression: Regression, effect: type[AbstractEffect]) -> list[_Asked]
 def _asked_with(regression: Regression, effect: type[AbstractEffect], words: Mapping[str, str]) -> _Asked:
     fitted = regression.fit
     # The candidate alone (with the effect it builds on) pushes: the same program then serves every model and campaign.
+    # Its own push does not depend on the mass, which stays the nominal one.
     alone = make_effect(fitted.campaign, effect.name, {effect.name: effect}, words)
     own_effects = (*fitted.model.beneath(effect), alone)
     model = Model(fitted.model.device, own_effects, form=fitted.model.form)

@@ -30,7 +30,7 @@ from ..ranking.look import Look, best_drop, first_look
 from ..ranking.score import kept_more_than_chance
 from ..side_by_side import at_once
 from .constant import with_its_constant
-from .drive import other_drive, smooth_instead
+from .drive import edges_of, other_drive, smooth_instead
 from .fewer_modes import without_a_mode, without_its_mode
 from .further_mode import with_its_mode
 from .once_more import begun_with, drive_beside, lower_start, with_other_starts
@@ -65,9 +65,17 @@ def walk_on(
     if smooth is None or not ended.walked.steps:
         return ended
     report("a drive that is smooth between its samples: once more, to compare")
-    other = _walk(Walked(begun_with(ended.walked.start, smooth)), library, report, revised=0)
-    one, two = (Left(end.look.regression.residual, end.look.regression.numbers) for end in (ended, other))
-    return other if clearly_better(two, one) else ended
+    try:
+        other = _walk(Walked(begun_with(ended.walked.start, smooth)), library, report, revised=0)
+    except Diverged:  # with such a drive the motion has no bound
+        return ended
+    return other if clearly_better(_left(other), _left(ended)) else ended
+
+
+def _left(ended: Ended) -> Left:
+    """What a walk leaves, with all numbers that were fitted, the edges of the drive among them."""
+    last = ended.look.regression
+    return Left(last.residual, last.numbers + edges_of(ended.walked.start.campaign).numbers)
 
 
 def _walk(

@@ -48,7 +48,7 @@ def other_drive(
     records = [r for r in fitted.campaign.fitted if _may_be_otherwise(r)]
     if not records or not isinstance(fitted.model.device, Oscillator) or not regression.credible:
         return None
-    now = _edges_of(records)
+    now = edges_of(fitted.campaign)
     ways = [way for way in _ways(regression, records, now) if way != now]
     left = _left_with(regression, ways)
     numbers = lambda way: regression.numbers + way.numbers
@@ -91,15 +91,14 @@ def with_edges(campaign: Campaign, way: Edges) -> Campaign:
 def smooth_instead(campaign: Campaign) -> Edges | None:
     """A drive that is held only where it jumps, if it is taken for one that is held everywhere, and no campaign says
     so."""
-    records = [record for record in campaign.fitted if _may_be_otherwise(record)]
-    now = _edges_of(records)
+    records, now = [record for record in campaign.fitted if _may_be_otherwise(record)], edges_of(campaign)
     held = now.first is not None and now.everywhere and not all(jumps(record.drive) for record in records)
     return now._replace(everywhere=False) if held else None
 
 
-def _edges_of(records: Sequence[Trace]) -> Edges:
-    """What the drives of records are taken for."""
-    edges = [record.edge for record in records]
+def edges_of(campaign: Campaign) -> Edges:
+    """What the drives of a campaign are taken for, where it does not say what they are."""
+    edges = [record.edge for record in campaign.fitted if _may_be_otherwise(record)]
     first = next((edge for edge in edges if edge is not None), None)
     return Edges(first, first is None or None not in edges)
 

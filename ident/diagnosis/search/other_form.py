@@ -75,7 +75,9 @@ def _instead(
     """The fit with the other form in the place of one, and its regression, if the records ask for it."""
     model = current.model
     frequency, quality, gain = (float(current.values[i]) for i in (FREQUENCY, QUALITY, GAIN))
-    there = Linear(model.linear.mass, 2 * math.pi * frequency, quality, model.linear.force_per_gain * gain)
+    there = Linear(
+        float(model.mass_of(current.values)), 2 * math.pi * frequency, quality, model.linear.force_per_gain * gain
+    )
     same = form.in_its_form(there, {p.name: current.value(f"{one.name}.{p.name}") for p in one.parameters})
     if same is None:
         return None

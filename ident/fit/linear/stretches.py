@@ -33,7 +33,7 @@ class Stretch(NamedTuple):
     """A record for the linear search: its liveliest stretch, the response divided by its `size`; `rate` of the drive,
     per s; `rest`: whether it starts from rest; `power` of the response about its mean; `order` of the derivative of the
     displacement that it is; `edge` of a drive that is held and `load` of the device, as of `Trace`; `sums` that have
-    been asked for, by frequency and quality."""
+    been asked for, by frequency, quality and mass."""
 
     step: float
     drive: np.ndarray
@@ -46,7 +46,7 @@ class Stretch(NamedTuple):
     order: int
     edge: float | None
     load: float
-    sums: dict[tuple[float, float], Sums]
+    sums: dict[tuple[float, float, float], Sums]
 
 
 @lru_cache(maxsize=256)
@@ -162,7 +162,7 @@ def _rates(omega: float, quality: float) -> tuple[float, float]:
     return fast, omega**2 / fast
 
 
-def sums(stretches: Sequence[Stretch], frequency: float, quality: float, mass: float = 1.0) -> Sums:
+def sums(stretches: Sequence[Stretch], frequency: float, quality: float, mass: float) -> Sums:
     """The records as a trial frequency and quality of the unloaded `mass`, kg, see them.
 
     A driven record must be explained by its drive: the share of its power that is left beside its free motion counts.
@@ -170,7 +170,7 @@ def sums(stretches: Sequence[Stretch], frequency: float, quality: float, mass: f
     """
     alike: dict[tuple, list[Stretch]] = {}
     for stretch in stretches:  # what is known is remembered: campaigns that differ by a record ask for the others again
-        if (frequency, quality) not in stretch.sums:
+        if (frequency, quality, mass) not in stretch.sums:
             alike.setdefault(
                 (
                     stretch.step,
@@ -187,8 +187,8 @@ def sums(stretches: Sequence[Stretch], frequency: float, quality: float, mass: f
         heavier = 1 + group[0].load / mass
         loaded = frequency / math.sqrt(heavier), quality * math.sqrt(heavier)
         for stretch, found in zip(group, _projected(group, *loaded, heavier), strict=True):
-            stretch.sums[frequency, quality] = found
-    return Sums(*np.sum([stretch.sums[frequency, quality] for stretch in stretches], axis=0))
+            stretch.sums[frequency, quality, mass] = found
+    return Sums(*np.sum([stretch.sums[frequency, quality, mass] for stretch in stretches], axis=0))
 
 
 def _projected(stretches: Sequence[Stretch], frequency: float, quality: float, heavier: float) -> list[Sums]:
