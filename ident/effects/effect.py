@@ -77,8 +77,8 @@ class AbstractEffect:
     A subclass sets `name`, declares its parameters, and writes any of
 
     - `force(state, drive, t)`: force on the stage, N;
-    - `inertia(z)`, beside a `force`: mass that moves along with the stage at a displacement, kg; what its change does by
-      the velocity, −m'(z) ż²/2, belongs to that force;
+    - `inertia(z)`, beside a `force`: mass that moves along with the stage at a displacement, kg; what its change does
+      by the velocity, −m'(z) ż²/2, belongs to that force;
     - `drive(hidden, drive, t)`: force through the actuator, N; sees the drive and its own memory only;
     - `sensor(state, drive, t)`: what the sensor adds to what it reads of the motion, m;
     - `state0()` and `rate(state, drive, t)`: hidden states of its own and their time derivatives, in `hidden_units`;

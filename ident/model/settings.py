@@ -6,6 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from ..campaign.campaign import Campaign
 from ..campaign.device import Platform
 from ..campaign.document import read_document
@@ -44,7 +46,7 @@ def is_weighed(campaign: Campaign) -> bool:
     return isinstance(campaign.device, Platform) and len(loads) > 1
 
 
-def as_weighed_by(campaign: Campaign, model: Model, values: Sequence[float]) -> Model:
+def as_weighed_by(campaign: Campaign, model: Model, values: np.ndarray) -> Model:
     """A model whose mass is known for records of a campaign that do not tell it: held at that of values (m,) SI."""
     if not model.weighed or is_weighed(campaign):
         return model

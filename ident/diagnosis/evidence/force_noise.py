@@ -73,9 +73,8 @@ def pushed_by_noise(regression: Regression) -> Pushed | None:
         return None
     fit, square, most = regression.fit, 0.0, (-1.0, 0.0)
     records, linear = fit.campaign.fitted, fit.model.linear
-    per_volt = (
-        abs(float(fit.values[GAIN])) * linear.force_per_gain / float(fit.model.mass_of(fit.values))
-    )  # m/s² for a volt
+    mass = float(fit.model.mass_of(fit.values))
+    per_volt = abs(float(fit.values[GAIN])) * linear.force_per_gain / mass  # m/s² for a volt
     for k, own in enumerate(regression.places):
         left = regression.residual[own]
         noise = force_noise(regression, k, left, level=1.0)

@@ -233,7 +233,9 @@ def _at_points(function: Any, system: System, motion: Motion, paths: tuple, chun
         here, time = system.at(block), block.times(2 * BLOCK + 1, 0.5)
         one = lambda z, v, a, h, u, r, t: function(here, z, v, a, h, u, r, t)
         axes = (0, 0, 0, tuple(1 for _ in hidden), 0, 0, 0)
-        a = jnp.gradient(v) / jnp.where(block.step > 0, 0.5 * block.step, 1.0)  # behind the last record there is none
+        a = jnp.asarray(jnp.gradient(v)) / jnp.where(
+            block.step > 0, 0.5 * block.step, 1.0
+        )  # behind the last record there is none
         return jax.vmap(one, in_axes=axes)(*jax.tree.map(thin, (z, v, a, hidden, voltage, rate, time)))
 
     return jax.vmap(one_block)(Block.of(chunk), motion.z, motion.v, paths, chunk.voltage, chunk.rate)
