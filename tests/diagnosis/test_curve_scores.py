@@ -157,3 +157,44 @@ def test_a_model_that_no_drive_makes_answer_is_told_as_one_without_a_motion() ->
     solved = fitted.solved._replace(found=fitted.solved.found._replace(steady=none))
     with pytest.raises(Diverged):
         prepare(replace(fitted, solved=solved))
+
+
+class Heavier(AbstractEffect):
+    """A mass that moves along more at either end of the path."""
+
+    name, equation, source = "heavier", "F = −m2 (z² z̈ + z ż²)", "a test"
+    curvature = amplitude("kg/m^2", "mass per squared displacement")
+
+    def inertia(self, z: Scalar) -> Scalar:
+        return self.curvature * z**2
+
+    def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
+        return -self.curvature * state.z * state.v**2
+
+
+class Tilted(AbstractEffect):
+    """One that moves along more at one end than at the other."""
+
+    name, equation, source = "tilted", "F = −m1 (z z̈ + ż²/2)", "a test"
+    slope = amplitude("kg/m", "mass per displacement")
+
+    def inertia(self, z: Scalar) -> Scalar:
+        return self.slope * z
+
+    def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
+        return -self.slope / 2 * state.v**2
+
+
+@pytest.mark.parametrize("law", [Heavier, Tilted])
+def test_an_inertia_that_changes_is_scored_as_the_spring_whose_resonance_bends_as_much(
+    law: type[AbstractEffect],
+) -> None:
+    """ω = ω0 (1 − m2 a²/4) and ω0 (1 + m1² a²/16): the free motion in a coordinate of constant mass, ∫ √(1 + m) dz."""
+    device = Oscillator(output="m")
+    campaign = Campaign("", (sweep(0.1, CUBIC, True, 3, 3e-5), sweep(0.3, CUBIC, True, 1, 3e-5)), device)
+    (found,) = score(prepare(fit(Model(device), campaign)), {law.name: law})
+    own = (2 * np.pi * FREQUENCY) ** 2
+    size = {"curvature": -1.5 * CUBIC / own, "slope": (6 * CUBIC / own) ** 0.5}
+    assert found.predicted_gain > 0.97
+    for name, value in found.values.items():
+        assert (abs(value) if name == "slope" else value) == pytest.approx(size[name], rel=0.15)

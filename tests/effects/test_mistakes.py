@@ -188,3 +188,19 @@ def test_what_it_says_that_it_is_fits_its_parameters(tmp_path, line, says):
 def test_wrong_arguments_are_told_the_right_ones(tmp_path):
     error = answer(tmp_path, SPRING.replace("force(self, state, drive, t)", "force(self, state)"))
     assert "def force(self, state, drive, t):" in error.do
+
+
+def test_an_inertia_needs_its_force_its_argument_and_its_unit(tmp_path):
+    whole = SPRING + "\n    def inertia(self, z):\n        return self.k * z\n"
+    assert "inertia" in answer(tmp_path, whole).what  # a force is no mass
+    text = SPRING.replace('amplitude("N/m"', 'amplitude("kg/m"').replace(LAW, "-self.k / 2 * state.v**2")
+    good = text + "\n    def inertia(self, z):\n        return self.k * z\n"
+    assert "my-spring" in registry([write(tmp_path, good)])
+    alone = answer(tmp_path, good.replace("def force", "def helper").replace("self.k * z\n", "self.helper(z, 0, 0)\n"))
+    assert "none of force" in alone.what
+    assert (
+        "does not take the arguments" in answer(tmp_path, good.replace("inertia(self, z)", "inertia(self, z, v)")).what
+    )
+    sensor = good.replace("def force(self, state, drive, t):\n        return -self.k / 2 * state.v**2",
+                          "def sensor(self, state, drive, t):\n        return self.k * 0.0 * state.z")  # fmt: skip
+    assert "an inertia and no force" in answer(tmp_path, sensor).what
