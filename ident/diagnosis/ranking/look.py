@@ -23,10 +23,9 @@ from .refits import bent_readings, by_refits
 from .score import Candidate, score, significant
 
 _SHORTLIST = 3  # twice as many if refits keep less than the scores promised
-_RIVALS = (
-    4  # refits of those that promise nearly as much. With three the sloshing liquid's own law (`experiments.real`) had
-)
-# no turn since the library had two more that mimic a cubic spring in a decay, and 3 % became 32.
+# Refits of those that promise nearly as much. Set on one set: with three the sloshing liquid (`experiments.real`) lost
+# its own law to two mimics of a cubic spring in a decay, and 3 % held out became 32. No study has weighed it yet.
+_RIVALS = 4
 BROKEN = 0.5  # of what the scores promised: if the refits of the shortlist keep less, refits rank the rest
 _BETRAYED = 0.1  # the same for any of them: then at once
 _NEAR = 0.1  # of the excess: candidates this near the best are confirmed too
