@@ -27,7 +27,10 @@ from .ranking.look import Look
 from .ranking.pairs import best_pair
 from .ranking.score import score, score_beside, significant
 from .search.change import without
+from .search.drive import edges_of, other_drive, with_edges
 from .search.written import AS_WELL
+
+_DRIVES = 3  # tried one after the other, each sought beside a model that had bent to the one before
 
 
 class _Promise(NamedTuple):
@@ -69,6 +72,8 @@ def apart_before(look: Look, report: Report) -> Apart | None:
     found = _simulated(plain, promise)
     if found is None or not adequate(prepare(found.fit)) or _told_by_another(found, plain):
         return None
+    if found.kind == "delay" and _told_by_drive(found, plain):
+        return None
     return Apart(plain.regression.fit, found)
 
 
@@ -98,6 +103,24 @@ def apart_after(look: Look, final: Fit, report: Report) -> Apart | None:
 def _excess(fit: Fit) -> float:
     regression = prepare(fit)
     return regression.chi2 - regression.n
+
+
+def _told_by_drive(found: Differing, look: Look) -> bool:
+    """Whether other drives between the samples say enough, or about as much as delays of the records' own: where some drives jump
+    and others are smooth, they differ by half a sample if all are taken for held."""
+    delays = Left(prepare(found.fit).left, found.fit.freedom + found.numbers)
+    try:
+        one = fit(found.fit.model, look.regression.fit.campaign, initial=found.fit.values)
+        for _ in range(_DRIVES):
+            other = other_drive(one, prepare(one), look.report)
+            if other is None:
+                break
+            one = fit(one.model, with_edges(one.campaign, other), initial=one.values)
+        there = prepare(one)
+    except Diverged:
+        return False
+    told = Left(there.left, one.freedom + edges_of(one.campaign).numbers)
+    return adequate(there) or behind(delays, told) > -VERY_STRONG
 
 
 def _told_by_another(found: Differing, look: Look) -> bool:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any, Literal
 
+from ..campaign.device import Platform
+from .dimensions import DISPLACEMENT, TIME, VELOCITY, VOLTAGE, made, typical_value
 from .effect import AbstractEffect, Drive, State
 
 Side = Literal["force", "drive", "sensor"]
@@ -53,6 +56,23 @@ def runs_by_a_clock(effect: AbstractEffect) -> bool:
     if effect.state0() and not effect.overrides("follow"):
         asked.append(lambda t: effect.rate(state, drive, t))
     return any(_answers(law, 0.0) and not _answers(law, None) for law in asked)
+
+
+@cache
+def needs_a_smooth_drive(effect: type[AbstractEffect]) -> bool:
+    """Whether a law without a memory grows faster than the rate of the drive: what a jump does to the motion would be
+    how steep somebody draws its edge."""
+    if effect.needs or effect.hidden_units or not (effect.overrides("force") or effect.overrides("drive")):
+        return False
+    law = made(effect, {}, {}, {p.name: float(typical_value(p)) for p in effect.parameters}, Platform())
+
+    def given(rate: float) -> float:
+        drive = Drive(VOLTAGE, rate, 1.0, 1.0, 1.0)
+        acts = law.drive((), drive, TIME) if law.overrides("drive") else 0.0
+        return float(acts + (law.force(State(DISPLACEMENT, VELOCITY), drive, TIME) if law.overrides("force") else 0.0))
+
+    slow, fast = (abs(given(rate) - given(0.0)) / rate for rate in (1.0, 1e6))
+    return fast > 2.0 * slow
 
 
 def _answers(law: Callable[[Any], object], asked: float | None) -> bool:

@@ -19,6 +19,8 @@ import numpy as np
 from scipy.special import fdtrc
 
 from ...campaign.device import Platform
+from ...campaign.held_drive import jumps
+from ...effects.dependence import needs_a_smooth_drive
 from ...effects.effect import AbstractEffect
 from ...effects.registry import Registry
 from ...model import Model, make_effect, open_words
@@ -160,6 +162,8 @@ def _asked(regression: Regression, effect: type[AbstractEffect]) -> list[_Asked]
     if effect.needs and effect.needs not in fitted.model.names:
         return []
     if effect.settles_to_a_mean and fitted.campaign.shows_settled_motion_only:
+        return []
+    if any(r.edge is not None and jumps(r.drive) for r in fitted.campaign.fitted) and needs_a_smooth_drive(effect):
         return []
     return [_asked_with(regression, effect, words) for words in open_words(fitted.campaign, effect)]
 
