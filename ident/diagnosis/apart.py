@@ -106,8 +106,10 @@ def _excess(fit: Fit) -> float:
 
 
 def _told_by_drive(found: Differing, look: Look) -> bool:
-    """Whether other drives between the samples say enough, or about as much as delays of the records' own: where some drives jump
-    and others are smooth, they differ by half a sample if all are taken for held."""
+    """Whether other drives between the samples say enough, or about as much as delays of the records' own.
+
+    Where some drives jump and others are smooth, they differ by half a sample if all are taken for held.
+    """
     delays = Left(prepare(found.fit).left, found.fit.freedom + found.numbers)
     try:
         one = fit(found.fit.model, look.regression.fit.campaign, initial=found.fit.values)
