@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from ..campaign.device import Device
 from ..diagnosis.diagnose import Diagnosis
-from ..diagnosis.ranking.score import NAMED_BY_CHANCE, Candidate
+from ..diagnosis.ranking.score import NAMED_BY_CHANCE
+from ..diagnosis.ranking.weigh import Candidate
 from ..fit import Fit
 from .words.quantity import show
 from .words.sheet import Column, Mark, Sheet

@@ -13,7 +13,8 @@ from ident.campaign.device import Oscillator
 from ident.diagnosis.linearised.regression import prepare
 from ident.diagnosis.linearised.trajectory import Diverged
 from ident.diagnosis.ranking.confirm import confirm
-from ident.diagnosis.ranking.score import Candidate, kept_more_than_chance, score
+from ident.diagnosis.ranking.score import kept_more_than_chance, score
+from ident.diagnosis.ranking.weigh import Candidate
 from ident.diagnosis.where.locate import locate
 from ident.effects.effect import AbstractEffect, Drive, Scalar, State, amplitude
 from ident.effects.registry import built_in

@@ -15,7 +15,7 @@ from ident.diagnosis.linearised.anchor import prepare_at_best
 from ident.diagnosis.linearised.regression import Regression
 from ident.diagnosis.ranking import look
 from ident.diagnosis.ranking.confirm import Confirmed, confirm
-from ident.diagnosis.ranking.score import Candidate
+from ident.diagnosis.ranking.weigh import Candidate
 from ident.effects.effect import AbstractEffect
 from ident.effects.registry import built_in
 from ident.fit import Fit, fit

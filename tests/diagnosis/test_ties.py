@@ -18,7 +18,8 @@ from ident.diagnosis.diagnose import diagnose
 from ident.diagnosis.evidence.equivalences import equivalence, exact_partners, mistaken, what_separates
 from ident.diagnosis.evidence.family import is_family_of
 from ident.diagnosis.linearised.regression import Regression, prepare
-from ident.diagnosis.ranking.score import Candidate, score
+from ident.diagnosis.ranking.score import score
+from ident.diagnosis.ranking.weigh import Candidate
 from ident.diagnosis.search.ties import independent_of, tie_set, unseen
 from ident.effects import AbstractEffect, amplitude
 from ident.effects.likeness import SAME_LOSS, Likeness

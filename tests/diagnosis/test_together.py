@@ -12,7 +12,7 @@ from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
 from ident.diagnosis.diagnose import diagnose
 from ident.diagnosis.ranking.pairs import best_pair
-from ident.diagnosis.ranking.score import Candidate
+from ident.diagnosis.ranking.weigh import Candidate
 from ident.diagnosis.search import together
 from ident.diagnosis.search.together import hidden_by_each_other
 from ident.effects.registry import built_in

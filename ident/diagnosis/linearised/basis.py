@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-_ABSORBED = 1e-3  # share of a column that must survive the projection for it to say anything new
+ABSORBED = 1e-3  # share of a column that must survive the projection for it to say anything new
 
 
 def orthonormal(rows: np.ndarray, like: np.ndarray | None = None) -> np.ndarray:
@@ -14,4 +14,4 @@ def orthonormal(rows: np.ndarray, like: np.ndarray | None = None) -> np.ndarray:
     if not np.any(usable):
         return np.zeros((rows.shape[1], 0))
     u, s, _ = np.linalg.svd((rows[usable] / lengths[usable, None]).T, full_matrices=False)
-    return u[:, s > _ABSORBED * (1.0 if like is not None else 1e-4)]
+    return u[:, s > ABSORBED * (1.0 if like is not None else 1e-4)]

@@ -16,6 +16,7 @@ from ...fit.assemble import start_scale
 from ...model import Model
 from ...response import Equation
 from .basis import orthonormal
+from .inner import Inner, inner
 
 if TYPE_CHECKING:
     from .regression import Regression
@@ -30,41 +31,80 @@ class Histories(NamedTuple):
     rows: np.ndarray
     spans: tuple[slice, ...]
 
-    def fitted(self, regression: Regression, raw: np.ndarray, own: slice) -> tuple[np.ndarray, float]:
-        """The rows (k, n) of one point of a grid with the histories that suit it best, and what these cost in χ²."""
-        slopes = self.rows[:, own]
-        kept, best, price = regression.project(raw), raw, 0.0
-        if not np.all(np.isfinite(kept)):
-            return raw, price
+    def fitted(self, regression: Regression, raw: np.ndarray, own: slice) -> tuple[np.ndarray, Inner, float]:
+        """The histories (records, h) that suit the rows (q, n) of one point of a grid best, the inner products of the
+        rows with them, and what they cost in χ²."""
+        (alone,) = inner(raw[None], regression.absorbed, regression.residual)
+        none = np.zeros((len(self.spans), len(self.rows)))
+        if not np.all(np.isfinite(alone.kept)):
+            return none, alone, 0.0
+        met, found, price = _Met.of(self, regression, raw, own), none.ravel(), 0.0
         for _ in range(_ROUNDS):
-            lengths = np.maximum(np.linalg.norm(kept, axis=1), 1e-300)
-            size = np.linalg.lstsq((kept / lengths[:, None]).T, regression.residual, rcond=1e-10)[0] / lengths
-            acting = regression.project(self._by_record(np.einsum("a,han->hn", size, slopes)))
+            size = met.beside(alone, found).sizes
+            acting = np.einsum("a,iajb,b->ij", size, met.kept, size)
             # I + ΦΦᵀ by its eigenvalues: beside a memory that dies slowly the identity is lost in rounding.
-            gains, axes = np.linalg.eigh(acting @ acting.T)
+            gains, axes = np.linalg.eigh(acting)
             gains = np.maximum(gains, 0.0)
-            wanted = axes.T @ (acting @ (regression.residual - size @ regression.project(raw)))
+            wanted = axes.T @ (met.along @ size - np.einsum("a,iab,b->i", size, met.kept_with, size))
             found = axes @ (wanted / (1.0 + gains))
-            best = raw.copy()
-            for record, h in zip(self.spans, found.reshape(len(self.spans), -1), strict=True):
-                best[:, record] += np.einsum("h,han->an", h, slopes[:, :, record])
-            kept = regression.project(best)
             price = float(found @ found + np.sum(np.log1p(gains)))
-        return best, price
+        return found.reshape(none.shape), met.beside(alone, found), price
+
+    def added(self, raw: np.ndarray, found: np.ndarray, own: slice) -> np.ndarray:
+        """The rows (q, n) of one point with the histories that were found for it."""
+        best = raw.copy()
+        for record, h in zip(self.spans, found, strict=True):
+            best[:, record] += np.einsum("h,han->an", h, self.rows[:, own, record])
+        return best
 
     def beyond(self, regression: Regression, raw: np.ndarray, size: np.ndarray, own: slice) -> np.ndarray:
         """What the rows (k, n) of one point, with amplitudes `size` (k,), do beyond any history that the effect could
         have had; (n, q) orthonormal. Only that is evidence: a memory that rings down by itself fits many a nuisance."""
-        dying = orthonormal(regression.project(self._by_record(np.einsum("a,han->hn", size, self.rows[:, own]))))
-        kept = regression.project(raw)
-        return orthonormal(kept - (kept @ dying) @ dying.T, raw)
-
-    def _by_record(self, rows: np.ndarray) -> np.ndarray:
-        """Rows (h, n) of all records as rows (records h, n) of one each."""
+        rows = np.einsum("a,han->hn", size, self.rows[:, own])
         apart = np.zeros((len(self.spans), *rows.shape))
         for k, record in enumerate(self.spans):
             apart[k, :, record] = rows[:, record]
-        return apart.reshape(-1, rows.shape[1])
+        dying = orthonormal(regression.project(apart.reshape(-1, rows.shape[1])))
+        kept = regression.project(raw)
+        return orthonormal(kept - (kept @ dying) @ dying.T, raw)
+
+
+class _Met(NamedTuple):
+    """Inner products of the changes (i, q, n), one for each hidden state of each record, of which none meets another
+    record's: among `themselves`, (i, q, i, q), `with_rows` of the point, (i, q, q), both `kept` beside what the model
+    absorbs, and `along` the residual, (i, q)."""
+
+    themselves: np.ndarray
+    kept: np.ndarray
+    with_rows: np.ndarray
+    kept_with: np.ndarray
+    along: np.ndarray
+
+    @classmethod
+    def of(cls, histories: Histories, regression: Regression, raw: np.ndarray, own: slice) -> _Met:
+        spans, (h, q) = histories.spans, (len(histories.rows), len(raw))
+        count = len(spans) * h
+        themselves, with_rows = np.zeros((count, q, count, q)), np.zeros((count, q, q))
+        along, shared = np.zeros((count, q)), np.zeros((count, q, regression.absorbed.shape[1]))
+        for k, record in enumerate(spans):
+            at, rows = slice(k * h, (k + 1) * h), histories.rows[:, own, record].reshape(h * q, -1)
+            themselves[at, :, at, :] = (rows @ rows.T).reshape(h, q, h, q)
+            with_rows[at] = (rows @ raw[:, record].T).reshape(h, q, q)
+            along[at] = (rows @ regression.residual[record]).reshape(h, q)
+            shared[at] = (rows @ regression.absorbed[record]).reshape(h, q, -1)
+        by_rows = raw @ regression.absorbed
+        kept = themselves - np.einsum("iak,jbk->iajb", shared, shared)
+        return cls(themselves, kept, with_rows, with_rows - np.einsum("iak,bk->iab", shared, by_rows), along)
+
+    def beside(self, alone: Inner, found: np.ndarray) -> Inner:
+        """Inner products of the rows with histories `found`, (i,)."""
+
+        def changed(one: np.ndarray, crossed: np.ndarray, squares: np.ndarray) -> np.ndarray:
+            once = np.einsum("i,iab->ab", found, crossed)
+            return one + once + once.T + np.einsum("i,iajb,j->ab", found, squares, found)
+
+        themselves = changed(alone.themselves, self.with_rows, self.themselves)
+        return Inner(themselves, changed(alone.kept, self.kept_with, self.kept), alone.along + found @ self.along)
 
 
 def begun_apart(regression: Regression, model: Model, places: int) -> np.ndarray | None:

@@ -31,7 +31,7 @@ from ...response import Tape, divided
 from ..evidence.equivalences import equivalence
 from ..linearised.regression import Regression
 from ..ranking.confirm import accept, confirm
-from ..ranking.score import Candidate
+from ..ranking.weigh import Candidate
 from .waveforms import Waveform, limits_of, proposals
 
 SEPARATED = 10.0  # expected Δχ² from which a record is worth taking

@@ -20,9 +20,9 @@ from ...model import FREQUENCY, QUALITY, Model, make_effect
 from ..linearised.regression import Regression
 from ..linearised.shorten import CRAWLS, is_long
 from ..linearised.whiten import whiten
-from .score import Candidate
 from .splits import split_starts, takes_over
 from .usual_form import numbers_told
+from .weigh import Candidate
 
 
 class Confirmed(NamedTuple):

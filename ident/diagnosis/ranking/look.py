@@ -20,7 +20,8 @@ from ..linearised.anchor import prepare_at_best
 from ..linearised.regression import Regression
 from .confirm import Confirmed, confirm
 from .refits import bent_readings, by_refits
-from .score import Candidate, score, significant
+from .score import score, significant
+from .weigh import Candidate
 
 _SHORTLIST = 3  # twice as many if refits keep less than the scores promised
 # Refits of those that promise nearly as much. Set on one set: with three the sloshing liquid (`experiments.real`) lost

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..linearised.regression import Regression
-from .score import Candidate
+from .weigh import Candidate
 
 _SURVIVES = 1e-4  # squared share of a column that must be left beside the other effect's: rounding and the measured
 # path's noise make up the rest

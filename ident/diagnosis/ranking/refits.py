@@ -15,7 +15,8 @@ from ...pulse import Report
 from ..linearised.regression import Regression
 from ..side_by_side import at_once
 from .confirm import base_of, start_of, weigh, with_effect, without_unseen
-from .score import Candidate, refit_chance
+from .score import refit_chance
+from .weigh import Candidate
 
 FEW = 15  # steps of least squares: enough to tell who gains much
 _SMALL = 0.1  # of the size that the score predicts

@@ -18,7 +18,8 @@ from ..evidence.held_out import hurts_more
 from ..linearised.regression import Regression, prepare
 from ..linearised.trajectory import Diverged
 from ..ranking.confirm import Confirmed, accept, confirm
-from ..ranking.score import Candidate, score, significant
+from ..ranking.score import score, significant
+from ..ranking.weigh import Candidate
 from .change import try_without
 
 _TWO = 2  # numbers that two effects have at least

@@ -21,7 +21,8 @@ from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
 from ..ranking.confirm import accept, confirm
-from ..ranking.score import Candidate, score, significant
+from ..ranking.score import score, significant
+from ..ranking.weigh import Candidate
 from ..side_by_side import at_once
 from .change import ENOUGH, still_possible, try_without, values_without
 from .parts import Parts, take_apart

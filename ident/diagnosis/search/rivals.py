@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 from typing import NamedTuple
 
-from ..ranking.score import Candidate
+from ..ranking.weigh import Candidate
 
 _KEPT = 5  # of a step: those that were refitted, then the best of the others
 

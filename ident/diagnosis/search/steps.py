@@ -11,7 +11,7 @@ from ...fit import Fit
 from ..evidence.enough import Role
 from ..linearised.regression import Regression
 from ..ranking.look import Look
-from ..ranking.score import Candidate
+from ..ranking.weigh import Candidate
 from .parts import Parts
 from .rivals import Rival
 

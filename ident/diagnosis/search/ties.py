@@ -20,7 +20,7 @@ from ..evidence.held_out import behind_held_out
 from ..linearised.regression import Regression
 from ..ranking.confirm import Confirmed, confirm
 from ..ranking.look import possible
-from ..ranking.score import Candidate
+from ..ranking.weigh import Candidate
 from ..side_by_side import at_once
 
 _TIED = 0.99  # share of a signature that another effect reproduces, above which a refit has to decide

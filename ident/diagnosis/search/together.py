@@ -17,7 +17,8 @@ from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
 from ..ranking.confirm import accept, confirm
 from ..ranking.pairs import best_pair
-from ..ranking.score import Candidate, score
+from ..ranking.score import score
+from ..ranking.weigh import Candidate
 from .steps import Step
 
 
