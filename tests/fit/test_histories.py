@@ -134,10 +134,11 @@ def test_a_point_without_a_bound_has_no_history():
     changed[0, 1, 5] = np.nan
     record = SimpleNamespace(start="unknown")
     regression = SimpleNamespace(
-        places=(slice(0, 40),), residual=np.ones(40), project=lambda x: x,
+        places=(slice(0, 40),), residual=np.ones(40), absorbed=np.zeros((40, 0)),
         fit=SimpleNamespace(campaign=SimpleNamespace(fitted=(record,))),
     )  # fmt: skip
     found = histories(regression, changed, rows)  # type: ignore[arg-type]
     assert np.all(found.rows[0, 0] == 1.0) and np.all(found.rows[0, 1] == 0.0)
-    assert found.fitted(regression, rows[1:], slice(1, 2))[1] == 0.0  # type: ignore[arg-type]
-    assert np.all(np.isfinite(found.fitted(regression, rows[:1], slice(0, 1))[0]))  # type: ignore[arg-type]
+    assert found.fitted(regression, rows[1:], slice(1, 2))[2] == 0.0  # type: ignore[arg-type]
+    past, _, _ = found.fitted(regression, rows[:1], slice(0, 1))  # type: ignore[arg-type]
+    assert np.all(np.isfinite(found.added(rows[:1], past, slice(0, 1))))

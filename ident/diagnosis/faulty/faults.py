@@ -74,6 +74,7 @@ class Rest(NamedTuple):
     worst: float
 
 
+@lru_cache(maxsize=16)  # asked for again where no fault of them is found
 def told_by_others(fitted: Fit, i: int) -> Rest | None:
     """What the records but one tell.
 

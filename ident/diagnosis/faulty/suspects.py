@@ -19,7 +19,6 @@ from ...campaign.drive_sine import drive_sine
 from ...campaign.quality.suspect import ALL, Suspect, suspects_by_data
 from ...campaign.record import Trace
 from ...fit import Fit, fit
-from ...fit.linear.start_model import start_model, with_drives
 from ...fit.reading import read
 from ...model import QUALITY, Model
 from ...pulse import Report
@@ -29,6 +28,7 @@ from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, one_stretch_each
 from ..linearised.trajectory import Diverged
 from ..ranking.look import Look, first_look
+from .astray import as_others_choose, of_the_others
 from .faults import (
     OF_FREQUENCY,
     Fault,
@@ -152,6 +152,11 @@ def _by_others(fitted: Fit, look: Look) -> list[Suspect]:
     found: list[Suspect] = []
     while known.excess > _FLOOR**2 - 1:
         one = _most_likely(fitted, _worst_first(fitted), look)
+        if not found and not (one and one[0].settles) and (other := _as_others_choose(fitted, look)) is not None:
+            again = _most_likely(other[0], _worst_first(other[0]), other[1])
+            if again is not None and again[0].settles:
+                one, (fitted, look) = again, other
+                traces = fitted.campaign.traces
         if one is None or (found and one[0].file == ALL):
             break
         suspect, known = one
@@ -163,7 +168,8 @@ def _by_others(fitted: Fit, look: Look) -> list[Suspect]:
         if suspect.settles or suspect.file == ALL or len(found) >= most:
             break
         try:  # one fault may hide another: what do the others say of one another?
-            fitted = _of_the_others(fitted, suspect.file)
+            names = [trace.name for trace in fitted.campaign.traces]
+            fitted = of_the_others(fitted, names.index(suspect.file))
             look = first_look(fitted, look.library, look.report)
         except Diverged:  # without it their motion has no bound
             break
@@ -171,13 +177,13 @@ def _by_others(fitted: Fit, look: Look) -> list[Suspect]:
     return found + [s for name in outside if (s := _held_out(traces, known, at[name])) is not None]
 
 
-def _of_the_others(fitted: Fit, name: str) -> Fit:
-    """The fit without a record; of the first model of a walk, that which the others choose, with their drives."""
-    campaign = replace(fitted.campaign, records=tuple(r for r in fitted.campaign.records if r.name != name))
-    if fitted.model.names != start_model(fitted.campaign).names:
-        return fit(fitted.model, campaign, initial=fitted.values)
-    campaign = with_drives(campaign)
-    return fit(start_model(campaign), campaign)
+def _as_others_choose(fitted: Fit, look: Look) -> tuple[Fit, Look] | None:
+    """The fit from which to ask again if a faulty record has led the choice of the first model astray, and a look."""
+    try:
+        other = as_others_choose(fitted, _worst_first(fitted))
+        return other and (other, first_look(other, look.library, look.report))
+    except Diverged:  # its motion has no bound
+        return None
 
 
 def _worst_first(fitted: Fit) -> list[int]:
