@@ -22,6 +22,7 @@ from ..linearised.shorten import is_long, working
 from ..linearised.trajectory import Diverged
 from ..ranking.confirm import accept, confirm
 from ..ranking.look import Look
+from ..ranking.refits import by_refits
 from ..ranking.score import score, significant
 from .change import to_its_end, try_without
 from .lacking import lacking, leaves_no_structure, says_more_than_shapes
@@ -180,6 +181,11 @@ def tied_at_the_end(step: Step, last: Fit, start: Fit, library: Registry, report
     if chosen is None:
         return step
     found = confirm(regression, library[step.added], chosen)
+    if not regression.credible:  # all then tie by what scores say
+        chosen = chosen._replace(drop=max(regression.best_chi2 - found.chi2, 0.0), predicted_gain=found.gain)
+        others = [candidate for candidate in candidates if candidate.name != step.added]
+        candidates = [chosen, *by_refits(regression, others, library, report)]
+        found = found._replace(candidate=chosen)
     ties, tied = weighed_ties(regression, found, candidates, library, [found])
     return step._replace(tie_set=ties.names, reasons=ties.reasons, tied=tied, regression=regression)
 

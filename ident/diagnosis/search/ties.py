@@ -108,7 +108,9 @@ def tie_set(
         enough = _KNOWN if equivalence(library[best.name], library[other.name]) else _TIED
         shape = ANOTHER_LAW * regression.excess
         as_simple = both and refits[other.name].model.numbers <= refits[best.name].model.numbers + 1
-        near = as_simple and not wider and left - least < shape
+        # Of two laws the one that leaves nothing to be seen is not as far from the device's as the one that does.
+        told_apart = at_floor(least, regression) and not at_floor(left, regression)
+        near = as_simple and not wider and left - least < shape and not told_apart
         unseen_yet = (
             not both and regression.credible and not wider and alike > enough and _may_catch_up(library[other.name])
         )
