@@ -33,7 +33,7 @@ from .constant import with_its_constant
 from .drive import edges_of, other_drive, smooth_instead
 from .fewer_modes import without_a_mode, without_its_mode
 from .further_mode import with_its_mode
-from .once_more import begun_with, drive_beside, lower_start, with_other_starts
+from .once_more import another_minimum, begun_with, drive_beside, lower_start, with_other_starts
 from .other_form import in_another_form, steps_in_another_form
 from .rivals import rivals_of
 from .steps import Ended, Step, Walked
@@ -108,6 +108,13 @@ def _walk(
         if alone and not hidden_by_each_other(look.regression, look.candidates, None, first, library):
             break
         found = _best_step(current, look, gains if not steps else {})
+        refines = found is None or found[0][-1].role == "shape-refinement"
+        if refines and steps and (lower := another_minimum(current, start, report)) is not None:
+            current = lower
+            steps[-1] = steps[-1]._replace(fit=current)
+            look = look.at(prepare(working(current)))
+            first = look.first
+            continue
         if found is None:
             break
         more, regression = found

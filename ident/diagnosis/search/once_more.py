@@ -1,14 +1,18 @@
-"""Where a walk begins again: with another drive between the samples, with other starts of its records, or from a better
-minimum of its first model."""
+"""Where a walk begins again: with another drive between the samples, with other starts of its records, from a better
+minimum of its first model, or of one with effects."""
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
 
 from ...campaign.held_drive import Edges
 from ...fit import Fit, fit
+from ...fit.finish import Minimum
+from ...fit.fit import minimise
+from ...fit.rebuild import fit_at
 from ...model import QUALITY
 from ...pulse import Report
 from ..evidence.criterion import clearly_better
@@ -16,6 +20,7 @@ from ..linearised.regression import prepare
 from ..linearised.shorten import CRAWLS, is_long, working
 from ..linearised.trajectory import Diverged
 from ..ranking.look import Look
+from ..side_by_side import at_once
 from .drive import other_drive, with_edges
 from .steps import Step
 
@@ -45,6 +50,49 @@ def lower_start(start: Fit, last: Fit, report: Report) -> Fit | None:
         return None
     report("the first model has a better minimum: once more, from there")
     return lower
+
+
+def another_minimum(current: Fit, start: Fit, report: Report) -> Fit | None:
+    """The fit of a model from the other shapes of its laws, beside the linear part of the first model, if that is a
+    clearly better minimum than where the walk has come to.
+
+    Beside a law of a wrong shape the linear part bends to make good for it, and from there no slope leads back. Each
+    start is followed to its end: in a race the valley of the device's own shapes may fall last.
+    """
+    linear = {p.name: v for p, v in zip(start.model.parameters, start.values, strict=True) if p.kind == "linear"}
+    begun = np.array([linear.get(p.name, v) for p, v in zip(current.model.parameters, current.values, strict=True)])
+    points = [point for effect in current.model.effects for point in _other_shapes(current, begun, effect.name)]
+    if not points or current.campaign.sweeps:
+        return None
+    report(f"the same laws from {len(points)} other shapes")
+    shown = working(current)
+
+    def refit(point: np.ndarray) -> Minimum:
+        return minimise(shown.model, shown.campaign, initial=point, most=CRAWLS, compared=True)
+
+    best = min(at_once(refit, points), key=lambda one: one.error)
+    try:
+        lower = fit_at(shown.model, shown.campaign, best.values)
+        if not clearly_better(prepare(lower), prepare(shown)):
+            return None
+        return fit(current.model, current.campaign, initial=best.values, most=CRAWLS)
+    except (Diverged, np.linalg.LinAlgError):  # from there the motion has no bound
+        return None
+
+
+def _other_shapes(current: Fit, begun: np.ndarray, effect: str) -> list[np.ndarray]:
+    """Values at every point of the grid of one effect's shapes."""
+    grids = {
+        i: [g * getattr(current.scales, p.scale) for g in p.grid]
+        for i, p in enumerate(current.model.parameters)
+        if p.effect == effect and p.kind == "shape" and p.fitted and len(p.grid) > 1
+    }
+    points = []
+    for shapes in itertools.product(*grids.values()) if grids else ():
+        point = begun.copy()
+        point[list(grids)] = shapes
+        points.append(point)
+    return points
 
 
 def with_other_starts(one: Fit) -> Fit | None:
