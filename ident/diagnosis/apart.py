@@ -110,16 +110,18 @@ def _told_by_drive(found: Differing, look: Look) -> bool:
 
     Where some drives jump and others are smooth, they differ by half a sample if all are taken for held.
     """
-    delays = Left(prepare(found.fit).left, found.fit.freedom + found.numbers)
+    campaign = look.regression.fit.campaign
+    numbers = found.fit.freedom + found.numbers + edges_of(campaign).numbers
+    delays = Left(prepare(found.fit).left, numbers)
     try:
-        one = fit(found.fit.model, look.regression.fit.campaign, initial=found.fit.values)
+        one = fit(found.fit.model, campaign, initial=found.fit.values)
         for _ in range(_DRIVES):
-            other = other_drive(one, prepare(one), look.report)
+            other = other_drive(one, prepare(one), lambda _: None)
             if other is None:
                 break
             one = fit(one.model, with_edges(one.campaign, other), initial=one.values)
         there = prepare(one)
-    except Diverged:
+    except (Diverged, np.linalg.LinAlgError):  # a motion without bound tells nothing
         return False
     told = Left(there.left, one.freedom + edges_of(one.campaign).numbers)
     return adequate(there) or behind(delays, told) > -VERY_STRONG

@@ -142,3 +142,5 @@ def test_a_point_without_a_bound_has_no_history():
     assert found.fitted(regression, rows[1:], slice(1, 2))[2] == 0.0  # type: ignore[arg-type]
     past, _, _ = found.fitted(regression, rows[:1], slice(0, 1))  # type: ignore[arg-type]
     assert np.all(np.isfinite(found.added(rows[:1], past, slice(0, 1))))
+    silent = histories(regression, np.full((1, 2, 40), 2.0), np.zeros((2, 40)))  # type: ignore[arg-type]
+    assert np.all(silent.rows == 0.0), "what does nothing in any record is not seen by a history"

@@ -34,10 +34,11 @@ def as_others_choose(fitted: Fit, records: Sequence[int]) -> Fit | None:
     worst = min(left, key=lambda i: left[i], default=None)
     if worst is None or not left[worst] < MOST_OF_IT * (fitted.fitted.error_over_noise**2 - 1.0):
         return None
-    others = of_the_others(fitted, worst)
+    bare = without(campaign, worst)
+    read, choice = with_drives(bare), linear_choice(bare)
+    others = fit(start_model(read), read)
     if not others.fitted.error_over_noise**2 - 1.0 < MOST_OF_IT * left[worst]:
         return None
-    choice = linear_choice(others.campaign)
     gone = campaign.traces[worst]
     free = choice is not None and gone.between == "auto" and gone.driven
     as_read = replace(gone, edge=choice.chosen.edges.of(gone.drive)) if choice is not None and free else gone

@@ -152,11 +152,9 @@ def _by_others(fitted: Fit, look: Look) -> list[Suspect]:
     found: list[Suspect] = []
     while known.excess > _FLOOR**2 - 1:
         one = _most_likely(fitted, _worst_first(fitted), look)
-        if not found and not (one and one[0].settles) and (other := _as_others_choose(fitted, look)) is not None:
-            again = _most_likely(other[0], _worst_first(other[0]), other[1])
-            if again is not None and again[0].settles:
-                one, (fitted, look) = again, other
-                traces = fitted.campaign.traces
+        if not (found or (one and one[0].settles)) and (other := _as_others_choose(fitted, look)) is not None:
+            one, fitted, look = other
+            traces = fitted.campaign.traces
         if one is None or (found and one[0].file == ALL):
             break
         suspect, known = one
@@ -177,13 +175,24 @@ def _by_others(fitted: Fit, look: Look) -> list[Suspect]:
     return found + [s for name in outside if (s := _held_out(traces, known, at[name])) is not None]
 
 
-def _as_others_choose(fitted: Fit, look: Look) -> tuple[Fit, Look] | None:
-    """The fit from which to ask again if a faulty record has led the choice of the first model astray, and a look."""
+def _as_others_choose(fitted: Fit, look: Look) -> tuple[tuple[Suspect, _Explained], Fit, Look] | None:
+    """The faulty record that had led the choice of the first model astray, if it settles all beside what the others
+    choose, and says clearly more than physics does beside the first; with the fit and the look that say so."""
+    sound = _with_physics(fitted, look)
+    if sound.worst <= _FLOOR:
+        return None
     try:
         other = as_others_choose(fitted, _worst_first(fitted))
-        return other and (other, first_look(other, look.library, look.report))
+        there = other and first_look(other, look.library, look.report)
+        one = _most_likely(other, _worst_first(other), there) if other and there else None
     except Diverged:  # its motion has no bound
         return None
+    if other is None or there is None or one is None:
+        return None
+    suspect, faulty = one
+    sure = suspect.settles and suspect.file != ALL and _better(faulty, sound, 0.0)
+    told = replace(suspect, says=f"{suspect.says}, beside the linear model that the others choose")
+    return ((told, faulty), other, there) if sure else None
 
 
 def _worst_first(fitted: Fit) -> list[int]:

@@ -127,5 +127,7 @@ def histories(regression: Regression, changed: np.ndarray, rows: np.ndarray) -> 
     spans = tuple(own for record, own in records if record.start != "rest")
     # A point of a grid at which the memory has no bound has no history that could say anything either.
     known = np.all(np.isfinite(rows), axis=1, keepdims=True)
+    # What does nothing whatever the drive has done is not seen by histories, which would grow without end, either.
+    known &= np.any(rows, axis=1, keepdims=True)
     bounded = known & np.all(np.isfinite(changed), axis=2, keepdims=True)
     return Histories(np.where(bounded, changed - np.where(known, rows, 0.0), 0.0), spans)

@@ -16,6 +16,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from scipy.special import fdtrc
 
+from ...campaign.campaign import Campaign
 from ...campaign.device import Platform
 from ...campaign.held_drive import jumps
 from ...effects.dependence import needs_a_smooth_drive
@@ -96,9 +97,14 @@ def _asked(regression: Regression, effect: type[AbstractEffect]) -> list[Asked]:
         return []
     if effect.settles_to_a_mean and fitted.campaign.shows_settled_motion_only:
         return []
-    if any(r.edge is not None and jumps(r.drive) for r in fitted.campaign.fitted) and needs_a_smooth_drive(effect):
+    if lacks_a_smooth_drive(fitted.campaign, effect):
         return []
     return [_asked_with(regression, effect, words) for words in open_words(fitted.campaign, effect)]
+
+
+def lacks_a_smooth_drive(campaign: Campaign, effect: type[AbstractEffect]) -> bool:
+    """Whether a drive that is held jumps, and what an effect would do then is how steep somebody draws its edges."""
+    return needs_a_smooth_drive(effect) and any(r.edge is not None and jumps(r.drive) for r in campaign.fitted)
 
 
 def _asked_with(regression: Regression, effect: type[AbstractEffect], words: Mapping[str, str]) -> Asked:

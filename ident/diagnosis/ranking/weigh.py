@@ -18,7 +18,6 @@ from ..linearised.histories import Histories, histories
 from ..linearised.inner import inner
 from ..linearised.regression import Regression
 
-_NONE = np.zeros((0, 0))
 _NEAR_POINTS = 5  # of a grid, kept as starts: the best of them may lead into a local minimum
 
 
@@ -79,7 +78,7 @@ class _Point(NamedTuple):
     values: Mapping[str, float]
     rows: slice
     past: np.ndarray | None = None
-    basis: np.ndarray = _NONE
+    basis: np.ndarray | None = None
     beside: np.ndarray | None = None
 
 
@@ -103,13 +102,13 @@ def weighed(regression: Regression, asked: Asked) -> Candidate | None:
     q, names = len(amplitudes), [p.name for p in effect.declared()]
     begun = None if asked.changed is None else histories(regression, asked.changed, asked.raw)
     columns = _Columns(asked.raw, q, begun)
-    tried = _tried(regression, asked, columns)
+    tried = _tried(regression, asked, columns) if q else []
     if not tried:
         return None
     best, *others = sorted(tried, key=lambda tried: -tried.drop)
     near = _apart(others, tried, asked.sides, q)[: _NEAR_POINTS - 1]
-    best, near = _told(regression, asked, columns, best), [_told(regression, asked, columns, one) for one in near]
-    own, basis = columns.at(best), best.basis
+    (best, basis), *others = (_told(regression, asked, columns, one) for one in (best, *near))
+    own = columns.at(best)
     size = np.array([best.values[names[a]] for a in amplitudes])
     beyond = basis
     if moves is None and begun is not None:
@@ -127,8 +126,8 @@ def weighed(regression: Regression, asked: Asked) -> Candidate | None:
         errors={names[a]: float(x) for a, x in zip(amplitudes, spread, strict=True)},
         units={p.name: p.unit for p in effect.declared()},
         signature=basis.T,
-        near=tuple(other.values for other in near),
-        near_signatures=tuple(other.basis.T for other in near),
+        near=tuple(other.values for other, _ in others),
+        near_signatures=tuple(its_basis.T for _, its_basis in others),
         beside=regression.moved(size @ own) if best.beside is None else best.beside,
         unseen=_unseen(asked, names),
         words=asked.words,
@@ -162,16 +161,14 @@ def _tried(regression: Regression, asked: Asked, columns: _Columns) -> list[_Poi
     return tried
 
 
-def _told(regression: Regression, asked: Asked, columns: _Columns, one: _Point) -> _Point:
-    """A point with its basis, and its sizes to the last digit; for the best few of a grid."""
-    if one.basis.size:
-        return one
+def _told(regression: Regression, asked: Asked, columns: _Columns, one: _Point) -> tuple[_Point, np.ndarray]:
+    """A point with its sizes to the last digit, and its basis (n, q); for the best few of a grid."""
+    if one.basis is not None:
+        return one, one.basis
     own, point = columns.at(one), asked.points[one.rows.start // columns.q]
     left = regression.project(own)
     names = [p.name for p in asked.effect.declared()]
-    return one._replace(
-        values=_estimate(regression, names, asked.amplitudes, point, left), basis=orthonormal(left, own)
-    )
+    return one._replace(values=_estimate(regression, names, asked.amplitudes, point, left)), orthonormal(left, own)
 
 
 def _unseen(asked: Asked, names: list[str]) -> frozenset[str]:

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from ...campaign.campaign import Campaign
 from ...effects.registry import Registry
 from ...fit import Fit
@@ -68,7 +70,7 @@ def concluded(ended: Ended) -> Discovery:
     if final is not walked.final:
         regression = prepare(working(final))
         candidates = score(regression, library)
-    blurred = [step for step in steps if step is not steps[-1] or step.partner]
+    blurred = [step for step in steps if step is not steps[-1] or step.partner or step.moved]
     steps = [tied_at_the_end(s, final, first.fit, library, report) if s in blurred else s for s in steps]
     steps = [_beside_its_even(_beside_parts(step, alike), even, library) for step in steps]
     remaining = tuple(significant(candidates))
@@ -181,11 +183,12 @@ def tied_at_the_end(step: Step, last: Fit, start: Fit, library: Registry, report
     if chosen is None:
         return step
     found = confirm(regression, library[step.added], chosen)
-    if not regression.credible:  # all then tie by what scores say
-        chosen = chosen._replace(drop=max(regression.best_chi2 - found.chi2, 0.0), predicted_gain=found.gain)
+    if not np.isfinite(found.chi2):
+        return step
+    if not regression.credible:  # by what scores say all then tie: short refits of all tell as much of each
         others = [candidate for candidate in candidates if candidate.name != step.added]
-        candidates = [chosen, *by_refits(regression, others, library, report)]
-        found = found._replace(candidate=chosen)
+        candidates = by_refits(regression, [chosen, *others], library, report)
+        found = found._replace(candidate=next(c for c in candidates if c.name == step.added))
     ties, tied = weighed_ties(regression, found, candidates, library, [found])
     return step._replace(tie_set=ties.names, reasons=ties.reasons, tied=tied, regression=regression)
 

@@ -109,12 +109,14 @@ def _walk(
             break
         found = _best_step(current, look, gains if not steps else {})
         refines = found is None or found[0][-1].role == "shape-refinement"
-        if refines and steps and (lower := another_minimum(current, start, report)) is not None:
-            current = lower
-            steps[-1] = steps[-1]._replace(fit=current)
-            look = look.at(prepare(working(current)))
-            first = look.first
-            continue
+        if refines and steps and steps[-1].role == "effect" and not steps[-1].moved:
+            lower = another_minimum(current, start, report)
+            if lower is not None:
+                current, look = lower, look.at(prepare(working(lower)))
+                first = look.first
+                steps[-1] = steps[-1]._replace(fit=current, moved=True)
+                keep(Walked(start, tuple(steps), gains))
+                continue
         if found is None:
             break
         more, regression = found

@@ -12,7 +12,6 @@ from ...campaign.held_drive import Edges
 from ...fit import Fit, fit
 from ...fit.finish import Minimum
 from ...fit.fit import minimise
-from ...fit.rebuild import fit_at
 from ...model import QUALITY
 from ...pulse import Report
 from ..evidence.criterion import clearly_better
@@ -23,6 +22,8 @@ from ..ranking.look import Look
 from ..side_by_side import at_once
 from .drive import other_drive, with_edges
 from .steps import Step
+
+_MOST_SHAPES = 24  # each a refit to its end; one law has up to 20
 
 
 def begun_with(start: Fit, edges: Edges) -> Fit:
@@ -53,15 +54,17 @@ def lower_start(start: Fit, last: Fit, report: Report) -> Fit | None:
 
 
 def another_minimum(current: Fit, start: Fit, report: Report) -> Fit | None:
-    """The fit of a model from the other shapes of its laws, beside the linear part of the first model, if that is a
-    clearly better minimum than where the walk has come to.
+    """The fit of a model from other shapes of the laws that a walk has added to the first one, beside the numbers of
+    that, if it is a clearly better minimum than where the walk has come to.
 
     Beside a law of a wrong shape the linear part bends to make good for it, and from there no slope leads back. Each
     start is followed to its end: in a race the valley of the device's own shapes may fall last.
     """
-    linear = {p.name: v for p, v in zip(start.model.parameters, start.values, strict=True) if p.kind == "linear"}
-    begun = np.array([linear.get(p.name, v) for p, v in zip(current.model.parameters, current.values, strict=True)])
-    points = [point for effect in current.model.effects for point in _other_shapes(current, begun, effect.name)]
+    first = dict(zip((p.name for p in start.model.parameters), start.values, strict=True))
+    begun = np.array([first.get(p.name, v) for p, v in zip(current.model.parameters, current.values, strict=True)])
+    added = [effect.name for effect in current.model.effects if effect.name not in start.model.names]
+    points = [point for name in added for point in _other_shapes(current, begun, name)]
+    points = points[:: max(-(-len(points) // _MOST_SHAPES), 1)]
     if not points or current.campaign.sweeps:
         return None
     report(f"the same laws from {len(points)} other shapes")
@@ -70,14 +73,16 @@ def another_minimum(current: Fit, start: Fit, report: Report) -> Fit | None:
     def refit(point: np.ndarray) -> Minimum:
         return minimise(shown.model, shown.campaign, initial=point, most=CRAWLS, compared=True)
 
-    best = min(at_once(refit, points), key=lambda one: one.error)
     try:
-        lower = fit_at(shown.model, shown.campaign, best.values)
-        if not clearly_better(prepare(lower), prepare(shown)):
+        best = min(at_once(refit, points), key=lambda one: one.error)
+        if not best.error < shown.fitted.error_over_noise:
             return None
-        return fit(current.model, current.campaign, initial=best.values, most=CRAWLS)
+        begins = best.best.found.starts if shown is current else None
+        lower = fit(current.model, current.campaign, initial=best.values, begun=begins, most=CRAWLS)
+        better = clearly_better(prepare(working(lower)), prepare(shown)) and lower.fitted.chi2 < current.fitted.chi2
     except (Diverged, np.linalg.LinAlgError):  # from there the motion has no bound
         return None
+    return lower if better else None
 
 
 def _other_shapes(current: Fit, begun: np.ndarray, effect: str) -> list[np.ndarray]:

@@ -23,7 +23,8 @@ class Step(NamedTuple):
 
     `reasons`: why it ties, in words; `tied`: the candidates that do, as scored on `regression`, the fit before;
     `instead`: where an effect and a few simpler ones do as well; `partner`: the effect that was added with it, where
-    neither alone explains what both do together; `rivals`: what stood against it.
+    neither alone explains what both do together; `rivals`: what stood against it; `moved`: whether its laws have come
+    to another minimum since its ties were told.
     """
 
     added: str
@@ -38,6 +39,7 @@ class Step(NamedTuple):
     instead: Parts | None = None
     partner: str | None = None
     rivals: tuple[Rival, ...] = ()
+    moved: bool = False
 
 
 class Walked(NamedTuple):

@@ -20,6 +20,7 @@ from ..evidence.held_out import behind_held_out
 from ..linearised.regression import Regression
 from ..ranking.confirm import Confirmed, confirm
 from ..ranking.look import possible
+from ..ranking.score import lacks_a_smooth_drive
 from ..ranking.weigh import Candidate
 from ..side_by_side import at_once
 
@@ -28,6 +29,7 @@ _KNOWN = 0.95  # the same for effects that are known to pass for one another
 _EXACT = 0.9  # the same for effects that no record of a linear device tells apart
 _AS_MUCH = 0.9  # of what the best one explains: an effect that explains less is no rival, however few samples there are
 _ABSORBED = "the model's own parameters absorb all that it adds to these records"
+_HELD = "where a drive jumps, what it does is how steep the edge is drawn; a drive without jumps shows it"
 _SETTLED = "curves of settled motion show only the mean that it comes to"
 _REFITTED = 12  # of the names that tie by their scores; a record that says little leaves more than that
 _CHANCE = 0.05  # probability, below which the further numbers of a law that contains another say something
@@ -108,8 +110,9 @@ def tie_set(
         enough = _KNOWN if equivalence(library[best.name], library[other.name]) else _TIED
         shape = ANOTHER_LAW * regression.excess
         as_simple = both and refits[other.name].model.numbers <= refits[best.name].model.numbers + 1
-        # Of two laws the one that leaves nothing to be seen is not as far from the device's as the one that does.
-        told_apart = at_floor(least, regression) and not at_floor(left, regression)
+        # Of two laws the one that leaves nothing to be seen is not as far from the device's as one that leaves more
+        # than it by what would be seen above noise.
+        told_apart = at_floor(least, regression) and not at_floor(regression.n + left - least, regression)
         near = as_simple and not wider and left - least < shape and not told_apart
         unseen_yet = (
             not both and regression.credible and not wider and alike > enough and _may_catch_up(library[other.name])
@@ -202,7 +205,8 @@ def unseen(regression: Regression, candidates: Sequence[Candidate], library: Reg
         if effect.name in scored or absent or other:
             continue
         settled = effect.settles_to_a_mean and regression.fit.campaign.shows_settled_motion_only
-        found.append(Unseen(effect.name, _SETTLED if settled else _ABSORBED, settled))
+        held = lacks_a_smooth_drive(regression.fit.campaign, effect)
+        found.append(Unseen(effect.name, _SETTLED if settled else _HELD if held else _ABSORBED, settled))
     return tuple(found)
 
 
