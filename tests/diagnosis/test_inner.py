@@ -50,6 +50,16 @@ def test_what_the_model_can_do_itself_and_what_has_no_bound_say_nothing() -> Non
     np.testing.assert_allclose(seen.sizes, [0.0, alone.sizes[0]])
 
 
+def test_rows_at_zero_leave_what_the_others_say() -> None:
+    on, rng = bench(8, 3), np.random.default_rng(9)
+    rows = rng.standard_normal((3, N))
+    (seen,) = inner(rows[None], on.absorbed, on.residual)
+    (alone,) = inner(rows[None, [0, 2]], on.absorbed, on.residual)
+    without = seen.without(np.array([False, True, False]))
+    assert without.drop == pytest.approx(alone.drop)
+    np.testing.assert_allclose(without.sizes, [alone.sizes[0], 0.0, alone.sizes[1]])
+
+
 def test_histories_that_suit_are_found_without_the_columns() -> None:
     """Rows with the histories that are found have the inner products that are told, and explain what they made."""
     on, rng = bench(5, 3), np.random.default_rng(6)

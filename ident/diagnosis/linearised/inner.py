@@ -48,6 +48,12 @@ class Inner(NamedTuple):
         found[usable] = axes @ (axes.T @ (self.along[usable] / lengths) / power[told]) / lengths
         return found
 
+    def without(self, gone: np.ndarray) -> Inner:
+        """The same with some of the rows, (q,), at zero."""
+        there = ~gone
+        both = np.outer(there, there)
+        return Inner(self.themselves * both, self.kept * both, self.along * there)
+
     def _axes(self, lengths: np.ndarray, usable: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return np.linalg.eigh(self.kept[np.ix_(usable, usable)] / np.outer(lengths, lengths))
 

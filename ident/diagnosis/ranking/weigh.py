@@ -137,7 +137,8 @@ def weighed(regression: Regression, asked: Asked) -> Candidate | None:
 def _tried(regression: Regression, asked: Asked, columns: _Columns) -> list[_Point]:
     """Every point of the grid at which the effect does something that the model cannot."""
     effect, amplitudes, q, begun = asked.effect, asked.amplitudes, columns.q, columns.begun
-    names = [p.name for p in effect.declared()]
+    declared = effect.declared()
+    names, positive = [p.name for p in declared], np.array([declared[a].positive for a in amplitudes])
     by_point = asked.raw.reshape(len(asked.points), q, -1)
     alone = inner(by_point, regression.absorbed, regression.residual) if begun is None else []
     tried = []
@@ -147,6 +148,10 @@ def _tried(regression: Regression, asked: Asked, columns: _Columns) -> list[_Poi
             seen = alone[k]
         else:
             past, seen, price = begun.fitted(regression, by_point[k], rows)
+        # What only a size that cannot be would explain, no refit keeps.
+        below = positive & (seen.sizes < 0)
+        if regression.credible and np.any(below):
+            seen = seen.without(below)
         drop, own = seen.drop, None if asked.moves is None else asked.moves.rows(rows)
         here = _Point(0.0, _with_sizes(names, amplitudes, point, seen.sizes), rows, past)
         if own is not None and (drop is not None or np.any(own.bends) or np.any(own.share_bends) or np.any(own.heard)):
@@ -165,9 +170,10 @@ def _told(regression: Regression, asked: Asked, columns: _Columns, one: _Point) 
     """A point with its sizes to the last digit, and its basis (n, q); for the best few of a grid."""
     if one.basis is not None:
         return one, one.basis
-    own, point = columns.at(one), asked.points[one.rows.start // columns.q]
-    left = regression.project(own)
+    own, point = columns.at(one).copy(), asked.points[one.rows.start // columns.q]
     names = [p.name for p in asked.effect.declared()]
+    own[[one.values[names[a]] == 0.0 for a in asked.amplitudes]] = 0.0
+    left = regression.project(own)
     return one._replace(values=_estimate(regression, names, asked.amplitudes, point, left)), orthonormal(left, own)
 
 
