@@ -185,10 +185,12 @@ def tied_at_the_end(step: Step, last: Fit, start: Fit, library: Registry, report
     found = confirm(regression, library[step.added], chosen)
     if not np.isfinite(found.chi2):
         return step
-    if not regression.credible:  # by what scores say all then tie: short refits of all tell as much of each
+    if not regression.credible:  # by what scores say all then tie, and short refits of the one in place say no more
+        kept = max(regression.best_chi2 - found.chi2, 0.0)
+        chosen = chosen._replace(drop=kept, predicted_gain=float(np.clip(found.gain, 0, 1)))
         others = [candidate for candidate in candidates if candidate.name != step.added]
-        candidates = by_refits(regression, [chosen, *others], library, report)
-        found = found._replace(candidate=next(c for c in candidates if c.name == step.added))
+        candidates = [chosen, *by_refits(regression, others, library, report)]
+        found = found._replace(candidate=chosen)
     ties, tied = weighed_ties(regression, found, candidates, library, [found])
     return step._replace(tie_set=ties.names, reasons=ties.reasons, tied=tied, regression=regression)
 
