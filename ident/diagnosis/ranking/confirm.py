@@ -17,6 +17,7 @@ from ...fit.linear.one_tone import with_quality
 from ...fit.problem import WORST
 from ...fit.rebuild import fit_at
 from ...model import FREQUENCY, QUALITY, Model, make_effect
+from ..evidence.criterion import VERY_STRONG, behind
 from ..linearised.regression import Regression
 from ..linearised.shorten import CRAWLS, is_long
 from ..linearised.whiten import whiten
@@ -67,11 +68,17 @@ def confirm(
     Its own shapes race from the best points of their grids, the best also with what it moves the other parameters to,
     and on curves with the other sign: beside an effect that acts by its square, which may grow severalfold to make room
     for it, the slope there may have the wrong one. Then those of effects accepted before race from theirs, as a new
-    term may free them. `base`: values of the other parameters to start from, if not those of the regression's fit.
+    term may free them. Where other words of its choices promise clearly more than that has kept, the best of them is
+    taken instead. `base`: values of the other parameters to start from, if not those of the regression's fit.
     """
     asked = (effect, *candidate.words.items(), *candidate.values.items(), most, None if base is None else tuple(base))
     if asked not in regression.refitted:
-        regression.refitted[asked] = _refitted(regression, effect, candidate, most, base)
+        found = _refitted(regression, effect, candidate, most, base)
+        for other in candidate.otherwise:
+            if not found.possible or other.promised(regression) > regression.best_chi2 - found.chi2 + VERY_STRONG:
+                again = _refitted(regression, effect, other, most, base)
+                found = min(found, again, key=lambda one: (not one.possible, behind(one, found)))
+        regression.refitted[asked] = found
     return regression.refitted[asked]
 
 

@@ -84,7 +84,7 @@ class Look:
         """The most that one of them promises, nothing where none is worth a try."""
         if not self.worth_it:
             return 0.0
-        return max((promised(candidate, self.regression) for candidate in self.real), default=0.0)
+        return max((candidate.promised(self.regression) for candidate in self.real), default=0.0)
 
     @cached_property
     def tried(self) -> list[Confirmed]:
@@ -111,7 +111,7 @@ class Look:
         if not (self.regression.credible and 0 < len(tried) <= _SHORTLIST):
             return False
         least = BROKEN if len(tried) == _SHORTLIST else _BETRAYED
-        return best_drop(tried, self.regression) < least * promised(self.real[0], self.regression)
+        return best_drop(tried, self.regression) < least * self.real[0].promised(self.regression)
 
     def _confirmed(
         self, tried: list[Confirmed], rest: list[Candidate], enough: Callable[[list[Confirmed]], bool]
@@ -130,11 +130,11 @@ class Look:
         """Whether a candidate is worth a refit: it promises nearly as much as the best one promised, or as refits
         kept."""
         regression = self.regression
-        here, kept = promised(candidate, regression), best_drop(tried, regression)
+        here, kept = candidate.promised(regression), best_drop(tried, regression)
         if len(tried) >= _RIVALS:
             # Where short refits rank, what they reached is the least that a candidate gains, not the most.
             return here > kept * (1.0 if regression.credible else BROKEN)
-        return here > min(promised(real[0], regression), kept) - max(_NEAR * regression.to_explain, VERY_STRONG)
+        return here > min(real[0].promised(regression), kept) - max(_NEAR * regression.to_explain, VERY_STRONG)
 
 
 def first_look(start: Fit, library: Registry, report: Report) -> Look:
@@ -158,11 +158,6 @@ def possible(candidates: list[Candidate], tried: list[Confirmed]) -> list[Candid
     """The candidates without those whose refit ended in something that cannot be."""
     impossible = {found.candidate.name for found in tried if not found.possible}
     return [c for c in candidates if c.name not in impossible]
-
-
-def promised(candidate: Candidate, regression: Regression) -> float:
-    """The fall of χ² that a candidate promises, counted from the best fit as refits are."""
-    return candidate.drop if regression.instead_of is None else candidate.predicted_gain * regression.to_explain
 
 
 def best_drop(tried: list[Confirmed], regression: Regression) -> float:

@@ -34,7 +34,7 @@ def by_refits(
     """
     report(f"scores cannot be believed here: refitting {min(len(candidates), _REFITTED)} effects instead")
     few = candidates[:_REFITTED]
-    found = at_once(lambda one: _glimpsed(regression, one, library[one.name]), few, report, "refits")
+    found = at_once(lambda one: _best_glimpse(regression, one, library[one.name]), few, report, "refits")
     order = sorted(found, key=lambda c: -(c.drop - c.dof * np.log(regression.n)))
     return [*order, *candidates[_REFITTED:]]
 
@@ -74,6 +74,13 @@ def _bent(regression: Regression, candidate: Candidate, effect: type[AbstractEff
     p = refit_chance(candidate, found.chi2, regression)
     return candidate._replace(drop=drop, predicted_gain=float(np.clip(found.gain, 0, 1)), values=size,
                               beside=found.values[: len(before.values)], p_value=p)  # fmt: skip
+
+
+def _best_glimpse(regression: Regression, candidate: Candidate, effect: type[AbstractEffect]) -> Candidate:
+    """The same with any words of its choices that may be the best: these have the name."""
+    seen = [_glimpsed(regression, one, effect) for one in (candidate, *candidate.otherwise)]
+    best = max(seen, key=lambda c: c.drop - c.dof * np.log(regression.n))
+    return best._replace(otherwise=tuple(one for one in seen if one is not best))
 
 
 def _glimpsed(regression: Regression, candidate: Candidate, effect: type[AbstractEffect]) -> Candidate:

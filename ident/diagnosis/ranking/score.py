@@ -82,10 +82,12 @@ def _score_one(regression: Regression, effect: type[AbstractEffect]) -> Candidat
 
 
 def _best_weighed(regression: Regression, asked: Sequence[Asked]) -> Candidate | None:
-    """The candidate with its usual words, unless others promise what a refit with these can hardly keep."""
+    """The candidate with its usual words, unless others promise what a refit with these can hardly keep; `otherwise`:
+    with those that may explain as much."""
     found = [candidate for one in asked if (candidate := weighed(regression, one)) is not None]
     most = max((candidate.drop for candidate in found), default=0.0)
-    return next((candidate for candidate in found if candidate.drop >= _USUAL * most), None)
+    first, *others = [candidate for candidate in found if candidate.drop >= _USUAL * most] or [None]
+    return first and first._replace(otherwise=tuple(others))
 
 
 def _asked(regression: Regression, effect: type[AbstractEffect]) -> list[Asked]:

@@ -33,7 +33,8 @@ class Candidate(NamedTuple):
     - `signature`: (dof, n) orthonormal projected columns, by which candidates are compared; `near`: `values` at the
       next best points of the grid, and `near_signatures` there; `beside`: the model's own parameters with the candidate
       at `values`; `unseen`: amplitudes that the records do not show at all, as curves do not show an even sensor.
-    - `words`: those of its choices that nobody decided, the usual ones if they explain about as much as any.
+    - `words`: those of its choices that nobody decided, the usual ones if they explain about as much as any;
+      `otherwise`: the effect with other words that promise about as much, between which refits decide.
     """
 
     name: str
@@ -50,6 +51,11 @@ class Candidate(NamedTuple):
     beside: np.ndarray | None = None
     unseen: frozenset[str] = frozenset()
     words: Mapping[str, str] = MappingProxyType({})
+    otherwise: tuple[Candidate, ...] = ()
+
+    def promised(self, regression: Regression) -> float:
+        """The fall of χ² that it promises, counted from the best fit as refits are."""
+        return self.drop if regression.instead_of is None else self.predicted_gain * regression.to_explain
 
 
 class Asked(NamedTuple):

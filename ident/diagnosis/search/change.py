@@ -18,7 +18,7 @@ from ...pulse import Report
 from ...threads import one_thread
 from ..linearised.regression import prepare
 from ..linearised.shorten import CRAWLS
-from ..ranking.confirm import is_possible, shapes_of, start_of, with_effect, with_one, without_unseen
+from ..ranking.confirm import confirm, is_possible, shapes_of, start_of, with_effect, with_one, without_unseen
 from ..ranking.score import score
 
 _RACE = 12  # steps, after which the best of several shapes is known
@@ -42,8 +42,11 @@ def add(
     """
     effect = find(effect, registry(parent.campaign.effect_files)) if isinstance(effect, str) else effect
     report(f"estimating {effect.name} along the measured motion")
-    found = score(prepare(parent), {effect.name: effect}, forms=True)
+    regression = prepare(parent)
+    found = score(regression, {effect.name: effect}, forms=True)
     scored = found[0] if found else None
+    if scored is not None and scored.otherwise:
+        scored = confirm(regression, effect, scored).candidate
     model = without_unseen(with_effect(parent, effect, None if scored is None else scored.words), scored)
     own = start_of(model, scored, parent.scales)
     first = np.concatenate([parent.values, own])
