@@ -1,5 +1,5 @@
 """Devices driven so far that no linear model comes near: a plate half-way to pull-in, a swing, a brake by a magnet,
-a shaker on a resonance that bends."""
+a shaker on a resonance that bends, a plate that bounces off a rubber stop, a valve with a dead band."""
 
 from __future__ import annotations
 
@@ -58,3 +58,34 @@ def shaker(lab: Lab, rng: np.random.Generator) -> None:
         law = lambda z, v, u, t: -hardening * z**3
         z = solve(oscillator(f, quality, 2e-6 * (2 * np.pi * f) ** 2, u, law), t + 2.0, [0, 0], before=0.0)[0]
         lab.write(f"s{i}", "time_s,drive_V,displacement_um", t, u(t + 2.0), 1e6 * z, noise=0.003, held=i == 4)
+
+
+@device("end-stop", "contact-loss|quadratic-damping|squeeze-film-damping")
+def bouncing(lab: Lab, rng: np.random.Generator) -> None:
+    """A plate that meets a rubber stop above it, which gives back a part of what it takes (Hunt, Crossley), N, mm."""
+    f, t = 3.1 * rng.uniform(0.9, 1.1), np.arange(2600) / 130
+    w, gap, loss = 2 * np.pi * f, 4e-3, rng.uniform(0.6, 1.4)
+    hardness = rng.uniform(15, 30) * w * w
+    for i, size in enumerate([0.7, 1.2, 1.8, 1.5]):
+        u = chirp(size, 0.6 * f, 1.5 * f, t[-1])
+
+        def law(z, v, u, t):
+            depth = max(z - gap, 0.0)
+            return -hardness * depth**1.5 * max(1 + loss * v, 0.0)
+
+        z = solve(oscillator(f, 15, 3e-3 * w * w / 8, u, law), t, [0, 0], most=2e-3)[0]
+        lab.write(f"h{i}", "time_s,force_N,displacement_mm", t, u(t), 1e3 * z, noise=0.006, held=i == 3)
+
+
+@device(beyond=True, floor=False)
+def valve(lab: Lab, rng: np.random.Generator) -> None:
+    """A proportional valve that does nothing within its dead band, sines, a sweep and a switched drive, V and mm."""
+    f, t = 28 * rng.uniform(0.9, 1.1), np.arange(2400) / 2000
+    w, band = 2 * np.pi * f, rng.uniform(0.2, 0.35)
+    dead = lambda u: np.sign(u) * np.maximum(np.abs(u) - band, 0.0)
+    level = rng.choice([-1.2, 1.2], 60)
+    switched = lambda t: level[np.minimum((np.asarray(t) * 50).astype(int), 59)]
+    for i, u in enumerate([sine(1.5, 0.4 * f), chirp(2.0, 5, 60, t[-1]), switched, sine(0.9, 0.9 * f)]):
+        pushed = lambda t, u=u: dead(u(t))
+        z = solve(oscillator(f, 0.8, 2e-3 * w * w, pushed), t, [0, 0], most=5e-4)[0]
+        lab.write(f"v{i}", "time_s,command_V,displacement_mm", t, u(t), 1e3 * z, noise=0.01, held=i == 3)

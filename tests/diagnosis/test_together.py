@@ -7,7 +7,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
+import ident
 from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw
 from ident.diagnosis.diagnose import diagnose
@@ -94,15 +96,17 @@ def test_a_pair_whose_refits_keep_little_of_what_is_left_is_no_pair(
     )  # fmt: skip
     before, after = told(far), told(np.sqrt(1 - kept) * far)
     monkeypatch.setattr(together, "score", lambda *_: [_candidate("one", far[None], far)])
-    monkeypatch.setattr(together, "confirm", lambda *_: SimpleNamespace(chi2=1.0, possible=True, gain=kept))
+    tried = SimpleNamespace(chi2=1.0, possible=True, gain=kept, left=np.ones(400), numbers=4)
+    monkeypatch.setattr(together, "confirm", lambda *asked: SimpleNamespace(candidate=asked[2], **vars(tried)))
     monkeypatch.setattr(together, "accept", lambda *_: after.fit)
     monkeypatch.setattr(together, "working", lambda fit: fit)
     monkeypatch.setattr(together, "prepare", lambda _: after)
     monkeypatch.setattr(together, "behind_in_colour", lambda *_: -1.0)
-    found = together.both(before.fit, before, ("one", "two"), {"one": None, "two": None}, None, before)  # pyright: ignore
+    library = {name: SimpleNamespace(name=name, needs="") for name in ("one", "two")}
+    found = together.both(before.fit, before, ("one", "two"), library, None, before)  # pyright: ignore
     assert (found is not None) is named
     monkeypatch.setattr(together, "score", lambda *_: [])  # the first absorbs all that the second does
-    assert together.both(before.fit, before, ("one", "two"), {"one": None, "two": None}, None, before) is None  # pyright: ignore
+    assert together.both(before.fit, before, ("one", "two"), library, None, before) is None  # pyright: ignore
 
 
 @pytest.mark.parametrize(
@@ -120,3 +124,27 @@ def test_effects_that_hide_each_other_are_found(seed: int, hidden: tuple[str, ..
     found = diagnose(fit(Model(campaign.device), campaign)).discovery
     assert {step.added for step in found.steps if step.role == "effect"} == set(hidden)
     assert found.final.fitted.error_over_noise < 1.1
+
+
+def test_what_builds_on_the_first_of_a_pair_may_be_the_second() -> None:
+    """A contact that loses energy: a drag was named beside its stop, for before that was there no loss could be asked."""
+    rng, t, w = np.random.default_rng(3), np.arange(1500) / 100, 2 * np.pi * 2.5
+    found = []
+    for k, size in enumerate((1.0, 1.6, 2.2, 1.9)):
+        drive = lambda at, a=size: a * np.sin(2 * np.pi * (1.2 * at + 0.12 * at**2))
+
+        def rates(at: float, y: np.ndarray, drive=drive) -> list[float]:
+            depth = max(y[0] - 2.0, 0.0)
+            return [
+                y[1],
+                w * w * (0.4 * drive(at) - y[0] - 2.0 * depth**1.5 * max(1 + 0.02 * y[1], 0.0)) - w / 15 * y[1],
+            ]
+
+        z = solve_ivp(rates, (0.0, t[-1]), [0.0, 0.0], "LSODA", t, rtol=1e-9, atol=1e-12, max_step=2e-3).y[0]
+        table = {"time": t, "drive": drive(t), "response": z + 0.01 * np.std(z) * rng.normal(size=len(t))}
+        found.append({"data": table, "start": "rest", "holdout": k == 3})
+    campaign = ident.read_campaign({"device": {"kind": "oscillator"}, "record": found})
+    said = ident.discover(campaign)
+    assert [step.added for step in said.discovery.steps] == ["end-stop", "contact-loss"]
+    assert [step.tie_set for step in said.discovery.steps] == [("end-stop",), ("contact-loss",)]
+    assert said.final.fitted.error_over_noise < 1.05 and said.verdict == "identified"

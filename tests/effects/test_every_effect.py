@@ -25,7 +25,7 @@ INTERFACE = (
     "electrostriction, electrostatic-force, creep, drive-lag, sensor-nonlinearity, sensor-lag, sensor-crosstalk, "
     "sensor-drift, sensor-offset, ac-coupling, stribeck-friction, bilinear-stiffness, attached-mass, "
     "stiffness-heating, damping-heating, drive-heating, "
-    "coil-heating, force-factor, variable-inertia"
+    "coil-heating, force-factor, variable-inertia, contact-loss"
 )  # what outside programs rely on
 NAMES = sorted(built_in())
 GENERAL = [name for name in NAMES if not built_in()[name].platform_only]
@@ -52,8 +52,13 @@ def every_setting(effect: type[AbstractEffect]) -> list[dict[str, str]]:
 
 
 def beside_partner(effect: AbstractEffect) -> AbstractEffect:
-    """The effect with the partner that it needs, where it needs one."""
-    return effect.beside(built_in()[effect.needs](effect.device)) if effect.needs else effect
+    """The effect with the partner that it needs, where it needs one, and that acts."""
+    if not effect.needs:
+        return effect
+    partner = built_in()[effect.needs]
+    here = sized(partner) if isinstance(effect.device, Oscillator) else {}
+    acts = dict.fromkeys(absent(partner), 1.0) if here else {}
+    return effect.beside(partner(effect.device, **here, **acts))
 
 
 def formulas(effect: AbstractEffect, state: State, drive: Drive, t: float) -> list:
@@ -134,7 +139,7 @@ def test_each_amplitude_shows_at_first_order_from_zero(name):
 
 def measured_by(name: str, values: dict) -> jax.Array:
     """What the effect computes along a made-up motion, one number per formula and instant, differentiable."""
-    effect = make(name, **values)
+    effect = beside_partner(make(name, **values))
     t = jnp.linspace(0.0, 0.016, 60)
     z, v = 5e-6 * jnp.sin(3e3 * t), 1.5e-2 * jnp.cos(3e3 * t)
     drive = Drive(7 * jnp.sin(2e3 * t), 1.4e4 * jnp.cos(2e3 * t), 2e3, 2.0)
@@ -171,7 +176,7 @@ def test_derivatives_by_every_parameter_are_finite_at_rest(name):
     values = {**sized(kind), **dict.fromkeys(absent(kind), 0.1 * STIFFNESS)}
 
     def at_rest(*numbers):
-        effect = make(name, **dict(zip(names, numbers, strict=True)))
+        effect = beside_partner(make(name, **dict(zip(names, numbers, strict=True))))
         state = State(0.0, 0.0, effect.state0())
         return jnp.stack([jnp.asarray(f, float) for f in formulas(effect, state, Drive(0.0, 0.0, 2e3, 2.0), 0.0)])
 

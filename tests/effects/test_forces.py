@@ -105,6 +105,15 @@ def test_end_stop_is_a_bumper_or_a_hertzian_contact_on_either_side(exponent, abo
     assert_agrees(stop, Physics(force), KINKED)
 
 
+def test_a_contact_loses_energy_on_the_side_where_a_stop_stands():
+    gap, power, damping = 2.5e-6, 1.5, 6 * C
+    stop = make("end-stop", above=3.0 * K, below=0.0, gap=gap, exponent=1.5, asymmetry=0.9)
+    loss = make("contact-loss", damping=damping, exponent=power).beside(stop)
+    z, v = np.linspace(-6e-6, 6e-6, 49), np.linspace(-2e-2, 3e-2, 49)
+    found = np.array(loss.force(State(z, v), Drive(0.0, 0.0, 1.0, 1.0), 0.0))
+    np.testing.assert_allclose(found, -damping * (np.maximum(z - gap, 0.0) / gap) ** power * v, atol=1e-18)
+
+
 def test_power_laws_contain_the_named_ones():
     z, v = np.linspace(-5e-6, 5e-6, 41), np.linspace(-2e-2, 2e-2, 41)
     largest = {"displacement": 5e-6}

@@ -40,7 +40,7 @@ def test_a_word_is_judged(device: str, found: dict, verdict: str) -> None:
     assert judge(device, found) == verdict
 
 
-@pytest.mark.parametrize("name", ["fork", "mems", "plate", "swing", "magnet", "shaker"])
+@pytest.mark.parametrize("name", ["fork", "mems", "plate", "swing", "magnet", "shaker", "bouncing", "valve"])
 def test_its_records_are_read(name: str, tmp_path: Path) -> None:
     rng = np.random.default_rng(5)
     lab = Lab(tmp_path, rng)

@@ -13,6 +13,7 @@ from ident.campaign import Channel, NoiseFloor, Trace
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.fit import fit
+from ident.fit.linear import choice
 from ident.fit.linear.choice import choose_linear
 from ident.fit.linear.forms import FORMS
 from ident.fit.linear.start_model import start_model, with_drives
@@ -102,6 +103,19 @@ def test_a_drive_may_be_held_only_where_it_jumps(everywhere):
     chirp, jumping = (record.edge for record in campaign.traces)
     assert jumping == pytest.approx(0.0, abs=0.05) and (chirp is not None) == everywhere
     assert fit(start_model(campaign), campaign).fitted.error_over_noise == pytest.approx(1.0, abs=0.06)
+
+
+@pytest.mark.parametrize(("left", "everywhere"), [(0.97, False), (0.5, True)])
+def test_beside_a_switch_a_sweep_is_held_only_if_that_explains_the_greater_part(
+    monkeypatch: pytest.MonkeyPatch, left: float, everywhere: bool
+) -> None:
+    """A dead band in the drive is late, as one that is held: a sweep was taken for held, by next to nothing."""
+    told = lambda stretches, one, free, jumping: [
+        one._replace(left=(left if all(free) else 0.98) * one.left, edges=Edges(0.0))
+    ]
+    monkeypatch.setattr(choice, "held", told)
+    chosen = choose_linear([swept(None), switch()]).chosen
+    assert chosen.edges == Edges(0.0, everywhere)
 
 
 def test_what_a_campaign_says_of_its_drive_stays():

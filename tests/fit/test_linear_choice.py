@@ -13,7 +13,7 @@ from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.errors import UserError
 from ident.fit import fit
-from ident.fit.linear.choice import choose_linear
+from ident.fit.linear.choice import begin_off_zero, choose_linear
 from ident.fit.linear.start_model import linear_choice, start_model
 
 STEP, SIGMA, ONE = 0.01, 1e-3, Channel("V", 1.0)
@@ -84,6 +84,15 @@ def test_one_record_of_another_gain_does_not_hide_the_zero_of_the_others():
 def test_two_records_that_begin_apart_tell_no_zero():
     records = [record(SYSTEMS["oscillator"], level, seed=i, start="rest") for i, level in enumerate((0.0, 0.05))]
     assert not any(c.level for c in choose_linear(records).candidates if c.form == "oscillator")
+
+
+def test_a_noisy_record_does_not_say_where_the_zero_of_quiet_ones_is():
+    """Three quiet records begin at zero; the one in the middle of all begins a noise floor of its own away from it."""
+    quiet = record(SYSTEMS["oscillator"], start="rest")
+    at = lambda zero, sigma: replace(quiet, response=np.full(3000, zero), noise=NoiseFloor(sigma))
+    noisy = [at(-0.011, 0.006), at(-0.02, 0.02), at(-0.04, 0.04), at(-0.01, 0.015)]
+    assert not begin_off_zero([at(-0.0023, 0.0028), at(0.0008, 0.0023), *noisy])
+    assert begin_off_zero([at(-0.0123, 0.0015), at(-0.0118, 0.0013), *noisy])
 
 
 def test_what_a_campaign_asks_for_is_done():

@@ -9,7 +9,7 @@ import numpy as np
 from ...effects.registry import Registry
 from ...fit import Fit
 from ..evidence.coloured_noise import behind_in_colour
-from ..evidence.criterion import Left, clearly_better
+from ..evidence.criterion import Left, clearly_better, criteria
 from ..evidence.enough import adequate, not_worth_adding, worth_a_name
 from ..evidence.held_out import hurts
 from ..linearised.regression import Regression, prepare
@@ -71,28 +71,34 @@ def both(
 ) -> tuple[list[Step], Regression] | None:
     """Steps that add the named effects whatever the first of them gains alone, and the regression after them; None if
     their refits keep less than is worth a name, are not clearly better than the `single` one, or than the model as it
-    is, or worse than either on held-out records. `first`: as of `hidden_by_each_other`."""
+    is, or worse than either on held-out records. In the place of the second may stand what builds on the first, which
+    could not be asked before that was there. `first`: as of `hidden_by_each_other`."""
+    needed = {effect.needs for effect in library.values()}
+    begins, other = sorted(names, key=lambda name: name not in needed)
     steps, before, now = [], current, regression
     try:
-        for name, partner in zip(names, reversed(names), strict=True):
-            candidates = score(now, {name: library[name]})
-            if not candidates:  # the first absorbs all that the second does
+        for name in (begins, other):
+            builds = (effect.name for effect in library.values() if steps and effect.needs == begins)
+            candidates = score(now, {one: library[one] for one in (name, *builds)})
+            tried = [confirm(now, library[one.name], one) for one in candidates]
+            tried = [one for one in tried if np.isfinite(one.chi2) and (one.possible or not steps)]
+            if not tried:  # the first absorbs all that the second does
                 return None
-            candidate = candidates[0]
-            found = confirm(now, library[name], candidate)
-            if not np.isfinite(found.chi2) or (name == names[-1] and not found.possible):
-                return None
+            found = tried[int(np.argmin(criteria(tried)))]
             before = accept(found, before)
-            # What either is mistaken for shows only once both are in: the walk asks it at its end.
-            alike = (name, partner)
-            steps.append(
-                Step(
-                    name, candidate.predicted_gain, found.gain, alike, "effect", before, regression=now, partner=partner
-                )
-            )
+            added, predicted = found.candidate.name, found.candidate.predicted_gain
+            steps.append(Step(added, predicted, found.gain, (), "effect", before, regression=now))
             now = prepare(working(before))
     except Diverged:
         return None
+    # What either is mistaken for shows only once both are in: the walk asks it at its end. What builds on another
+    # cannot be without it.
+    one, two = (step.added for step in steps)
+    alike = () if library[two].needs == one else (one, two)
+    steps = [
+        step._replace(tie_set=tuple(dict.fromkeys((step.added, *alike))), partner=partner)
+        for step, partner in zip(steps, (two, one), strict=True)
+    ]
     if not_worth_adding(regression, regression.best_chi2 - now.fit_chi2, first):
         return None
     better = clearly_better(Left(now.residual, now.numbers), _instead(regression, single))

@@ -12,7 +12,7 @@ class QuadraticDamping(AbstractEffect):
     name = "quadratic-damping"
     equation = "F = −c2 ż|ż|"
     source = "Nayfeh & Mook, Nonlinear Oscillations, 1979, ch. 3"
-    mistaken_for = ("cubic-damping", "squeeze-film-damping", "coulomb-friction")
+    mistaken_for = ("cubic-damping", "squeeze-film-damping", "coulomb-friction", "contact-loss")
     alike = (SAME_LOSS,)
 
     c2 = amplitude("N*s^2/m^2", "quadratic damping", one_sided=True)

@@ -134,10 +134,10 @@ def begin_off_zero(records: Sequence[Trace]) -> bool:
     if not rest:
         return False
     first, sigma = (np.array(x) for x in zip(*rest, strict=True))
-    level = np.sort(first)[len(first) // 2]
-    alike = np.abs(first - level) < _SURE * sigma
+    alike = np.abs(first - np.sort(first)[len(first) // 2]) < _SURE * sigma
+    said = sigma[alike] ** -2.0  # a quiet record says more than a noisy one
     most = 2 * np.count_nonzero(alike) > len(rest)
-    return bool(most and abs(level) > _SURE / np.sqrt(np.sum(sigma[alike] ** -2.0)))
+    return bool(most and abs(np.sum(said * first[alike])) > _SURE * np.sqrt(np.sum(said)))
 
 
 def _chosen(
@@ -174,12 +174,13 @@ def _held(
     if one is None or not any(free) or one.left < _GREATER_PART * _least(records, stretches):
         return None
     jumping = _free(records, everywhere=False)
-    among = held(stretches, one, free, any(jumping))
+    modest = one  # drives that do not jump are smooth
     if any(jumping) and jumping != free:
-        among += [_only_jumps(c) for c in held(stretches, one, jumping, True)]
-    best = min([one, *among], key=lambda c: _plain(c, n))
-    clear = any(jumping) or best.left < one.left / _GREATER_PART
-    return best if best.edges.first is not None and clear else None
+        modest = min([one, *map(_only_jumps, held(stretches, one, jumping, True))], key=lambda c: _plain(c, n))
+    best = min([modest, *held(stretches, one, free, any(jumping))], key=lambda c: _plain(c, n))
+    clear = jumping == free or best.left < modest.left / _GREATER_PART
+    best = best if clear else modest
+    return best if best.edges.first is not None else None
 
 
 def _only_jumps(one: Candidate) -> Candidate:
