@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -10,7 +12,7 @@ from ident.campaign import Campaign, Trace
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor
 from ident.diagnosis.linearised.regression import prepare
-from ident.diagnosis.search.constant import with_its_constant
+from ident.diagnosis.search.constant import with_its_constant, without_idle_constant
 from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.fit.linear.start_model import start_model
@@ -46,6 +48,11 @@ def test_a_constant_that_a_missing_friction_hid_is_asked_for_again(offset: float
     rubbing = fit(start_model(campaign, ("coulomb-friction",)), campaign)
     found, regression = with_its_constant(rubbing, prepare(rubbing), LIBRARY, lambda _: None)
     assert ("sensor-offset" in found.model.names) == (offset > 0)
+    with_one = found if offset else fit(start_model(campaign, ("coulomb-friction", "sensor-offset")), campaign)
+    for told, kept in (((), offset > 0), (("sensor-offset",), True)):  # one that is asked for stays, needed or not
+        asked = replace(with_one, campaign=replace(campaign, effects=told))
+        left = without_idle_constant(asked, ("coulomb-friction",), rubbing, lambda _: None)
+        assert ("sensor-offset" in left.model.names) == kept
     if offset:
         assert found.value("sensor-offset.offset") == pytest.approx(offset, rel=0.05)
         assert found.fitted.error_over_noise < 0.7 * rubbing.fitted.error_over_noise

@@ -127,7 +127,7 @@ def test_effects_that_hide_each_other_are_found(seed: int, hidden: tuple[str, ..
 
 
 def test_what_builds_on_the_first_of_a_pair_may_be_the_second() -> None:
-    """A contact that loses energy: a drag was named beside its stop, for before that was there no loss could be asked."""
+    """A drag was named beside a stop that loses energy, for before that was there the loss could not be asked."""
     rng, t, w = np.random.default_rng(3), np.arange(1500) / 100, 2 * np.pi * 2.5
     found = []
     for k, size in enumerate((1.0, 1.6, 2.2, 1.9)):

@@ -27,6 +27,7 @@ from ..ranking.look import Look
 from ..ranking.refits import by_refits
 from ..ranking.score import score, significant
 from .change import to_its_end, try_without
+from .constant import without_idle_constant
 from .lacking import lacking, leaves_no_structure, says_more_than_shapes
 from .parts import Parts
 from .prune import Pruned, prune
@@ -65,6 +66,9 @@ def concluded(ended: Ended) -> Discovery:
                 steps = _without_refuted(start, steps, prepare(working(steps[-1].fit)))
         elif needed.fit is not steps[-1].fit:  # another law in the place of one has led to a better minimum with it
             steps[-1] = steps[-1]._replace(fit=needed.fit)
+    if steps:
+        named = [step.added for step in steps]
+        steps[-1] = steps[-1]._replace(fit=without_idle_constant(steps[-1].fit, named, start, report))
     steps = _on_all_samples(start, steps, report)
     final = steps[-1].fit if steps else start
     if final is not walked.final:

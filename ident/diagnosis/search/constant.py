@@ -1,19 +1,25 @@
-"""The linear side at every node of a walk: does it need a constant, now that an effect has its place?"""
+"""The linear side at every node of a walk: does it need a constant, now that an effect has its place, and still need
+it at the end?"""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 from ...campaign.device import Oscillator
 from ...effects.linear_side import constant_on
 from ...effects.registry import Registry
 from ...fit import Fit
 from ...fit.linear.choice import side_of_constant
+from ...fit.rebuild import fit_at
 from ...pulse import Report
-from ..evidence.criterion import behind
+from ..evidence.criterion import Left, behind
+from ..evidence.held_out import hurts
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
 from ..ranking.confirm import accept, confirm
 from ..ranking.score import score
+from .change import still_possible, try_without
 
 
 def with_its_constant(fitted: Fit, regression: Regression, library: Registry, report: Report) -> tuple[Fit, Regression]:
@@ -38,3 +44,22 @@ def with_its_constant(fitted: Fit, regression: Regression, library: Registry, re
         return with_it, prepare(working(with_it))
     except Diverged:
         return fitted, regression
+
+
+def without_idle_constant(fitted: Fit, named: Sequence[str], start: Fit, report: Report) -> Fit:
+    """A fit without a constant that its linear form had beside what was missing, and needs no more by the same
+    criterion; one of the `named` steps, or that the campaign names, stays."""
+    for effect in fitted.model.effects:
+        if not effect.is_constant or effect.name in (*named, *fitted.campaign.effects):
+            continue
+        report(f"does the model still need {effect.name}?")
+        last = working(fitted)
+        without = try_without(last, effect.name, start)
+        try:
+            here, there = prepare(without), prepare(last)
+        except Diverged:
+            continue
+        idle = behind(Left(here.residual, here.numbers), Left(there.residual, there.numbers)) < 0
+        if idle and still_possible(without, last) and not hurts(last, without):
+            fitted = without if last is fitted else fit_at(without.model, fitted.campaign, without.values)
+    return fitted
