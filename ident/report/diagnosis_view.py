@@ -13,6 +13,7 @@ from ..diagnosis.search.beyond import NAME
 from ..diagnosis.search.steps import Discovery, Step
 from ..diagnosis.unknown.simulated import curve_of
 from ..fit import Fit
+from ..fit.judge import GOOD
 from ..fit.start_score import mostly_starts
 from ..units import ratio_text
 from .candidates_view import later_sheet, ranking_sheet
@@ -52,7 +53,7 @@ def _verdict_words(found: Diagnosis) -> str:
         what = "that explains more of the misfit than any effect does"
         be = "is" if len(first) == 1 else "are"
         return f"No physics is named before {listed(first)} {be} corrected or left out: {what}."
-    error = f"error over noise {ratio_text(final.fitted.error_over_noise)}{_pushed(loop)}"
+    error = f"error over noise {ratio_text(final.fitted.error_over_noise)}{_white(loop)}"
     if loop.verdict == "adequate":
         return f"The model is adequate: {error}, and no effect of the library would lower it beyond chance."
     named = [s for s in loop.steps if s.role == "effect"]
@@ -105,13 +106,17 @@ def _verdict_words(found: Diagnosis) -> str:
     return _not_in_library(loop, [s for s in named if not s.added.startswith(NAME)], named)
 
 
-def _pushed(loop: Discovery) -> str:
-    """What of an error above the noise floors is noise of the force."""
-    noise = noise_of_force(loop.regression)
-    if noise is None:
+def _white(loop: Discovery) -> str:
+    """What of an error above the noise floors is no shortcoming of a model: noise of the force, or that of a colour."""
+    noise, left = noise_of_force(loop.regression), loop.regression
+    if noise is not None:
+        size = f", {percent_text(noise.share)} of the drive," if noise.share > 0 else ""
+        return (
+            f" (what is above one noise of the force{size} leaves: of its measurement, an amplifier, the surroundings)"
+        )
+    if loop.final.fitted.error_over_noise <= GOOD or not adequate(left):
         return ""
-    size = f", {percent_text(noise.share)} of the drive," if noise.share > 0 else ""
-    return f" (what is above one noise of the force{size} leaves: of its measurement, an amplifier, the surroundings)"
+    return f" ({ratio_text(np.sqrt(left.chi2 / left.n))} where mains hum and the noise's colour are taken out)"
 
 
 def _not_in_library(loop: Discovery, known: list[Step], named: list[Step]) -> str:

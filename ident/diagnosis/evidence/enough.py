@@ -26,7 +26,7 @@ MOST_OF_IT = 0.5  # of what is left: more than that a rival answer must take awa
 LEAST = 0.2  # of what is left: where every effect promises less, the library lacks the one that is missing
 SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
 _SAME_WHILE_LACKING = 0.02  # the same as long as ten times as much is unexplained
-_FAR = 4.0  # χ² per sample, more than a wrong noise floor would make
+FAR = 4.0  # χ² per sample, more than a wrong noise floor would make
 
 
 def adequate(regression: Regression, promise: float = 0.0) -> bool:
@@ -44,7 +44,7 @@ def adequate(regression: Regression, promise: float = 0.0) -> bool:
 def speaks_for(regression: Regression, whole: Fit) -> bool:
     """Whether what a model leaves of excerpts is what it leaves of all samples: a slow memory shows in these alone."""
     part = regression.chi2 / regression.n
-    return regression.fit is whole or whole.fitted.error_over_noise**2 < _FAR * part
+    return regression.fit is whole or whole.fitted.error_over_noise**2 < FAR * part
 
 
 def noise_of_force(regression: Regression) -> Pushed | None:
@@ -104,7 +104,7 @@ def not_worth_adding(regression: Regression, best: float, first: Regression) -> 
     what was found where the model is adequate without it."""
     share = best / regression.to_explain
     if first in (regression, regression.instead_of):
-        return share < LEAST and regression.chi2 > _FAR * regression.n
+        return share < LEAST and regression.chi2 > FAR * regression.n
     if worth_a_name(best, first):
         return share < LEAST
     return share < _WORTH or adequate(regression, promise=best)

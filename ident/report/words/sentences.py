@@ -12,6 +12,7 @@ from ...campaign.device import Platform
 from ...campaign.drive import drive_frequency
 from ...campaign.quality.suspect import suspects_by_data
 from ...campaign.record import VAGUE
+from ...diagnosis.evidence.enough import FAR
 from ...diagnosis.faulty.suspects import alone_off
 from ...effects.registry import built_in
 from ...fit.carry_over import expected_error
@@ -56,7 +57,8 @@ def verdict(fit: Fit) -> str:
         worst = max((s for s in fit.scores if not s.holdout), key=lambda s: s.error_over_noise)
         text = f"{model} does not describe {records}: the error is {ratio_text(ratio)} times the noise floor"
         text += f" (worst in {worst.name}, {ratio_text(worst.error_over_noise)})." if n > 1 else "."
-        text += " Something is missing from it; `ident diagnose` looks for it."
+        doubt = ", or the noise is more than its floors say" if ratio**2 < FAR else ""
+        text += f" Something is missing from it{doubt}; `ident diagnose` looks for it."
     text += _held(fit) + _differing(fit) + _heldout(fit) + _not_counted(fit)
     if ratio <= GOOD:
         fitted = [e for e in fit.estimates if e.fitted]
