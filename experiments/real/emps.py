@@ -20,7 +20,7 @@ holdout = true
 """,
     baseline=6.5,
     start=6.5,
-    final=6.5,  # reached: 6.64, so it fails here; `docs/real-devices.md` says why
+    final=6.5,
     values={
         "oscillator.gain": (35.15 / 95.1, 0.03),
         "oscillator.decay-time": (95.1 / 203.0, 0.08),
