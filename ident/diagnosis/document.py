@@ -60,9 +60,14 @@ def lineage_of(start: Fit, steps: Sequence[Step]) -> list[dict[str, Any]]:
     parents = ["the first fit", *(f"step {k}" for k in range(1, len(steps)))]
     before = [start, *(step.fit for step in steps)]
     return [
-        lineage_entry(was, step.fit, parent, added=step.added)
+        lineage_entry(was, step.fit, parent, added=step.added, removed=_gone(was, step.fit))
         for was, step, parent in zip(before, steps, parents, strict=False)
     ]
+
+
+def _gone(before: Fit, after: Fit) -> str | None:
+    """What a step has made needless in the linear part: a constant, or a mode."""
+    return next((name for name in before.model.names if name not in after.model.names), None)
 
 
 def lineage_entry(

@@ -53,7 +53,7 @@ def _verdict_words(found: Diagnosis) -> str:
         what = "that explains more of the misfit than any effect does"
         be = "is" if len(first) == 1 else "are"
         return f"No physics is named before {listed(first)} {be} corrected or left out: {what}."
-    error = f"error over noise {ratio_text(final.fitted.error_over_noise)}{_white(loop)}"
+    error = f"error over noise {ratio_text(final.fitted.error_over_noise)}{_no_shortcoming(loop)}"
     if loop.verdict == "adequate":
         return f"The model is adequate: {error}, and no effect of the library would lower it beyond chance."
     named = [s for s in loop.steps if s.role == "effect"]
@@ -106,7 +106,7 @@ def _verdict_words(found: Diagnosis) -> str:
     return _not_in_library(loop, [s for s in named if not s.added.startswith(NAME)], named)
 
 
-def _white(loop: Discovery) -> str:
+def _no_shortcoming(loop: Discovery) -> str:
     """What of an error above the noise floors is no shortcoming of a model: noise of the force, or that of a colour."""
     noise, left = noise_of_force(loop.regression), loop.regression
     if noise is not None:
@@ -114,9 +114,10 @@ def _white(loop: Discovery) -> str:
         return (
             f" (what is above one noise of the force{size} leaves: of its measurement, an amplifier, the surroundings)"
         )
-    if loop.final.fitted.error_over_noise <= GOOD or not adequate(left):
+    white = float(np.sqrt(left.chi2 / left.n))
+    if loop.final.fitted.error_over_noise <= GOOD or white > GOOD or left.fit is not loop.final:
         return ""
-    return f" ({ratio_text(np.sqrt(left.chi2 / left.n))} where mains hum and the noise's colour are taken out)"
+    return f" ({ratio_text(white)} where mains hum and the noise's colour are taken out)"
 
 
 def _not_in_library(loop: Discovery, known: list[Step], named: list[Step]) -> str:
@@ -213,10 +214,13 @@ def _together(loop: Discovery) -> list[str]:
     for one, other in zip(loop.steps, loop.steps[1:], strict=False):
         if one.partner == other.added:
             first, last = before.fitted.error_over_noise, other.fit.fitted.error_over_noise
-            said.append(
-                f"{one.added} and {other.added} each hide what the other does, so neither stands out alone: together "
-                f"they lower error over noise from {ratio_text(first)} to {ratio_text(last)}."
-            )
+            builds = one.added == next(e.needs for e in other.fit.model.effects if e.name == other.added)
+            why = (
+                f"{other.added} builds on {one.added} and could be asked for only beside it" if builds
+                else f"{one.added} and {other.added} each hide what the other does, so neither stands out alone"
+            )  # fmt: skip
+            fall = f"from {ratio_text(first)} to {ratio_text(last)}"
+            said.append(f"{why}: together they lower error over noise {fall}.")
         before = one.fit
     return said
 

@@ -107,4 +107,5 @@ def _name(entry: Mapping[str, Any]) -> str:
 
 
 def _step_words(entry: Mapping[str, Any]) -> str:
-    return f"+ {entry['added']}" if entry["added"] else f"− {entry['removed']}"
+    signs = (("+", entry["added"]), ("−", entry["removed"]))
+    return " ".join(f"{sign} {name}" for sign, name in signs if name)

@@ -112,6 +112,10 @@ def test_a_contact_loses_energy_on_the_side_where_a_stop_stands():
     z, v = np.linspace(-6e-6, 6e-6, 49), np.linspace(-2e-2, 3e-2, 49)
     found = np.array(loss.force(State(z, v), Drive(0.0, 0.0, 1.0, 1.0), 0.0))
     np.testing.assert_allclose(found, -damping * (np.maximum(z - gap, 0.0) / gap) ** power * v, atol=1e-18)
+    both = loss.beside(make("end-stop", above=K, below=2 * K, gap=gap, exponent=1.0, asymmetry=0.9))
+    found = np.array(both.force(State(z, v), Drive(0.0, 0.0, 1.0, 1.0), 0.0))
+    deep = np.maximum(z - gap, 0.0) + np.maximum(-z - 0.9 * gap, 0.0)
+    np.testing.assert_allclose(found, -damping * (deep / gap) ** power * v, atol=1e-18)
 
 
 def test_power_laws_contain_the_named_ones():

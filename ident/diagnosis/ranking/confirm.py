@@ -68,8 +68,9 @@ def confirm(
     Its own shapes race from the best points of their grids, the best also with what it moves the other parameters to,
     and on curves with the other sign: beside an effect that acts by its square, which may grow severalfold to make room
     for it, the slope there may have the wrong one. Then those of effects accepted before race from theirs, as a new
-    term may free them. Where other words of its choices promise clearly more than that has kept, the best of them is
-    taken instead. `base`: values of the other parameters to start from, if not those of the regression's fit.
+    term may free them. Where other words of its choices promise clearly more than that has kept, they are refitted
+    too, and the best of all is taken. `base`: values of the other parameters to start from, if not those of the
+    regression's fit.
     """
     asked = (effect, *candidate.words.items(), *candidate.values.items(), most, None if base is None else tuple(base))
     if asked not in regression.refitted:

@@ -78,7 +78,8 @@ def _bent(regression: Regression, candidate: Candidate, effect: type[AbstractEff
 
 def _best_glimpse(regression: Regression, candidate: Candidate, effect: type[AbstractEffect]) -> Candidate:
     """The same with any words of its choices that may be the best: these have the name."""
-    seen = [_glimpsed(regression, one, effect) for one in (candidate, *candidate.otherwise)]
+    words = (candidate._replace(otherwise=()), *candidate.otherwise)
+    seen = [_glimpsed(regression, one, effect) for one in words]
     best = max(seen, key=lambda c: c.drop - c.dof * np.log(regression.n))
     return best._replace(otherwise=tuple(one for one in seen if one is not best))
 

@@ -54,8 +54,9 @@ class Candidate(NamedTuple):
     otherwise: tuple[Candidate, ...] = ()
 
     def promised(self, regression: Regression) -> float:
-        """The fall of χ² that it promises, counted from the best fit as refits are."""
-        return self.drop if regression.instead_of is None else self.predicted_gain * regression.to_explain
+        """The fall of χ² that it promises with the words that promise most, counted from the best fit as refits are."""
+        own = self.drop if regression.instead_of is None else self.predicted_gain * regression.to_explain
+        return max([own, *(other.promised(regression) for other in self.otherwise)])
 
 
 class Asked(NamedTuple):

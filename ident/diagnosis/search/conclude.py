@@ -163,10 +163,11 @@ def _replayed(start: Fit, needed: Pruned, look: Look, gains: Mapping[str, float]
         found = confirm(regression, library[name], chosen)
         current = accept(found, current) if names else needed.fit
         ties, tied = weighed_ties(regression, found, significant(candidates), library, [found])
+        predicted = found.candidate.predicted_gain
         role = role_of(found.model.effects[-1], regression, found.chi2, look.first)
         steps.append(
             Step(
-                name, chosen.predicted_gain, found.gain, ties.names, role, current, ties.reasons, tied, regression,
+                name, predicted, found.gain, ties.names, role, current, ties.reasons, tied, regression,
                 rivals=rivals_of(name, significant(candidates), {} if steps else gains),
             )
         )  # fmt: skip
@@ -189,6 +190,7 @@ def tied_at_the_end(step: Step, last: Fit, start: Fit, library: Registry, report
     found = confirm(regression, library[step.added], chosen)
     if not np.isfinite(found.chi2):
         return step
+    chosen = found.candidate  # perhaps with other words
     if not regression.credible:  # by what scores say all then tie, and short refits of the one in place say no more
         kept = max(regression.best_chi2 - found.chi2, 0.0)
         chosen = chosen._replace(drop=kept, predicted_gain=float(np.clip(found.gain, 0, 1)))

@@ -10,9 +10,10 @@ from ...effects.linear_side import constant_on
 from ...effects.registry import Registry
 from ...fit import Fit
 from ...fit.linear.choice import side_of_constant
+from ...fit.linear.start_model import start_model
 from ...fit.rebuild import fit_at
 from ...pulse import Report
-from ..evidence.criterion import Left, behind
+from ..evidence.criterion import behind
 from ..evidence.held_out import hurts
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import working
@@ -47,19 +48,23 @@ def with_its_constant(fitted: Fit, regression: Regression, library: Registry, re
 
 
 def without_idle_constant(fitted: Fit, named: Sequence[str], start: Fit, report: Report) -> Fit:
-    """A fit without a constant that its linear form had beside what was missing, and needs no more by the same
-    criterion; one of the `named` steps, or that the campaign names, stays."""
-    for effect in fitted.model.effects:
-        if not effect.is_constant or effect.name in (*named, *fitted.campaign.effects):
+    """A fit without the constant that its linear form had beside what was missing, and needs no more by the same
+    criterion, nor for the held-out records; one of the `named` steps, or that somebody asked for, stays.
+
+    `start`: with which the walk began.
+    """
+    last, campaign = working(fitted), fitted.campaign
+    for effect in fitted.model.effects if isinstance(fitted.model.device, Oscillator) else ():
+        if not effect.is_constant or effect.name in (*named, *campaign.effects):
             continue
+        if effect.name in start.model.names and effect.name not in start_model(campaign).names:
+            continue  # neither the records chose it nor the walk
         report(f"does the model still need {effect.name}?")
-        last = working(fitted)
         without = try_without(last, effect.name, start)
         try:
-            here, there = prepare(without), prepare(last)
+            idle = behind(prepare(without), prepare(last)) < 0 and still_possible(without, last)
         except Diverged:
             continue
-        idle = behind(Left(here.residual, here.numbers), Left(there.residual, there.numbers)) < 0
-        if idle and still_possible(without, last) and not hurts(last, without):
-            fitted = without if last is fitted else fit_at(without.model, fitted.campaign, without.values)
+        whole = without if last is fitted else fit_at(without.model, campaign, without.values, converged=False)
+        return whole if idle and not hurts(fitted, whole) else fitted
     return fitted

@@ -92,12 +92,12 @@ def both(
     except Diverged:
         return None
     # What either is mistaken for shows only once both are in: the walk asks it at its end. What builds on another
-    # cannot be without it.
+    # cannot be without it, and came in the place of one that explained as much.
     one, two = (step.added for step in steps)
-    alike = () if library[two].needs == one else (one, two)
+    alike = ((one,), (two, other)) if library[two].needs == one else ((one, two), (two, one))
     steps = [
-        step._replace(tie_set=tuple(dict.fromkeys((step.added, *alike))), partner=partner)
-        for step, partner in zip(steps, (two, one), strict=True)
+        step._replace(tie_set=tuple(dict.fromkeys(names)), partner=partner)
+        for step, names, partner in zip(steps, alike, (two, one), strict=True)
     ]
     if not_worth_adding(regression, regression.best_chi2 - now.fit_chi2, first):
         return None

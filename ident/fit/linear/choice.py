@@ -134,10 +134,11 @@ def begin_off_zero(records: Sequence[Trace]) -> bool:
     if not rest:
         return False
     first, sigma = (np.array(x) for x in zip(*rest, strict=True))
-    alike = np.abs(first - np.sort(first)[len(first) // 2]) < _SURE * sigma
-    said = sigma[alike] ** -2.0  # a quiet record says more than a noisy one
+    said, order = sigma**-2.0, np.argsort(first)  # a quiet record says more than a noisy one
+    middle = first[order][np.searchsorted(np.cumsum(said[order]), 0.5 * np.sum(said))]
+    alike = np.abs(first - middle) < _SURE * sigma
     most = 2 * np.count_nonzero(alike) > len(rest)
-    return bool(most and abs(np.sum(said * first[alike])) > _SURE * np.sqrt(np.sum(said)))
+    return bool(most and abs(np.sum((said * first)[alike])) > _SURE * np.sqrt(np.sum(said[alike])))
 
 
 def _chosen(

@@ -6,9 +6,10 @@
   recorded and not its acceleration; and what else acts between the two sees their distance (`forms.OnBase`). Where both
   are accelerations the sensor rides on the body and reads the base's acceleration too (`forms.Shaken`).
 
-Each is linear physics, but a hidden effect is late or early, too. Where the drive itself jumps, and where it is the
-displacement of a base, or its acceleration beside that of the body, the criterion decides alone; else what these forms
-explain must be the greater part of what is left without them, as with further modes.
+Each is linear physics, but a hidden effect is late or early, too. Of drives that jump, and where one is the
+displacement of a base, or its acceleration beside that of the body, the criterion decides alone; else, and of smooth
+drives beside those that jump, what these forms explain must be the greater part of what is left without them, as with
+further modes.
 """
 
 from __future__ import annotations

@@ -57,8 +57,11 @@ def verdict(fit: Fit) -> str:
         worst = max((s for s in fit.scores if not s.holdout), key=lambda s: s.error_over_noise)
         text = f"{model} does not describe {records}: the error is {ratio_text(ratio)} times the noise floor"
         text += f" (worst in {worst.name}, {ratio_text(worst.error_over_noise)})." if n > 1 else "."
-        doubt = ", or the noise is more than its floors say" if ratio**2 < FAR else ""
-        text += f" Something is missing from it{doubt}; `ident diagnose` looks for it."
+        text += (
+            " Something may be missing from it, or the noise may be more than its floors say: `ident diagnose` tells."
+            if ratio**2 < FAR
+            else " Something is missing from it; `ident diagnose` looks for it."
+        )
     text += _held(fit) + _differing(fit) + _heldout(fit) + _not_counted(fit)
     if ratio <= GOOD:
         fitted = [e for e in fit.estimates if e.fitted]
