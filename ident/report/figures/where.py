@@ -29,7 +29,8 @@ def where_figure(where: Where) -> Figure:
     """A panel per question, with its answer: error over noise floor by record, time, motion, phase and harmonic of the
     drive, with the tests of whiteness."""
     figure = new_figure(10.6, 5.9)
-    said = {s.axis: s.words.removesuffix(" of the drive's phase") for s in statements(where)}
+    short = lambda words: words.removesuffix(" of the drive's phase").removeprefix("where the stage is ")
+    said = {s.axis: short(s.words) for s in statements(where)}
     words = textwrap.wrap(summary(where), 138)
     for i, line in enumerate(words[:4]):
         bold = "bold" if i == 0 and not where.fails else "normal"
