@@ -50,6 +50,16 @@ def test_what_the_model_can_do_itself_and_what_has_no_bound_say_nothing() -> Non
     np.testing.assert_allclose(seen.sizes, [0.0, alone.sizes[0]])
 
 
+def test_what_the_model_can_do_itself_has_no_size() -> None:
+    """Rounding had: the axial force of residual stress was 10⁸ N/V beside a stiffness that a voltage changes."""
+    on, rng = bench(5, 2), np.random.default_rng(6)
+    own = rng.standard_normal(N)
+    rows = np.array([on.absorbed.T[0] + 1e-9 * rng.standard_normal(N), own])
+    (seen,) = inner(rows[None], on.absorbed, on.residual)
+    (alone,) = inner(own[None, None], on.absorbed, on.residual)
+    np.testing.assert_allclose(seen.sizes, [0.0, alone.sizes[0]])
+
+
 def test_rows_at_zero_leave_what_the_others_say() -> None:
     on, rng = bench(8, 3), np.random.default_rng(9)
     rows = rng.standard_normal((3, N))

@@ -38,9 +38,9 @@ class Inner(NamedTuple):
 
     @property
     def sizes(self) -> np.ndarray:
-        """How much of each row the residual has, (q,)."""
-        size = np.diag(self.kept)
-        usable = np.isfinite(size) & (size > 0)
+        """How much of each row the residual has, (q,); none of one that the model absorbs: rounding has no size."""
+        size, whole = np.diag(self.kept), np.diag(self.themselves)
+        usable = np.isfinite(size) & (size > ABSORBED**2 * whole)
         found, lengths = np.zeros(len(size)), np.sqrt(size[usable])
         power, axes = self._axes(lengths, usable)
         told = power > _SAME * np.max(power, initial=0.0)

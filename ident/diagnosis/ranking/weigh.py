@@ -12,7 +12,7 @@ import numpy as np
 from ...effects.effect import AbstractEffect
 from ..evidence.coloured_noise import chance
 from ..linearised.balance import Balanced, balanced, samples_of
-from ..linearised.basis import orthonormal
+from ..linearised.basis import ABSORBED, orthonormal
 from ..linearised.curve_columns import Moves
 from ..linearised.histories import Histories, histories
 from ..linearised.inner import inner
@@ -181,6 +181,7 @@ def _told(regression: Regression, asked: Asked, columns: _Columns, one: _Point) 
     names = [p.name for p in asked.effect.declared()]
     own[[one.values[names[a]] == 0.0 for a in asked.amplitudes]] = 0.0
     left = regression.project(own)
+    left[np.linalg.norm(left, axis=1) < ABSORBED * np.linalg.norm(own, axis=1)] = 0.0  # rounding has no size
     return one._replace(values=_estimate(regression, names, asked.amplitudes, point, left)), orthonormal(left, own)
 
 
