@@ -14,7 +14,6 @@ from ident.diagnosis.diagnose import diagnose
 from ident.diagnosis.linearised.anchor import _alone, prepare_at_best
 from ident.diagnosis.linearised.regression import prepare
 from ident.diagnosis.ranking.confirm import confirm
-from ident.diagnosis.ranking.look import promised
 from ident.diagnosis.ranking.score import score
 from ident.effects.registry import built_in
 from ident.fit import fit
@@ -94,7 +93,7 @@ def test_sines_beside_a_resonance_that_bends_are_seen_from_where_the_equation_of
     assert best.name == "cubic-stiffness"
     refit = confirm(regression, LIBRARY["cubic-stiffness"], best)
     kept = regression.best_chi2 - refit.chi2  # of a promise that is counted from the best fit, as a refit is
-    assert refit.chi2 < 1.1 * regression.n and abs(promised(best, regression) / kept - 1) < 0.01
+    assert refit.chi2 < 1.1 * regression.n and abs(best.promised(regression) / kept - 1) < 0.01
 
 
 def test_a_record_that_no_values_describe_either_is_no_place_to_look_from():

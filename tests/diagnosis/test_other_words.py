@@ -27,7 +27,7 @@ def candidate(words: str, drop: float, *others: Candidate) -> Candidate:
         ({"usual": 1.0, "other": 2.0}, 3600.0, True, "usual"),
         ({"usual": 1.0, "other": 1.0}, 3600.0, True, "usual"),
         ({"usual": 2.0, "other": 1.0}, 3000.0, True, "usual"),  # what it promises the usual ones have kept
-        ({"usual": 1.0, "other": 2.0}, 3000.0, False, "other"),  # they ended in what cannot be
+        ({"usual": 2.0, "other": 1.0}, 3600.0, False, "usual"),  # an effect that ends in what cannot be is refused
     ],
 )
 def test_the_words_whose_refit_says_more_are_taken(

@@ -69,14 +69,15 @@ def confirm(
     and on curves with the other sign: beside an effect that acts by its square, which may grow severalfold to make room
     for it, the slope there may have the wrong one. Then those of effects accepted before race from theirs, as a new
     term may free them. Where other words of its choices promise clearly more than that has kept, they are refitted
-    too, and the best of all is taken. `base`: values of the other parameters to start from, if not those of the
-    regression's fit.
+    too, and the best of all is taken; not in the place of usual ones that end in what cannot be.
+
+    `base`: values of the other parameters to start from, if not those of the regression's fit.
     """
     asked = (effect, *candidate.words.items(), *candidate.values.items(), most, None if base is None else tuple(base))
     if asked not in regression.refitted:
         found = _refitted(regression, effect, candidate, most, base)
         for other in candidate.otherwise:
-            if not found.possible or other.promised(regression) > regression.best_chi2 - found.chi2 + VERY_STRONG:
+            if found.possible and other.promised(regression) > regression.best_chi2 - found.chi2 + VERY_STRONG:
                 again = _refitted(regression, effect, other, most, base)
                 found = min(found, again, key=lambda one: (not one.possible, behind(one, found)))
         regression.refitted[asked] = found
