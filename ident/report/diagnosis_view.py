@@ -214,7 +214,7 @@ def _together(loop: Discovery) -> list[str]:
     for one, other in zip(loop.steps, loop.steps[1:], strict=False):
         if one.partner == other.added:
             first, last = before.fitted.error_over_noise, other.fit.fitted.error_over_noise
-            builds = one.added == next(e.needs for e in other.fit.model.effects if e.name == other.added)
+            builds = any((e.name, e.needs) == (other.added, one.added) for e in other.fit.model.effects)
             why = (
                 f"{other.added} builds on {one.added} and could be asked for only beside it" if builds
                 else f"{one.added} and {other.added} each hide what the other does, so neither stands out alone"

@@ -1,4 +1,4 @@
-"""Words of a choice that promise about as much are refitted too, and the refits decide."""
+"""Words of a choice that promise more than the usual ones have kept are refitted too, and the refits decide."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ident.diagnosis.ranking.confirm import Confirmed, confirm
 from ident.diagnosis.ranking.weigh import Candidate
 
 N = 400
-REGRESSION = SimpleNamespace(refitted={}, best_chi2=4000.0, instead_of=None, n=N)
+REGRESSION = SimpleNamespace(refitted={}, best_chi2=4000.0, instead_of=None, n=N, above_noise=3600.0)
 
 
 def candidate(words: str, drop: float, *others: Candidate) -> Candidate:
@@ -27,6 +27,7 @@ def candidate(words: str, drop: float, *others: Candidate) -> Candidate:
         ({"usual": 1.0, "other": 2.0}, 3600.0, True, "usual"),
         ({"usual": 1.0, "other": 1.0}, 3600.0, True, "usual"),
         ({"usual": 2.0, "other": 1.0}, 3000.0, True, "usual"),  # what it promises the usual ones have kept
+        ({"usual": 2.0, "other": 1.0}, 3230.0, True, "usual"),  # laws of one kind differ by as much
         ({"usual": 2.0, "other": 1.0}, 3600.0, False, "usual"),  # an effect that ends in what cannot be is refused
     ],
 )

@@ -17,7 +17,8 @@ from ...fit.linear.one_tone import with_quality
 from ...fit.problem import WORST
 from ...fit.rebuild import fit_at
 from ...model import FREQUENCY, QUALITY, Model, make_effect
-from ..evidence.criterion import VERY_STRONG, behind
+from ..evidence.criterion import behind
+from ..evidence.enough import worth_a_name
 from ..linearised.regression import Regression
 from ..linearised.shorten import CRAWLS, is_long
 from ..linearised.whiten import whiten
@@ -68,8 +69,9 @@ def confirm(
     Its own shapes race from the best points of their grids, the best also with what it moves the other parameters to,
     and on curves with the other sign: beside an effect that acts by its square, which may grow severalfold to make room
     for it, the slope there may have the wrong one. Then those of effects accepted before race from theirs, as a new
-    term may free them. Where other words of its choices promise clearly more than that has kept, they are refitted
-    too, and the best of all is taken; not in the place of usual ones that end in what cannot be.
+    term may free them. Where other words of its choices promise more than that has kept, by more than laws of one kind
+    differ by, they are refitted too, and the best of all is taken; not in the place of usual ones that end in what
+    cannot be.
 
     `base`: values of the other parameters to start from, if not those of the regression's fit.
     """
@@ -77,9 +79,10 @@ def confirm(
     if asked not in regression.refitted:
         found = _refitted(regression, effect, candidate, most, base)
         for other in candidate.otherwise:
-            if found.possible and other.promised(regression) > regression.best_chi2 - found.chi2 + VERY_STRONG:
+            more = other.promised(regression) - (regression.best_chi2 - found.chi2)
+            if found.possible and worth_a_name(more, regression):
                 again = _refitted(regression, effect, other, most, base)
-                found = min(found, again, key=lambda one: (not one.possible, behind(one, found)))
+                found = again if again.possible and behind(again, found) < 0 else found
         regression.refitted[asked] = found
     return regression.refitted[asked]
 
