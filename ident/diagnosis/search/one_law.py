@@ -14,6 +14,7 @@ import numpy as np
 
 from ...campaign.campaign import Campaign
 from ...effects.dependence import depends_on
+from ...effects.effect import AbstractEffect
 from ...fit import Fit
 from ...fit.floors import sharpened
 from ...pulse import Report
@@ -90,7 +91,9 @@ def in_their_place(found: Discovery, start: Regression, path: Path, report: Repo
     if not asked or found.start.campaign.fitted_sweeps:
         return None
     said = _said(start, found.regression.chi2, report)
-    told = None if said is None else _holds(found.start, found, start, said[0], path, report)
+    if said is None or any(_is_shape_of(one, found, start, said[0]) for one in found.final.model.effects):
+        return None
+    told = _holds(found.start, found, start, said[0], path, report)
     return None if told is None else _written(found, *told)
 
 
@@ -110,6 +113,18 @@ def _said(start: Regression, named: float, report: Report) -> tuple[Unknown, For
 def _written(found: Discovery, beyond: Beyond, gain: float) -> Written:
     """A law in the place of what was found."""
     return Written(replace(found, steps=(step_of(beyond, gain),)), beyond.unknown, beyond.path)
+
+
+def _is_shape_of(effect: AbstractEffect, found: Discovery, start: Regression, law: Unknown) -> bool:
+    """Whether a law is a finer shape of an effect, which by itself leaves nothing that is worth a name."""
+    left = 1.0 - found.confirmed.get(effect.name, 0.0)
+    return _has_coordinates_of(law, effect) and not worth_a_name(left * start.excess, start)
+
+
+def _has_coordinates_of(law: Unknown, effect: AbstractEffect) -> bool:
+    """Whether an effect acts where a law does, and depends on nothing else."""
+    told = depends_on(effect)
+    return told is not None and told[0] == law.side and set(told[1]) <= set(law.coordinates)
 
 
 def _holds(
@@ -187,11 +202,9 @@ def said_in_pieces(look: Look, unknown: Unknown, as_much: float) -> bool:
     """Whether effects that depend on nothing else than a law, and act where it does, explain `as_much` together: the
     best one and the best beside it, or more of them with no more numbers than its formula has. A dozen mimic any
     function, and a table has as many numbers as they need."""
-    regression, own = look.regression, set(unknown.coordinates)
-    pieces = []
+    regression, pieces = look.regression, []
     for candidate in look.candidates:
-        law = depends_on(look.library[candidate.name]())
-        if law is not None and law[0] == unknown.side and set(law[1]) <= own:
+        if _has_coordinates_of(unknown, look.library[candidate.name]()):
             rows = np.concatenate([candidate.signature, *candidate.near_signatures])
             pieces.append((candidate.dof, rows, rows))
     left, spent, formula = regression.residual, 0, unknown.formula
@@ -208,4 +221,6 @@ def said_in_pieces(look: Look, unknown: Unknown, as_much: float) -> bool:
         said = float(left @ left)
         if said < as_much or as_good_as_named(said, regression):
             return True
+        if count == 0 and not worth_a_name(said - regression.n, regression):
+            return True  # a finer shape of that effect
     return False
