@@ -127,7 +127,8 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         drive_channel, drive = _signal(columns["drive"], drive_unit, spec.scale.get("drive"), notes, "drive")
         if np.any(np.isnan(drive)):
             gone = gone | np.isnan(drive)
-            drive = without_gaps(columns["drive"], drive, notes, drive=True)
+            at = columns["time"].numbers() if "time" in columns else None
+            drive = without_gaps(columns["drive"], drive, notes, drive=True, at=at)
     check_length(len(drive), spec.file)
     if spec.rate is not None:
         time = np.arange(len(drive)) / spec.rate

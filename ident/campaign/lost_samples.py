@@ -1,4 +1,5 @@
-"""Samples that a recorder lost: a frame that was dropped leaves a gap of whole intervals in the column of times."""
+"""Samples that a recorder lost: a frame that was dropped leaves a gap in the column of times, of whole intervals, or
+nearly so where the others are uneven, too."""
 
 from __future__ import annotations
 
@@ -7,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .quality.checks import MOST_JITTER
+from .quality.checks import MOST_JITTER, gaps_in
 from .quality.gaps import crossed_by_drive
 from .tables.table import Column
 
@@ -16,22 +17,22 @@ _ROUNDS = 3  # of the interval, which printed times tell to a digit only, and of
 
 def with_lost_samples(columns: Mapping[str, Column]) -> dict[str, Column]:
     """The columns of a record with the rows that are missing in its times put in, their cells as if they had been
-    empty; as they are, if no step in time is of several whole intervals, or what is lost of the drive nobody knows.
+    empty; as they are, if no step in time is of several intervals, or what is lost of the drive nobody knows.
 
     **Arguments:** `columns`: of each role; without one of times nothing is known to be lost.
     """
     if "time" not in columns:
         return dict(columns)
     printed = columns["time"].numbers()
-    index = _whole_intervals(printed)
+    index = _intervals(printed)
     if index is None or index[-1] + 1 >= 2 * len(index):
         return dict(columns)
     there = np.zeros(index[-1] + 1, dtype=bool)
     there[index] = True
-    if "drive" in columns and not crossed_by_drive(columns["drive"], there):
+    times = np.interp(np.arange(len(there)), index, printed)
+    if "drive" in columns and not crossed_by_drive(columns["drive"], there, times):
         return dict(columns)
     after = np.searchsorted(index, np.arange(len(there)))  # the row of a sample, or the next that there is
-    times = np.interp(np.arange(len(there)), index, printed)
     found = {}
     for role, column in columns.items():
         values = times if role == "time" else np.where(there, column.numbers(missing=True)[after], np.nan)
@@ -41,8 +42,8 @@ def with_lost_samples(columns: Mapping[str, Column]) -> dict[str, Column]:
     return found
 
 
-def _whole_intervals(printed: np.ndarray) -> np.ndarray | None:
-    """(n,) which sample of a uniform grid each time is, if they are such samples and some are missing."""
+def _intervals(printed: np.ndarray) -> np.ndarray | None:
+    """(n,) which sample each time is, if they are those of a uniform grid, or nearly, and some are missing."""
     steps = np.diff(printed)
     step = float(np.median(steps)) if len(steps) else 0.0
     if not step > 0:
@@ -54,4 +55,4 @@ def _whole_intervals(printed: np.ndarray) -> np.ndarray | None:
         index = np.concatenate([[0.0], np.cumsum(counts)])
         step, origin = np.polyfit(index, printed, 1)
     off = np.max(np.abs(printed - origin - step * index))
-    return index.astype(int) if off < MOST_JITTER * step else None
+    return index.astype(int) if off < MOST_JITTER * step or len(gaps_in(steps, step)) else None

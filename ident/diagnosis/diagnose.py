@@ -35,6 +35,7 @@ from .search.once_more import with_other_starts
 from .search.one_law import in_their_place, one_law
 from .search.steps import Discovery, Verdict, Walked
 from .search.ties import Unseen, unseen
+from .search.together import two_names_do
 from .search.written import AS_WELL, beyond_library
 from .search.zero import zero_of_the_sensor
 from .unknown.find import Unknown, find_unknown
@@ -159,7 +160,8 @@ def _answered(
     regression = prepare(working(fitted))
     where = locate(regression, fitted)
     look = first_look(fitted, library, report)
-    suspects = find_suspects(fitted, lambda one: look if one is fitted else first_look(one, library, report), report)
+    looked = lambda one: look if one is fitted else first_look(one, library, report)
+    suspects = find_suspects(fitted, looked, report, lambda: two_names_do(look, regression, report))
     first = [suspect for suspect in suspects if suspect.first]
     faulty = any(suspect.settles for suspect in first)  # else it may be the worst of several that each have a number
     if first and not faulty and find_unknown(regression).chi2_after < AS_WELL:

@@ -284,6 +284,18 @@ def test_a_drive_is_drawn_across_lost_samples_only_where_that_is_harmless(tmp_pa
     assert_one_line(ident("check", tmp_path), "line 102", "a gap of")
 
 
+def test_lost_samples_are_seen_among_uneven_ones(tmp_path):
+    """Every interval differs by up to 12 %, so that two or three of them are no whole number of the usual."""
+    rng, lost = np.random.default_rng(11), {100, 230, 231}
+    time = np.cumsum(0.004 * (1 + rng.uniform(-0.12, 0.12, 600)))
+    drive = np.sin(2 * np.pi * 3.4 * time) + 0.003 * rng.standard_normal(600)
+    response = np.cos(2 * np.pi * 3.4 * time) + 0.01 * rng.standard_normal(600)
+    text = "time (s),drive (V),z (um)\n" + rows(time, drive, response)
+    (record,) = _campaign(tmp_path, a_csv=_without(text, lost)).traces
+    assert record.masked is not None and set(np.flatnonzero(record.masked)) == lost
+    assert np.max(np.abs(record.drive - np.sin(2 * np.pi * 3.4 * record.time))) < 0.02
+
+
 def test_beside_a_response_that_is_named_the_other_signal_is_the_drive(tmp_path):
     """A device smooths what drives it: of two signals the smoother need not be the drive."""
     rng = np.random.default_rng(3)

@@ -18,6 +18,7 @@ from .clipping import CLIPPED, clipped_fraction
 _LASTS = 0.97  # of a free motion's first quarter in its last: its quality would be 77 times its periods
 MOST_JITTER = 0.2  # of an interval: what is sampled less evenly has no grid
 _LONGEST_STEP = 1.6  # of the usual interval: what is longer is a gap
+_UNEVEN = 0.3  # of the usual interval, by which the others may be off it
 _BETWEEN = 0.01  # of a signal's rms, missed between uneven samples
 _STILL_UNIFORM = 0.01  # of an interval: a sine of 20 samples a period is then read 0.3 % wrong at most
 
@@ -64,9 +65,8 @@ def uniform_time(column: Column, factor: float, notes: list[str]) -> np.ndarray:
             else "sort the rows, or split the file where it starts again"
         )
         raise UserError(f"time {word}{more}", where=column.place(row), do=do)
-    gaps = np.flatnonzero(steps > _LONGEST_STEP * step)
-    others = np.delete(steps, gaps)
-    if 0 < len(gaps) < 0.05 * n + 2 and np.max(np.abs(others - step)) < 0.3 * step + 2 * resolution:
+    gaps = gaps_in(steps, step, 2 * resolution)
+    if len(gaps):
         row = int(gaps[0]) + 1
         size = format_quantity(float(steps[gaps[0]]) * factor, "s")
         more = f" (and {len(gaps) - 1} more)" if len(gaps) > 1 else ""
@@ -92,6 +92,14 @@ def uniform_time(column: Column, factor: float, notes: list[str]) -> np.ndarray:
     if jitter > MOST_JITTER:  # the line through times that wander does not begin and end where they do
         return factor * np.linspace(printed[0], printed[-1], n)
     return factor * (origin + slope * index)
+
+
+def gaps_in(steps: np.ndarray, step: float, print_off: float = 0.0) -> np.ndarray:
+    """Which of the (n − 1,) steps in time are gaps of a record that is sampled every `step` but for a few."""
+    gaps = np.flatnonzero(steps > _LONGEST_STEP * step)
+    others = np.delete(steps, gaps)
+    few = len(gaps) < 0.05 * len(steps) + 2 and len(others) > 0
+    return gaps if few and np.max(np.abs(others - step)) < _UNEVEN * step + print_off else gaps[:0]
 
 
 def on_grid(column: Column, factor: float, time: np.ndarray, *signals: np.ndarray) -> tuple[np.ndarray, ...]:

@@ -66,16 +66,16 @@ def clipped_fraction(signal: np.ndarray) -> float:
     return float(np.mean(clipped_samples(signal)))
 
 
-def across_gaps(signal: np.ndarray, masked: np.ndarray) -> np.ndarray:
-    """The signal (n,) with each run of masked samples replaced by the polynomial through what lies on both sides."""
+def across_gaps(signal: np.ndarray, masked: np.ndarray, at: np.ndarray | None = None) -> np.ndarray:
+    """The signal (n,) with each run of masked samples replaced by the polynomial through what lies on both sides; `at`:
+    where its samples lie, if that is not one after the other."""
     filled, n = np.array(signal, dtype=float), len(signal)
+    at = np.arange(n) if at is None else at
     for first, stop in _runs(masked):
         beside = max(_BESIDE, stop - first)
         near = np.arange(max(first - beside, 0), min(stop + beside, n))
         known = near[~masked[near]]
         if len(known) > 2 * _DEGREE and known[0] < first and known[-1] >= stop:
-            middle, half = (first + stop) / 2, (stop - first) / 2 + beside
-            line = np.polynomial.polynomial.polyfit((known - middle) / half, signal[known], _DEGREE)
-            gap = np.arange(first, stop)
-            filled[gap] = np.polynomial.polynomial.polyval((gap - middle) / half, line)
+            line = np.polynomial.Polynomial.fit(at[known], signal[known], _DEGREE)
+            filled[first:stop] = line(at[first:stop])
     return filled

@@ -11,50 +11,50 @@ _HARMLESS = 0.01  # of the drive's rms: as much as an amplifier's gain is known;
 _PLACES = 8  # where the same gaps are made, to see what the curve drawn across them is worth
 
 
-def without_gaps(column: Column, signal: np.ndarray, notes: list[str], drive: bool = False) -> np.ndarray:
-    """A signal (n,) with a smooth curve in place of NaN. **Raises:** UserError where too much of it is missing, or a
-    curve across the same gaps elsewhere misses what a `drive` does there."""
+def without_gaps(
+    column: Column, signal: np.ndarray, notes: list[str], drive: bool = False, at: np.ndarray | None = None
+) -> np.ndarray:
+    """A signal (n,) with a smooth curve in place of NaN; `at`: its times, if known. **Raises:** UserError where
+    too much of it is missing, or a curve across the same gaps elsewhere misses what a `drive` does there."""
     gone = np.isnan(signal)
     count, first = np.count_nonzero(gone), int(np.argmax(gone))
-    filled = _crossed(signal, gone) if 2 * count < len(gone) else signal
-    if 2 * count >= len(gone) or (drive and not _error(filled, gone) < _HARMLESS):
+    filled = _crossed(signal, gone, at) if 2 * count < len(gone) else signal
+    if 2 * count >= len(gone) or (drive and not _harmless(filled, gone, at)):
         column.numbers()  # raises, with the place of the first
     role = "drive" if drive else "response"
     many = f"{count} samples of the {role} are" if count > 1 else f"one sample of the {role} is"
     then = "a smooth curve takes their place" if drive else "left out of every fit"
-    notes.append(f"{column.place(first)}: {many} no number; {then}.")
+    notes.append(f"{column.place(first)}: {many} missing, or no number; {then}.")
     return filled
 
 
-def crossed_by_drive(column: Column, there: np.ndarray) -> bool:
+def crossed_by_drive(column: Column, there: np.ndarray, at: np.ndarray | None = None) -> bool:
     """Whether a smooth curve says what a drive did where samples are not `there` (n,), of which the column has the
-    others."""
+    others; `at`: times of all."""
     known = column.numbers(missing=True)
     if np.any(np.isnan(known)):
         return False
     signal = np.full(len(there), np.nan)
     signal[there] = known
-    return _error(_crossed(signal, ~there), ~there) < _HARMLESS
+    return _harmless(_crossed(signal, ~there, at), ~there, at)
 
 
-def _crossed(signal: np.ndarray, gone: np.ndarray) -> np.ndarray:
-    known, index = ~gone, np.arange(len(gone))
-    return across_gaps(np.where(gone, np.interp(index, index[known], signal[known]), signal), gone)
+def _crossed(signal: np.ndarray, gone: np.ndarray, at: np.ndarray | None) -> np.ndarray:
+    known, at = ~gone, np.arange(len(gone)) if at is None else at
+    return across_gaps(np.where(gone, np.interp(at, at[known], signal[known]), signal), gone, at)
 
 
-def missed_across(signal: np.ndarray, gone: np.ndarray) -> float:
+def missed_across(signal: np.ndarray, gone: np.ndarray, at: np.ndarray | None = None) -> float:
     """Root mean square of what curves across gaps like these, made where the signal is known, miss of it."""
-    missed = np.concatenate(_misses(signal, gone))
+    missed = np.concatenate(_misses(signal, gone, at))
     return float(np.sqrt(np.mean(missed**2))) if len(missed) else 0.0
 
 
-def _error(filled: np.ndarray, gone: np.ndarray) -> float:
-    """The largest of those errors, in rms of the signal."""
-    worst = float(np.max(np.abs(np.concatenate(_misses(filled, gone))), initial=0.0))
-    return worst / max(float(np.std(filled)), 1e-300)
+def _harmless(filled: np.ndarray, gone: np.ndarray, at: np.ndarray | None) -> bool:
+    return missed_across(filled, gone, at) < _HARMLESS * float(np.std(filled))
 
 
-def _misses(filled: np.ndarray, gone: np.ndarray) -> list[np.ndarray]:
+def _misses(filled: np.ndarray, gone: np.ndarray, at: np.ndarray | None) -> list[np.ndarray]:
     """What curves across the same gaps, moved to several other places, miss of a signal; one array a place. None is
     moved nearer to an end than they are: there a curve has less to go by."""
     n, found, places = len(gone), [np.zeros(0)], np.flatnonzero(gone)
@@ -63,5 +63,5 @@ def _misses(filled: np.ndarray, gone: np.ndarray) -> list[np.ndarray]:
         made = np.roll(gone, place * n // (_PLACES + 1)) & ~gone
         made[:end] = made[n - end :] = False
         if np.any(made):
-            found.append((_crossed(np.where(made, np.nan, filled), made) - filled)[made])
+            found.append((_crossed(np.where(made, np.nan, filled), made, at) - filled)[made])
     return found

@@ -54,9 +54,15 @@ _SURE, LIKELY = 0.95, 0.9
 """Of suspects that settle everything down to the noise, and of the others; see experiments/faulty_records."""
 
 
-def find_suspects(fitted: Fit, look: Callable[[Fit], Look], report: Report = lambda _: None) -> tuple[Suspect, ...]:
+def find_suspects(
+    fitted: Fit,
+    look: Callable[[Fit], Look],
+    report: Report = lambda _: None,
+    two_do: Callable[[], bool] = lambda: False,
+) -> tuple[Suspect, ...]:
     """The suspect records of a fit's campaign: what the data alone tell, and what the records tell of one another, long
-    ones by a stretch of each; `look`: what the library says of a fit, if it is asked."""
+    ones by a stretch of each; `look`: what the library says of a fit, if it is asked; `two_do`: whether two effects
+    bring all records to their noise."""
     alone = suspects_by_data(fitted.campaign)
     if not _disagree(fitted):
         return alone
@@ -66,7 +72,7 @@ def find_suspects(fitted: Fit, look: Callable[[Fit], Look], report: Report = lam
         told = look(seen)
         if seen is not fitted and not speaks_for(told.regression.instead_of or told.regression, fitted):
             return alone  # what changes in the course of a record is not seen in a stretch of it
-        others = _by_others(seen, told)
+        others = _by_others(seen, told, two_do)
     except Diverged:  # a stretch of its motion has no bound
         return alone
     if seen is not fitted:
@@ -143,7 +149,7 @@ class _Explained(NamedTuple):
         return max(float(np.mean(self.left**2)) - 1.0, 1e-9)
 
 
-def _by_others(fitted: Fit, look: Look) -> list[Suspect]:
+def _by_others(fitted: Fit, look: Look, two_do: Callable[[], bool]) -> list[Suspect]:
     scores = sorted(fitted.trace_scores, key=lambda score: -score.error_over_noise)
     outside = [score.name for score in scores if score.holdout][:_MOST]
     worst = next(score.error_over_noise for score in scores if not score.holdout)
@@ -151,7 +157,9 @@ def _by_others(fitted: Fit, look: Look) -> list[Suspect]:
     known = _Explained(fitted.model, fitted.values, _left(fitted), fitted.freedom, worst, traces)
     found: list[Suspect] = []
     while known.excess > _FLOOR**2 - 1:
-        one = _most_likely(fitted, _worst_first(fitted), look)
+        one = _most_likely(fitted, _worst_first(fitted), look, lambda: not found and two_do())
+        if one is None and not found and two_do():
+            break
         if not (found or (one and one[0].settles)) and (other := _as_others_choose(fitted, look)) is not None:
             one, fitted, look = other
             traces = fitted.campaign.traces
@@ -210,8 +218,11 @@ def _left(fitted: Fit) -> np.ndarray:
     return np.concatenate([*parts, residuals[tape.samples :]])
 
 
-def _most_likely(fitted: Fit, inside: Sequence[int], look: Look) -> tuple[Suspect, _Explained] | None:
-    """The fault that explains the records better than physics does, if one does."""
+def _most_likely(
+    fitted: Fit, inside: Sequence[int], look: Look, two_do: Callable[[], bool] = lambda: False
+) -> tuple[Suspect, _Explained] | None:
+    """The fault that explains the records better than physics does, if one does; one that leaves something is not
+    asked for beside an effect where `two_do` as well."""
     left, sound = _left(fitted), _with_physics(fitted, look)
     if sound.worst <= _FLOOR:
         return None  # so told all records agree
@@ -228,7 +239,7 @@ def _most_likely(fitted: Fit, inside: Sequence[int], look: Look) -> tuple[Suspec
     shapes = ANOTHER_LAW * own.n / sum(s.n for s in scores) * max(own.error_over_noise**2 - 1.0, 1e-9)
     if best.worst <= _FLOOR:
         shapes = 0.0  # what brings all records to their noise is no law of another shape
-    if not sound.excess > shapes:
+    if not sound.excess > shapes or (best.worst > _FLOOR and two_do()):
         return None  # nothing is left to explain
     read_so = fit(fitted.model, best.campaign, initial=best.values)
     try:

@@ -32,7 +32,7 @@ from ..unknown.subsets import NEAR, rank
 from .beyond import Beyond
 from .drive import other_drive
 from .steps import Discovery
-from .together import both
+from .together import two_names_do
 from .written import (
     AS_WELL,
     Written,
@@ -65,7 +65,7 @@ def one_law(look: Look, fitted: Fit, start: Regression, path: Path, report: Repo
     unknown, formula = found
     # What a formula of kinks leaves along a motion with noise, names of the same law leave too.
     as_much = AS_WELL * max(formula.chi2_per_sample, 1.0) * start.n
-    if said_in_pieces(look, unknown, as_much) or _two_names_do(look, pair, start, as_much, report):
+    if said_in_pieces(look, unknown, as_much) or two_names_do(look, start, report, as_much):
         return None
     if other_drive(start.fit, regression, report, look) is not None:
         return None
@@ -185,17 +185,6 @@ def _left_by_names(look: Look, pair: Pair | None) -> float:
     """The least χ² that an effect leaves, refitted, or two promise to leave."""
     promised = np.inf if pair is None else float(pair.left @ pair.left)
     return min([promised, *(one.chi2 for one in look.tried if one.possible)])
-
-
-def _two_names_do(look: Look, pair: Pair | None, start: Regression, as_much: float, report: Report) -> bool:
-    """Whether the two effects that promise most reach the noise once they are refitted, which they are if they promise
-    to leave nothing that is worth a name, or no more than the law: a promise is of first order."""
-    left = np.inf if pair is None else float(pair.left @ pair.left)
-    if pair is None or (left > as_much and worth_a_name(left - look.regression.n, look.regression)):
-        return False
-    report(f"trying {' and '.join(pair.names)} together")
-    found = both(start.fit, start, pair.names, look.library, None, start)
-    return found is not None and adequate(found[1])
 
 
 def said_in_pieces(look: Look, unknown: Unknown, as_much: float) -> bool:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
 from ...effects.registry import Registry
 from ...fit import Fit
+from ...pulse import Report
 from ..evidence.coloured_noise import behind_in_colour
 from ..evidence.criterion import Left, clearly_better, criteria
 from ..evidence.enough import adequate, not_worth_adding, worth_a_name
@@ -16,6 +18,7 @@ from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
 from ..ranking.confirm import accept, confirm
+from ..ranking.look import Look
 from ..ranking.pairs import best_pair
 from ..ranking.score import score
 from ..ranking.weigh import Candidate
@@ -105,6 +108,26 @@ def both(
     better = better and behind_in_colour(now, regression) <= 0
     rivals = (current,) if single is None else (current, single.fit)
     return (steps, now) if better and not any(hurts(rival, before) for rival in rivals) else None
+
+
+def two_names_do(look: Look, start: Regression, report: Report, as_much: float = 0.0) -> bool:
+    """Whether the two effects that promise most reach the noise once they are refitted, which they are if they promise
+    to leave nothing that is worth a name, or no more χ² than `as_much`: a promise is of first order.
+
+    `start`: of the `working` excerpt of the fit that is looked at.
+    """
+    pair = best_pair(look.regression, look.candidates)
+    left = np.inf if pair is None else float(pair.left @ pair.left)
+    if pair is None or (left > as_much and worth_a_name(left - look.regression.n, look.regression)):
+        return False
+    report(f"trying {' and '.join(pair.names)} together")
+    return _reach_the_noise(look, start, pair.names)
+
+
+@lru_cache(maxsize=4)  # whoever has another answer asks
+def _reach_the_noise(look: Look, start: Regression, names: tuple[str, str]) -> bool:
+    found = both(start.fit, start, names, look.library, None, start)
+    return found is not None and adequate(found[1])
 
 
 def _instead(regression: Regression, single: Regression | None) -> Left:
