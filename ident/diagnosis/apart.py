@@ -17,8 +17,6 @@ from ..fit import Fit, fit
 from ..pulse import Report
 from .evidence.criterion import VERY_STRONG, Left, behind, criteria
 from .evidence.enough import MOST_OF_IT, adequate
-from .faulty.between import comparable, differing, kinds_of, rows_of
-from .faulty.differing import Differing, numbers_of
 from .linearised.regression import prepare
 from .linearised.shorten import is_long
 from .linearised.trajectory import Diverged
@@ -26,6 +24,8 @@ from .ranking.confirm import accept, confirm
 from .ranking.look import Look
 from .ranking.pairs import best_pair
 from .ranking.score import score, score_beside, significant
+from .records.between import comparable, differing, kinds_of, rows_of
+from .records.differing import Differing, numbers_of
 from .search.change import without
 from .search.drive import edges_of, other_drive, with_edges
 from .search.written import AS_WELL

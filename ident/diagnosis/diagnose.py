@@ -22,17 +22,18 @@ from ..pulse import Report
 from ..threads import one_thread
 from .apart import Apart, apart_after, apart_before
 from .evidence.enough import adequate
-from .faulty.between import differing
 from .faulty.odd_one import odd_one
 from .faulty.suspects import BY_OTHERS, find_suspects, judged_again
 from .linearised.regression import Regression, prepare
 from .linearised.shorten import working
 from .next_record.experiments import NextExperiment, next_experiments, rank_experiments
 from .ranking.look import first_look
+from .records.between import differing
 from .search.conclude import concluded, concluded_or_sharper
 from .search.discover import Keep, walk_on
 from .search.once_more import with_other_starts
 from .search.one_law import in_their_place, one_law
+from .search.own_zeros import has_own_zeros, without_common_zero
 from .search.steps import Discovery, Verdict, Walked
 from .search.ties import Unseen, unseen
 from .search.together import two_names_do
@@ -151,6 +152,8 @@ def _answered(
     if zero is not None:
         go_on = lambda walked: keep(zero.before(walked))
         said = _answered(zero.beside(walked), library, report, effect_file, keeps_walk, go_on)
+        if zero.step.added not in said.discovery.start.model.names:
+            return said  # each record has a zero of its own
         discovery = zero.whole(said.discovery, report)
         where = locate(prepare(working(discovery.start)), discovery.start)
         own = replace(discovery, steps=discovery.steps[:1])  # of the others the walk beyond it has said
@@ -176,16 +179,17 @@ def _answered(
         nothing = Discovery("ambiguous", fitted, (), (), {}, (), regression)
         return Diagnosis(nothing, where, suspects=suspects)
 
-    def with_floors(campaign: Campaign) -> Diagnosis:
-        report("what the last model leaves tells the noise floors better: once more, with these")
-        again = Walked(fit(fitted.model, campaign, initial=fitted.values))
+    def once_more(campaign: Campaign) -> Diagnosis:
+        report("what the last model leaves tells better how the records are to be read: once more, so")
+        begun = fit(fitted.model, campaign, initial=fitted.values)
+        again = Walked(without_common_zero(begun) if has_own_zeros(campaign) else begun)
         return _answered(again, library, report, effect_file, keeps_walk, keep)
 
     if not (walked.steps or first):
         with TemporaryDirectory() as folder:
             law = one_law(look, fitted, regression, effect_file or Path(folder) / "law.py", report)
             if isinstance(law, Campaign):
-                return with_floors(law)
+                return once_more(law)
             if law is not None:
                 hidden = unseen(regression, law.discovery.ranking, library)
                 suspects = judged_again(suspects, law.discovery.final, report)
@@ -193,7 +197,7 @@ def _answered(
                 return Diagnosis(told, where, law.unknown, effect_file, unseen=hidden, suspects=suspects)
     found = concluded_or_sharper(walk_on(walked, library, report, keep=keep, look=look))
     if isinstance(found, Campaign):
-        return with_floors(found)
+        return once_more(found)
     if found.start is not fitted:  # the walk has begun again, from a better first model
         regression = prepare(working(found.start))
         where = locate(regression, found.start)

@@ -13,11 +13,11 @@ import ident
 from ident.campaign.apart import Kind
 from ident.campaign.campaign import Campaign
 from ident.diagnosis.apart import apart_before
-from ident.diagnosis.faulty.between import KINDS, differing
-from ident.diagnosis.faulty.differing import Differing
 from ident.diagnosis.faulty.odd_one import odd_one
 from ident.diagnosis.faulty.suspects import BY_OTHERS
 from ident.diagnosis.ranking.look import first_look
+from ident.diagnosis.records.between import KINDS, differing
+from ident.diagnosis.records.differing import Differing
 from ident.diagnosis.search.change import add
 from ident.effects.registry import built_in
 from ident.report.run_state import as_it_was, state

@@ -10,7 +10,7 @@ import pytest
 from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.diagnosis.diagnose import diagnose
-from ident.diagnosis.faulty.between import differing
+from ident.diagnosis.records.between import differing
 from ident.effects.registry import built_in
 from ident.fit import Fit, fit
 from ident.model import Model

@@ -1,5 +1,4 @@
 """Records that disagree with the others in a way that no device explains.
 
-`suspects`: one record is faulty, or all in one way (`faults`, by one number of `nuisance`). `between`: each has a
-number of its own that `differing` tells (`between_levels`, of sweeps).
+`suspects`: one record is faulty, or all in one way (`faults`, by one number of `nuisance`).
 """

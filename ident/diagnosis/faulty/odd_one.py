@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ...campaign.quality.suspect import Kind, Suspect
-from .differing import Differing
+from ..records.differing import Differing
 from .nuisance import Nuisance
 from .suspects import LIKELY, words_of
 

@@ -29,6 +29,7 @@ from ..ranking.score import score, significant
 from .change import to_its_end, try_without
 from .constant import without_idle_constant
 from .lacking import lacking, leaves_no_structure, says_more_than_shapes
+from .own_zeros import with_zeros_anew
 from .parts import Parts
 from .prune import Pruned, prune
 from .rivals import rivals_of
@@ -37,9 +38,9 @@ from .ties import weighed_ties
 
 
 def concluded_or_sharper(ended: Ended) -> Discovery | Campaign:
-    """What stays of a walk; or the campaign with the noise floors that its last fit, or the one that stays, tells
-    better: a walk to be gone again need not be questioned first."""
-    sharper = sharpened(ended.walked.final)
+    """What stays of a walk; or the campaign with its records read otherwise, or with the noise floors that its last
+    fit, or the one that stays, tells better: a walk to be gone again need not be questioned first."""
+    sharper = ended.anew or sharpened(ended.walked.final)
     if sharper is not None:
         return sharper
     found = concluded(ended)
@@ -50,7 +51,7 @@ def concluded_or_sharper(ended: Ended) -> Discovery | Campaign:
 def concluded(ended: Ended) -> Discovery:
     """What stays of a walk: steps that held-out records refute or later ones make superfluous are taken back, and each
     is asked anew what it could be mistaken for."""
-    walked, look, at_best, ranking = ended
+    walked, look, at_best, ranking, _ = ended
     start, first, library, report = walked.start, look.first, look.library, look.report
     regression, candidates = look.regression, look.candidates
     steps = _without_refuted(start, list(walked.steps), regression)
@@ -68,7 +69,8 @@ def concluded(ended: Ended) -> Discovery:
             steps[-1] = steps[-1]._replace(fit=needed.fit)
     if steps:
         named = [step.added for step in steps]
-        steps[-1] = steps[-1]._replace(fit=without_idle_constant(steps[-1].fit, named, start, report))
+        last = without_idle_constant(steps[-1].fit, named, start, report)
+        steps[-1] = steps[-1]._replace(fit=with_zeros_anew(last, report))
     steps = _on_all_samples(start, steps, report)
     final = steps[-1].fit if steps else start
     if final is not walked.final:

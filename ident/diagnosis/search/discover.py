@@ -35,6 +35,7 @@ from .fewer_modes import without_a_mode, without_its_mode
 from .further_mode import with_its_mode
 from .once_more import another_minimum, begun_with, drive_beside, lower_start, with_other_starts
 from .other_form import in_another_form, steps_in_another_form
+from .own_zeros import with_own_zeros
 from .rivals import rivals_of
 from .steps import Ended, Step, Walked
 from .ties import weighed_ties
@@ -62,7 +63,7 @@ def walk_on(
     """
     ended = _walk(walked, library, report, keep, look)
     smooth = smooth_instead(ended.walked.start.campaign)
-    if smooth is None or not ended.walked.steps:
+    if smooth is None or ended.anew or not ended.walked.steps:
         return ended
     report("a drive that is smooth between its samples: once more, to compare")
     try:
@@ -103,6 +104,8 @@ def _walk(
     if asked and (form := in_another_form(start, look.regression, library, report)) is not None:
         return once_more(form.fit)
     current, questioned = walked.final, None
+    if (anew := with_own_zeros(current, look)) is not None:
+        return Ended(Walked(start, tuple(steps), gains), look, at_best, ranking, anew)
     while look.worth_it and look.real and len(steps) < _MOST_TERMS:
         alone = not_worth_adding(look.regression, look.promise, first)
         if alone and not hidden_by_each_other(look.regression, look.candidates, None, first, library):
@@ -143,6 +146,8 @@ def _walk(
             if fewer is not None:
                 return _walk(Walked(fewer), library, report, keep, revised=revised)
         keep(Walked(start, tuple(steps), gains))
+        if (anew := with_own_zeros(current, look)) is not None:
+            return Ended(Walked(start, tuple(steps), gains), look, at_best, ranking, anew)
     if revised and steps and (lower := lower_start(start, current, report)) is not None:
         return once_more(lower)
     asked = steps or not adequate(look.regression)

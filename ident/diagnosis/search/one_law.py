@@ -87,11 +87,11 @@ def in_their_place(found: Discovery, start: Regression, path: Path, report: Repo
 
     `start`: of the `working` excerpt of the fit with which the walk began.
     """
-    asked = found.verdict == "not-in-library" and found.steps and not adequate(found.regression)
+    asked = found.verdict != "identified" and found.steps and not adequate(found.regression)
     if not asked or found.start.campaign.fitted_sweeps:
         return None
     said = _said(start, found.regression.chi2, report)
-    if said is None or any(_is_shape_of(one, found, start, said[0]) for one in found.final.model.effects):
+    if said is None or _one_of_the_names(found, start, *said):
         return None
     told = _holds(found.start, found, start, said[0], path, report)
     return None if told is None else _written(found, *told)
@@ -115,10 +115,18 @@ def _written(found: Discovery, beyond: Beyond, gain: float) -> Written:
     return Written(replace(found, steps=(step_of(beyond, gain),)), beyond.unknown, beyond.path)
 
 
-def _is_shape_of(effect: AbstractEffect, found: Discovery, start: Regression, law: Unknown) -> bool:
-    """Whether a law is a finer shape of an effect, which by itself leaves nothing that is worth a name."""
-    left = 1.0 - found.confirmed.get(effect.name, 0.0)
-    return _has_coordinates_of(law, effect) and not worth_a_name(left * start.excess, start)
+def _one_of_the_names(found: Discovery, start: Regression, law: Unknown, formula: Formula) -> bool:
+    """Whether a law is a finer shape of an effect that a walk has named."""
+    named = [one for one in found.final.model.effects if _has_coordinates_of(law, one)]
+    left = {one.name: (1.0 - found.confirmed.get(one.name, 0.0)) * start.excess for one in named}
+    asked = [one for one in found.ranking if one.name in left]
+    return any(_finer_shape(one.dof, left[one.name], formula, start) for one in asked)
+
+
+def _finer_shape(numbers: int, left: float, formula: Formula | None, start: Regression) -> bool:
+    """Whether a law is a finer shape of an effect that by itself leaves so much χ² above the noise: nothing that is
+    worth a name, with fewer numbers. A law that says more with no more numbers is another one."""
+    return formula is not None and numbers < formula.numbers and not worth_a_name(left, start)
 
 
 def _has_coordinates_of(law: Unknown, effect: AbstractEffect) -> bool:
@@ -176,9 +184,10 @@ def _may_be_one(start: Regression, named: float) -> bool:
 
 
 def says_more(left: float, named: float, start: Regression) -> bool:
-    """Whether a law that leaves so much χ² per sample says everything, or most of what the names leave, χ² `named`:
-    along a motion that was measured a kink leaves what noise does to it, and only its simulation tells how much."""
-    return left < AS_WELL or (left - 1.0) * start.n < MOST_OF_IT * (named - start.n)
+    """Whether a law that leaves so much χ² per sample may say everything, for it leaves no more than a finer shape, or
+    most of what the names leave, χ² `named`: along a motion that was measured a law leaves what noise does to that,
+    and only its simulation tells how much."""
+    return as_good_as_named(left * start.n, start) or (left - 1.0) * start.n < MOST_OF_IT * (named - start.n)
 
 
 def _left_by_names(look: Look, pair: Pair | None) -> float:
@@ -210,6 +219,6 @@ def said_in_pieces(look: Look, unknown: Unknown, as_much: float) -> bool:
         said = float(left @ left)
         if said < as_much or as_good_as_named(said, regression):
             return True
-        if count == 0 and not worth_a_name(said - regression.n, regression):
-            return True  # a finer shape of that effect
+        if count == 0 and _finer_shape(spent, said - regression.n, formula, regression):
+            return True
     return False

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal, NamedTuple
 
+from ...campaign.campaign import Campaign
 from ...fit import Fit
 from ..evidence.enough import Role
 from ..linearised.regression import Regression
@@ -84,10 +85,12 @@ class Discovery:
 class Ended(NamedTuple):
     """A walk that adds nothing more, unquestioned.
 
-    **Arguments:** `look`: at its last fit; `at_best`: where it began, with the `ranking` there.
+    **Arguments:** `look`: at its last fit; `at_best`: where it began, with the `ranking` there; `anew`: the records as
+    they are to be read, where it has to be gone once more.
     """
 
     walked: Walked
     look: Look
     at_best: Regression
     ranking: tuple[Candidate, ...]
+    anew: Campaign | None = None

@@ -1,0 +1,71 @@
+"""The linear side at every node of a walk: has the sensor a zero of its own in each record?
+
+An amplifier that drifts, or is set anew, moves the zero between records by less than what the first model misses, so
+that it shows only beside an effect; what bends to mimic it there is no physics, and held-out records, whose zero is
+another again, refute what is right. Their levels are looked for as those of the fitted records are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ...campaign.campaign import Campaign
+from ...fit import Fit, fit
+from ...pulse import Report
+from ..evidence.criterion import VERY_STRONG, Left, behind
+from ..evidence.enough import adequate
+from ..evidence.held_out import foretold
+from ..linearised.shorten import is_long
+from ..ranking.look import Look
+from ..records.between import comparable, differing, rows_of
+from ..records.differing import numbers_of
+from .change import without
+
+LEVEL = "level"
+
+
+def with_own_zeros(current: Fit, look: Look) -> Campaign | None:
+    """The campaign with its records read by zeros of their own, if the criterion prefers those, with their numbers, to
+    the model as it is and to it with any effect more; None where they are few, long, or as they should be."""
+    campaign, regression = current.campaign, look.regression
+    asked = comparable(current) and not any(record.differs for record in campaign.records) and not is_long(campaign)
+    if not asked or (adequate(regression) and foretold(current)):
+        return None
+    beside = regression.beside(rows_of(regression, LEVEL))
+    levels = Left(beside.residual, regression.numbers + numbers_of(current, LEVEL))
+    if behind(levels, regression) > -VERY_STRONG or any(behind(levels, one) > 0 for one in _with_effects(look)):
+        return None
+    look.report("has the sensor a zero of its own in each record?")
+    found = differing(without_common_zero(current), (LEVEL,))
+    if found is None:
+        return None
+    campaign = found.fit.campaign
+    return replace(campaign, notes=(*campaign.notes, found.words))
+
+
+def without_common_zero(fitted: Fit) -> Fit:
+    """A fit without the constant of a sensor that has one in each record."""
+    common = [effect.name for effect in fitted.model.effects if effect.is_constant and effect.acts_on == "sensor"]
+    return without(fitted, common) if common else fitted
+
+
+def has_own_zeros(campaign: Campaign) -> bool:
+    """Whether the records are read by zeros of their own."""
+    return any(record.own is not None and record.own[0] == LEVEL for record in campaign.traces)
+
+
+def with_zeros_anew(last: Fit, report: Report) -> Fit:
+    """The last fit of a walk, the zeros found again beside it if they were looked for on the way: what had been missing
+    may have bent them."""
+    if not has_own_zeros(last.campaign):
+        return last
+    report("the zeros of the records once more")
+    told = differing(last, (LEVEL,))
+    return last if told is None else fit(last.model, told.fit.campaign, initial=told.fit.values)
+
+
+def _with_effects(look: Look) -> list[Left]:
+    """What each effect that matters leaves by its score."""
+    regression = look.regression
+    left = lambda rows: regression.residual - rows.T @ (rows @ regression.residual)
+    return [Left(left(one.signature), regression.numbers + one.dof) for one in look.real]
