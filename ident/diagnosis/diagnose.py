@@ -28,12 +28,12 @@ from .linearised.regression import Regression, prepare
 from .linearised.shorten import working
 from .next_record.experiments import NextExperiment, next_experiments, rank_experiments
 from .ranking.look import first_look
-from .records.between import differing
+from .records.between import differing, without_common_zero
 from .search.conclude import concluded, concluded_or_sharper
 from .search.discover import Keep, walk_on
 from .search.once_more import with_other_starts
 from .search.one_law import in_their_place, one_law
-from .search.own_zeros import has_own_zeros, without_common_zero
+from .search.own_zeros import has_own_zeros
 from .search.steps import Discovery, Verdict, Walked
 from .search.ties import Unseen, unseen
 from .search.together import two_names_do

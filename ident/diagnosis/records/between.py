@@ -71,6 +71,18 @@ def rows_of(regression: Regression, kind: Kind) -> np.ndarray:
     return by_record(regression, _apart(regression, [along(trace) for trace in records]))
 
 
+def without_common_zero(fitted: Fit) -> Fit:
+    """A fit without the constant of a sensor that has one in each record."""
+    common = [effect.name for effect in fitted.model.effects if effect.is_constant and effect.acts_on == "sensor"]
+    if not common:
+        return fitted
+    model = fitted.model
+    values = [v for p, v in zip(model.parameters, fitted.values, strict=True) if p.effect not in common]
+    for name in common:
+        model = model - name
+    return fit(model, fitted.campaign, initial=np.array(values), most=_STEPS)
+
+
 def differing(fitted: Fit, kinds: Sequence[Kind | Literal["drive"]] | None = None) -> Differing | None:
     """The kind of numbers by which the records of a fit differ, or the levels of its sweeps in their drives, if that
     explains them clearly better than one device does; None if it does not. Of traces beside sweeps only a baseline is
@@ -98,6 +110,7 @@ def differing(fitted: Fit, kinds: Sequence[Kind | Literal["drive"]] | None = Non
 
 
 def _found(fitted: Fit, kind: Kind) -> Differing | None:
+    fitted = without_common_zero(fitted) if kind in _OF_ZERO else fitted
     campaign, now, q = fitted.campaign, fitted, TOLD[kind].each
     inside = [i for i, trace in enumerate(campaign.traces) if not trace.holdout]
     if len(inside) < (2 if kind in _OF_ZERO else _FEWEST):  # a zero that moves is no device's

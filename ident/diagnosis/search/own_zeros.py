@@ -19,7 +19,6 @@ from ..linearised.shorten import is_long
 from ..ranking.look import Look
 from ..records.between import comparable, differing, rows_of
 from ..records.differing import numbers_of
-from .change import without
 
 LEVEL = "level"
 
@@ -36,17 +35,11 @@ def with_own_zeros(current: Fit, look: Look) -> Campaign | None:
     if behind(levels, regression) > -VERY_STRONG or any(behind(levels, one) > 0 for one in _with_effects(look)):
         return None
     look.report("has the sensor a zero of its own in each record?")
-    found = differing(without_common_zero(current), (LEVEL,))
+    found = differing(current, (LEVEL,))
     if found is None:
         return None
     campaign = found.fit.campaign
     return replace(campaign, notes=(*campaign.notes, found.words))
-
-
-def without_common_zero(fitted: Fit) -> Fit:
-    """A fit without the constant of a sensor that has one in each record."""
-    common = [effect.name for effect in fitted.model.effects if effect.is_constant and effect.acts_on == "sensor"]
-    return without(fitted, common) if common else fitted
 
 
 def has_own_zeros(campaign: Campaign) -> bool:
