@@ -10,7 +10,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from .late import in_time
-from .record import Trace
+from .record import Sweep, Trace
 
 Kind = Literal["stiffness", "damping", "sensitivity", "delay", "clock", "level", "baseline"]
 
@@ -72,6 +72,14 @@ def read_apart(trace: Trace, kind: Kind, sizes: Iterable[float]) -> Trace:
     times = 1 / (1 + told[1][0])
     noise = replace(trace.noise, sigma=trace.noise.sigma * times)
     return replace(trace, own=told, response=trace.response * times, noise=noise)
+
+
+def as_it_came(record: Trace | Sweep) -> Trace | Sweep:
+    """A record as it came, of a trace that was read by a level or a baseline of its own."""
+    if not isinstance(record, Trace) or record.own is None or record.own[0] not in ("level", "baseline"):
+        return record
+    moved = np.asarray(record.own[1]) @ curves(record)[: len(record.own[1])]
+    return replace(record, own=None, response=record.response + moved)
 
 
 def size_of(trace: Trace) -> float:

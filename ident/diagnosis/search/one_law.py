@@ -91,7 +91,7 @@ def in_their_place(found: Discovery, start: Regression, path: Path, report: Repo
     if not asked or found.start.campaign.fitted_sweeps:
         return None
     said = _said(start, found.regression.chi2, report)
-    if said is None or _one_of_the_names(found, start, *said):
+    if said is None or _shape_of_a_name(said[0], found, start):
         return None
     told = _holds(found.start, found, start, said[0], path, report)
     return None if told is None else _written(found, *told)
@@ -115,18 +115,12 @@ def _written(found: Discovery, beyond: Beyond, gain: float) -> Written:
     return Written(replace(found, steps=(step_of(beyond, gain),)), beyond.unknown, beyond.path)
 
 
-def _one_of_the_names(found: Discovery, start: Regression, law: Unknown, formula: Formula) -> bool:
-    """Whether a law is a finer shape of an effect that a walk has named."""
-    named = [one for one in found.final.model.effects if _has_coordinates_of(law, one)]
-    left = {one.name: (1.0 - found.confirmed.get(one.name, 0.0)) * start.excess for one in named}
-    asked = [one for one in found.ranking if one.name in left]
-    return any(_finer_shape(one.dof, left[one.name], formula, start) for one in asked)
-
-
-def _finer_shape(numbers: int, left: float, formula: Formula | None, start: Regression) -> bool:
-    """Whether a law is a finer shape of an effect that by itself leaves so much χ² above the noise: nothing that is
-    worth a name, with fewer numbers. A law that says more with no more numbers is another one."""
-    return formula is not None and numbers < formula.numbers and not worth_a_name(left, start)
+def _shape_of_a_name(law: Unknown, found: Discovery, start: Regression) -> bool:
+    """Whether a law is a finer shape of an effect that a walk has named: by itself that leaves nothing that is worth a
+    name, and the law is then written beside it."""
+    named = [one.name for one in found.final.model.effects if _has_coordinates_of(law, one)]
+    left = [(1.0 - found.confirmed.get(name, 0.0)) * start.excess for name in named]
+    return any(not worth_a_name(excess, start) for excess in left)
 
 
 def _has_coordinates_of(law: Unknown, effect: AbstractEffect) -> bool:
@@ -219,6 +213,6 @@ def said_in_pieces(look: Look, unknown: Unknown, as_much: float) -> bool:
         said = float(left @ left)
         if said < as_much or as_good_as_named(said, regression):
             return True
-        if count == 0 and _finer_shape(spent, said - regression.n, formula, regression):
-            return True
+        if count == 0 and not worth_a_name(said - regression.n, regression):
+            return True  # what that effect leaves is a finer shape of it
     return False

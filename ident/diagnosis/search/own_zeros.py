@@ -9,37 +9,35 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from ...campaign.apart import as_it_came, curves, read_apart
 from ...campaign.campaign import Campaign
+from ...campaign.record import Trace
 from ...fit import Fit, fit
+from ...fit.rebuild import fit_at
 from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG, Left, behind
 from ..evidence.enough import adequate
 from ..evidence.held_out import foretold
-from ..linearised.shorten import is_long
+from ..linearised.shorten import one_stretch_each
 from ..ranking.look import Look
 from ..records.between import comparable, differing, rows_of
-from ..records.differing import numbers_of
 
 LEVEL = "level"
 
 
 def with_own_zeros(current: Fit, look: Look) -> Campaign | None:
     """The campaign with its records read by zeros of their own, if the criterion prefers those, with their numbers, to
-    the model as it is and to it with any effect more; None where they are few, long, or as they should be."""
+    the model as it is and to it with any effect more; None where they are few, or as they should be."""
     campaign, regression = current.campaign, look.regression
-    asked = comparable(current) and not any(record.differs for record in campaign.records) and not is_long(campaign)
+    asked = comparable(current) and not any(record.differs for record in campaign.records)
     if not asked or (adequate(regression) and foretold(current)):
         return None
-    beside = regression.beside(rows_of(regression, LEVEL))
-    levels = Left(beside.residual, regression.numbers + numbers_of(current, LEVEL))
+    rows = rows_of(regression, LEVEL)
+    levels = Left(regression.beside(rows).residual, regression.numbers + len(rows))
     if behind(levels, regression) > -VERY_STRONG or any(behind(levels, one) > 0 for one in _with_effects(look)):
         return None
     look.report("has the sensor a zero of its own in each record?")
-    found = differing(current, (LEVEL,))
-    if found is None:
-        return None
-    campaign = found.fit.campaign
-    return replace(campaign, notes=(*campaign.notes, found.words))
+    return _read_so(current, campaign, words=True)
 
 
 def has_own_zeros(campaign: Campaign) -> bool:
@@ -53,8 +51,29 @@ def with_zeros_anew(last: Fit, report: Report) -> Fit:
     if not has_own_zeros(last.campaign):
         return last
     report("the zeros of the records once more")
-    told = differing(last, (LEVEL,))
-    return last if told is None else fit(last.model, told.fit.campaign, initial=told.fit.values)
+    as_they_came = replace(last.campaign, records=tuple(as_it_came(record) for record in last.campaign.records))
+    there = fit_at(last.model, as_they_came, last.values, converged=False)
+    told = _read_so(there, as_they_came, words=False)
+    return last if told is None else fit(last.model, told, initial=last.values)
+
+
+def _read_so(fitted: Fit, campaign: Campaign, words: bool) -> Campaign | None:
+    """The records of a campaign by the zeros that a fit to them tells, long ones by a stretch of each."""
+    found = differing(one_stretch_each(fitted), (LEVEL,))
+    if found is None:
+        return None
+    levels = {
+        trace.name: size[0] * _size(trace) for trace, size in zip(found.fit.campaign.traces, found.sizes, strict=True)
+    }
+    read = tuple(
+        read_apart(r, LEVEL, [levels[r.name] / _size(r)]) if isinstance(r, Trace) else r for r in campaign.records
+    )
+    return replace(campaign, records=read, notes=(*campaign.notes, *([found.words] if words else [])))
+
+
+def _size(trace: Trace) -> float:
+    """What a level is counted in."""
+    return float(curves(trace)[0, 0])
 
 
 def _with_effects(look: Look) -> list[Left]:
