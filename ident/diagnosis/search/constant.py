@@ -21,6 +21,7 @@ from ..linearised.trajectory import Diverged
 from ..ranking.confirm import accept, confirm
 from ..ranking.score import score
 from .change import still_possible, try_without
+from .own_zeros import has_own_zeros
 
 
 def with_its_constant(fitted: Fit, regression: Regression, library: Registry, report: Report) -> tuple[Fit, Regression]:
@@ -33,7 +34,8 @@ def with_its_constant(fitted: Fit, regression: Regression, library: Registry, re
     model = fitted.model
     constant = constant_on(side_of_constant(model.form), library)
     asked = isinstance(model.device, Oscillator) and any(record.driven for record in fitted.campaign.fitted)
-    if not asked or constant is None or any(effect.is_constant for effect in model.effects):
+    there = any(effect.is_constant for effect in model.effects) or has_own_zeros(fitted.campaign)
+    if not asked or constant is None or there:
         return fitted, regression
     candidates = score(regression, {constant.name: constant})
     try:

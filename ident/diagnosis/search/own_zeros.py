@@ -29,11 +29,13 @@ def with_own_zeros(current: Fit, look: Look) -> Campaign | None:
     """The campaign with its records read by zeros of their own, if the criterion prefers those, with their numbers, to
     the model as it is and to it with any effect more; None where they are few, or as they should be."""
     campaign, regression = current.campaign, look.regression
-    asked = comparable(current) and not any(record.differs for record in campaign.records)
-    if not asked or (adequate(regression) and foretold(current)):
+    if not comparable(current) or any(record.differs for record in campaign.records):
         return None
     rows = rows_of(regression, LEVEL)
-    levels = Left(regression.beside(rows).residual, regression.numbers + len(rows))
+    left = regression.beside(rows).residual
+    if adequate(regression, promise=regression.chi2 - float(left @ left)) and foretold(current):
+        return None
+    levels = Left(left, regression.numbers + len(rows))
     if behind(levels, regression) > -VERY_STRONG or any(behind(levels, one) > 0 for one in _with_effects(look)):
         return None
     look.report("has the sensor a zero of its own in each record?")
