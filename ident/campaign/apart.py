@@ -75,11 +75,10 @@ def read_apart(trace: Trace, kind: Kind, sizes: Iterable[float]) -> Trace:
 
 
 def as_it_came(record: Trace | Sweep) -> Trace | Sweep:
-    """A record as it came, of a trace that was read by a level or a baseline of its own."""
-    if not isinstance(record, Trace) or record.own is None or record.own[0] not in ("level", "baseline"):
+    """A record as it came, of a trace that was read by a level of its own: that does not change its size."""
+    if not isinstance(record, Trace) or record.own is None or record.own[0] != "level":
         return record
-    moved = np.asarray(record.own[1]) @ curves(record)[: len(record.own[1])]
-    return replace(record, own=None, response=record.response + moved)
+    return replace(record, own=None, response=record.response + record.own[1][0] * curves(record)[0])
 
 
 def size_of(trace: Trace) -> float:

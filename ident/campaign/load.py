@@ -16,7 +16,7 @@ from .channel import channel_of, own_units, plausible_noise
 from .device import Device
 from .drive import find_period
 from .guess import guess_kind, match_any
-from .lost_samples import with_lost_samples
+from .lost_samples import times_of, with_lost_samples
 from .noise.floor import noise_floor
 from .quality.checks import (
     check_drive,
@@ -28,7 +28,7 @@ from .quality.checks import (
     uniform_time,
 )
 from .quality.clipping import across_gaps, clipped_mask
-from .quality.gaps import without_gaps
+from .quality.gaps import gone_on_grid, without_gaps
 from .quality.outliers import find_outliers, without_outliers
 from .quality.rest_level import rest_level
 from .quality.slips import find_slips
@@ -116,18 +116,18 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
     for column in columns.values():
         _no_peak_unit(column)
     columns = with_lost_samples(columns)
+    at = times_of(columns)
     response_channel, response = _signal(
         columns["response"], response_unit, spec.scale.get("response"), notes, "response"
     )
     gone = np.isnan(response)
     if np.any(gone):
-        response = without_gaps(columns["response"], response, notes)
+        response = without_gaps(columns["response"], response, notes, at=at)
     drive_channel, drive = Channel(drive_unit, 1.0), np.zeros(len(response))
     if not undriven:
         drive_channel, drive = _signal(columns["drive"], drive_unit, spec.scale.get("drive"), notes, "drive")
         if np.any(np.isnan(drive)):
             gone = gone | np.isnan(drive)
-            at = columns["time"].numbers() if "time" in columns else None
             drive = without_gaps(columns["drive"], drive, notes, drive=True, at=at)
     check_length(len(drive), spec.file)
     if spec.rate is not None:
@@ -136,6 +136,7 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         channel = channel_of(columns["time"], "s", notes, "time")
         time = uniform_time(columns["time"], channel.factor, notes)
         drive, response = on_grid(columns["time"], channel.factor, time, drive, response)
+        gone = gone_on_grid(gone, channel.factor * columns["time"].numbers(), time)
     moved = response / _PLATFORM_OMEGA ** MEASURES.index(spec.measures)
     check_plausible(time, drive, moved, columns, device, notes)
     check_response(columns["response"], response, notes)

@@ -42,6 +42,14 @@ def with_lost_samples(columns: Mapping[str, Column]) -> dict[str, Column]:
     return found
 
 
+def times_of(columns: Mapping[str, Column]) -> np.ndarray | None:
+    """(n,) the printed times, if there are some and they run on."""
+    if "time" not in columns:
+        return None
+    printed = columns["time"].numbers()
+    return printed if np.all(np.diff(printed) > 0) else None
+
+
 def _intervals(printed: np.ndarray) -> np.ndarray | None:
     """(n,) which sample each time is, if they are those of a uniform grid, or nearly, and some are missing."""
     steps = np.diff(printed)
@@ -55,4 +63,9 @@ def _intervals(printed: np.ndarray) -> np.ndarray | None:
         index = np.concatenate([[0.0], np.cumsum(counts)])
         step, origin = np.polyfit(index, printed, 1)
     off = np.max(np.abs(printed - origin - step * index))
-    return index.astype(int) if off < MOST_JITTER * step or len(gaps_in(steps, step)) else None
+    if off < MOST_JITTER * step:
+        return index.astype(int)
+    usual = float(np.median(steps))  # where the others are uneven, too, no grid tells the interval better
+    if not len(gaps_in(steps, usual)):
+        return None
+    return np.concatenate([[0.0], np.cumsum(np.maximum(np.round(steps / usual), 1.0))]).astype(int)

@@ -2,9 +2,9 @@
 
 To be read from the bottom: `linearised` makes a fit a regression; `evidence` says how much better is enough; `ranking`
 scores every effect on the regression and refits the best; `where` says where the error is, and `unknown` what no
-library has; `search` walks from a model to a better one (`discover` is the whole of it); `faulty` finds records that no
-device explains, and `next_record` what would tell rivals apart. `diagnose` asks all of them in turn, and `document`
-writes the answer down.
+library has; `records` says in which numbers records differ; `search` walks from a model to a better one (`discover` is
+the whole of it); `faulty` finds records that no device explains, and `next_record` what would tell rivals apart.
+`diagnose` asks all of them in turn, and `document` writes the answer down.
 
 The words of the walk:
 

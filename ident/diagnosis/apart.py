@@ -26,8 +26,9 @@ from .ranking.pairs import best_pair
 from .ranking.score import score, score_beside, significant
 from .records.between import comparable, differing, kinds_of, rows_of
 from .records.differing import Differing, numbers_of
-from .search.change import without
+from .search.change import add, without
 from .search.drive import edges_of, other_drive, with_edges
+from .search.own_zeros import histories
 from .search.written import AS_WELL
 
 _DRIVES = 3  # tried one after the other, each sought beside a model that had bent to the one before
@@ -59,13 +60,13 @@ def apart_before(look: Look, report: Report) -> Apart | None:
     if not comparable(regression.fit) or not look.worth_it:
         return None
     settles = [found.candidate.name for found in look.tried if found.possible and found.chi2 < AS_WELL * regression.n]
-    if any(_histories(name, look) == 0 for name in settles):
+    if any(histories(name, look) == 0 for name in settles):
         return None
     plain = _of_one_mode(look)
     promise = _best(plain, report)
     pair = best_pair(regression, look.candidates)
     if pair is not None:
-        pair = pair._replace(numbers=pair.numbers + sum(_histories(name, look) for name in pair.names))
+        pair = pair._replace(numbers=pair.numbers + sum(histories(name, look) for name in pair.names))
     says_all = pair is not None and float(pair.left @ pair.left) < AS_WELL * regression.n
     if behind(promise, pair or regression) > (-VERY_STRONG if says_all or pair is None else VERY_STRONG):
         return None
@@ -133,18 +134,13 @@ def _told_by_another(found: Differing, look: Look) -> bool:
     numbers = Left(prepare(found.fit).left, found.fit.freedom + found.numbers)
     try:
         one = fit(found.fit.model, look.regression.fit.campaign, initial=found.fit.values)
+        for name in set(look.regression.fit.model.names) - set(one.model.names):  # the common zero
+            one = add(one, name, others=0)
         tried = Look(prepare(one), look.first, look.library, look.report).tried
     except Diverged:
         return False
-    told = [Left(one.left, one.numbers + _histories(one.candidate.name, look)) for one in tried if one.possible]
+    told = [Left(one.left, one.numbers + histories(one.candidate.name, look)) for one in tried if one.possible]
     return any(behind(numbers, one) > -VERY_STRONG for one in told)
-
-
-def _histories(effect: str, look: Look) -> int:
-    """How many numbers of the records' own an effect brings: a memory that is slower than a record lasts has in each
-    that begins in motion a constant of its own, whatever became of it before."""
-    begun = sum(record.start != "rest" for record in look.regression.fit.campaign.fitted)
-    return begun * len(look.library[effect].hidden_units)
 
 
 def _of_one_mode(look: Look) -> Look:

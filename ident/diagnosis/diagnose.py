@@ -28,7 +28,8 @@ from .linearised.regression import Regression, prepare
 from .linearised.shorten import working
 from .next_record.experiments import NextExperiment, next_experiments, rank_experiments
 from .ranking.look import first_look
-from .records.between import differing, without_common_zero
+from .records.between import differing
+from .records.differing import without_common_zero
 from .search.conclude import concluded, concluded_or_sharper
 from .search.discover import Keep, walk_on
 from .search.once_more import with_other_starts
@@ -150,7 +151,8 @@ def _answered(
     library = registry(fitted.campaign.effect_files) if library is None else library
     zero = zero_of_the_sensor(walked, library, report)
     if zero is not None:
-        go_on = lambda walked: keep(zero.before(walked))
+        with_zero = lambda walked: zero.step.added in walked.start.model.names
+        go_on = lambda walked: keep(zero.before(walked) if with_zero(walked) else walked)
         said = _answered(zero.beside(walked), library, report, effect_file, keeps_walk, go_on)
         if zero.step.added not in said.discovery.start.model.names:
             return said  # each record has a zero of its own
@@ -164,7 +166,7 @@ def _answered(
     where = locate(regression, fitted)
     look = first_look(fitted, library, report)
     looked = lambda one: look if one is fitted else first_look(one, library, report)
-    suspects = find_suspects(fitted, looked, report, lambda: two_names_do(look, regression, report))
+    suspects = find_suspects(fitted, looked, report, lambda: two_names_do(look, regression))
     first = [suspect for suspect in suspects if suspect.first]
     faulty = any(suspect.settles for suspect in first)  # else it may be the worst of several that each have a number
     if first and not faulty and find_unknown(regression).chi2_after < AS_WELL:
@@ -181,8 +183,8 @@ def _answered(
 
     def once_more(campaign: Campaign) -> Diagnosis:
         report("what the last model leaves tells better how the records are to be read: once more, so")
-        begun = fit(fitted.model, campaign, initial=fitted.values)
-        again = Walked(without_common_zero(begun) if has_own_zeros(campaign) else begun)
+        before = without_common_zero(fitted) if has_own_zeros(campaign) else fitted
+        again = Walked(fit(before.model, campaign, initial=before.values))
         return _answered(again, library, report, effect_file, keeps_walk, keep)
 
     if not (walked.steps or first):

@@ -158,9 +158,7 @@ def _by_others(fitted: Fit, look: Look, two_do: Callable[[], bool]) -> list[Susp
     found: list[Suspect] = []
     while known.excess > _FLOOR**2 - 1:
         one = _most_likely(fitted, _worst_first(fitted), look, lambda: not found and two_do())
-        if one is None and not found and two_do():
-            break
-        if not (found or (one and one[0].settles)) and (other := _as_others_choose(fitted, look)) is not None:
+        if not (found or (one and one[0].settles)) and (other := _as_others_choose(fitted, look, two_do)) is not None:
             one, fitted, look = other
             traces = fitted.campaign.traces
         if one is None or (found and one[0].file == ALL):
@@ -183,11 +181,13 @@ def _by_others(fitted: Fit, look: Look, two_do: Callable[[], bool]) -> list[Susp
     return found + [s for name in outside if (s := _held_out(traces, known, at[name])) is not None]
 
 
-def _as_others_choose(fitted: Fit, look: Look) -> tuple[tuple[Suspect, _Explained], Fit, Look] | None:
+def _as_others_choose(
+    fitted: Fit, look: Look, two_do: Callable[[], bool]
+) -> tuple[tuple[Suspect, _Explained], Fit, Look] | None:
     """The faulty record that had led the choice of the first model astray, if it settles all beside what the others
     choose, and says clearly more than physics does beside the first; with the fit and the look that say so."""
     sound = _with_physics(fitted, look)
-    if sound.worst <= _FLOOR:
+    if sound.worst <= _FLOOR or two_do():
         return None
     try:
         other = as_others_choose(fitted, _worst_first(fitted))

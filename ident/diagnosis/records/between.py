@@ -29,7 +29,7 @@ from ..linearised.regression import Regression, by_record, prepare, stack
 from ..linearised.trajectory import Diverged
 from ..unknown.subsets import regress
 from .between_levels import differing_levels
-from .differing import Differing, numbers_of
+from .differing import OF_ZERO, Differing, numbers_of, without_common_zero
 
 _ROUNDS = 6  # of the records' numbers and the device's in turn
 _STEPS = 20  # of the device's fit in each round: the next one goes on from there
@@ -38,7 +38,7 @@ _SMALL = 1e-4  # change of a stiffness or a damping by which its derivative is t
 _FEWEST = 3  # records: of two that disagree nobody knows which one is the device's
 
 KINDS = tuple(TOLD)
-_OF_TIME, _OF_ZERO = ("delay", "clock"), ("level", "baseline")
+_OF_TIME = ("delay", "clock")
 _OF_DEVICE = {"stiffness": (FREQUENCY, 1.0), "damping": (QUALITY, -1.0)}
 """Which parameter of the linear part such a number moves along, and whether up or down."""
 
@@ -71,18 +71,6 @@ def rows_of(regression: Regression, kind: Kind) -> np.ndarray:
     return by_record(regression, _apart(regression, [along(trace) for trace in records]))
 
 
-def without_common_zero(fitted: Fit) -> Fit:
-    """A fit without the constant of a sensor that has one in each record."""
-    common = [effect.name for effect in fitted.model.effects if effect.is_constant and effect.acts_on == "sensor"]
-    if not common:
-        return fitted
-    model = fitted.model
-    values = [v for p, v in zip(model.parameters, fitted.values, strict=True) if p.effect not in common]
-    for name in common:
-        model = model - name
-    return fit(model, fitted.campaign, initial=np.array(values), most=_STEPS)
-
-
 def differing(fitted: Fit, kinds: Sequence[Kind | Literal["drive"]] | None = None) -> Differing | None:
     """The kind of numbers by which the records of a fit differ, or the levels of its sweeps in their drives, if that
     explains them clearly better than one device does; None if it does not. Of traces beside sweeps only a baseline is
@@ -91,7 +79,7 @@ def differing(fitted: Fit, kinds: Sequence[Kind | Literal["drive"]] | None = Non
     if any(sweep.fast for sweep in sweeps) or fitted.model.form != "oscillator":
         return None
     asked: Sequence[Kind | Literal["drive"]] = kinds or kinds_of(fitted.campaign)
-    if sweeps:
+    if sweeps and kinds is None:
         asked = ("baseline",) if traces else ("drive",)
     weigh = lambda fit, more: Left(prepare(fit).left, fit.freedom + more)
     try:
@@ -110,10 +98,10 @@ def differing(fitted: Fit, kinds: Sequence[Kind | Literal["drive"]] | None = Non
 
 
 def _found(fitted: Fit, kind: Kind) -> Differing | None:
-    fitted = without_common_zero(fitted) if kind in _OF_ZERO else fitted
+    fitted = without_common_zero(fitted) if kind in OF_ZERO else fitted
     campaign, now, q = fitted.campaign, fitted, TOLD[kind].each
     inside = [i for i, trace in enumerate(campaign.traces) if not trace.holdout]
-    if len(inside) < (2 if kind in _OF_ZERO else _FEWEST):  # a zero that moves is no device's
+    if len(inside) < (2 if kind in OF_ZERO else _FEWEST):  # a zero that moves is no device's
         return None
     shortest = min(len(trace.time) for trace in campaign.traces)
     most = min(TOLD[kind].most, shortest / 10) if kind == "delay" else TOLD[kind].most
@@ -155,7 +143,7 @@ def _apart(regression: Regression, slopes: Sequence[np.ndarray]) -> np.ndarray:
 
 def _slopes(now: Fit, as_read: Trace, trace: Trace, kind: Kind) -> np.ndarray:
     """Change of the reading of a record, as it was read and as its numbers so far make it, with these, (q, n)."""
-    if kind in _OF_ZERO:
+    if kind in OF_ZERO:
         return curves(as_read)[: TOLD[kind].each]
     here = read(now.model, now.values, [trace])[0]
     if kind == "sensitivity":

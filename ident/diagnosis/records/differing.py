@@ -15,6 +15,10 @@ _DRIVE = Told("drive", 100.0, "%", "does the force fall behind what it is called
               shared=True)  # fmt: skip
 
 
+OF_ZERO = ("level", "baseline")
+"""Kinds of numbers that are zeros of the sensor: beside them it has no common one."""
+
+
 class Differing(NamedTuple):
     """Records or levels, by their `names`, that differ in one `kind` of numbers: `sizes` and `errors` (names, q),
     shares or (delays) samples, their mean zero over the fitted ones where the device has such a number too; the `fit`
@@ -48,7 +52,20 @@ class Differing(NamedTuple):
         """The fit from which a walk had begun, with the records read so."""
         campaign = self.fit.campaign
         told = replace(campaign, notes=(*campaign.notes, self.words))
-        return fit(start.model, told, initial=start.values)
+        before = without_common_zero(start) if self.kind in OF_ZERO else start
+        return fit(before.model, told, initial=before.values)
+
+
+def without_common_zero(fitted: Fit) -> Fit:
+    """A fit without the constant of a sensor that has one in each record."""
+    model, asked = fitted.model, fitted.campaign.effects
+    common = [e.name for e in model.effects if e.is_constant and e.acts_on == "sensor" and e.name not in asked]
+    if not common:
+        return fitted
+    values = [v for p, v in zip(model.parameters, fitted.values, strict=True) if p.effect not in common]
+    for name in common:
+        model = model - name
+    return fit(model, fitted.campaign, initial=np.array(values))
 
 
 def numbers_of(fitted: Fit, kind: Kind) -> int:

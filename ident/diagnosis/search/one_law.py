@@ -3,6 +3,7 @@
 Where no effect reaches the noise, nor two promise to, but one function of a single coordinate does, or one term or
 product of two, the library may still have that function in pieces: a cubic and a quintic spring are one function of z.
 If all its effects of these coordinates together do not say it, no names will, however many a walk puts side by side.
+Of one that leaves nothing worth a name the law is a finer shape, and is written beside it.
 """
 
 from __future__ import annotations
@@ -65,7 +66,7 @@ def one_law(look: Look, fitted: Fit, start: Regression, path: Path, report: Repo
     unknown, formula = found
     # What a formula of kinks leaves along a motion with noise, names of the same law leave too.
     as_much = AS_WELL * max(formula.chi2_per_sample, 1.0) * start.n
-    if said_in_pieces(look, unknown, as_much) or two_names_do(look, start, report, as_much):
+    if said_in_pieces(look, unknown, as_much) or two_names_do(look, start, as_much):
         return None
     if other_drive(start.fit, regression, report, look) is not None:
         return None
@@ -112,7 +113,8 @@ def _said(start: Regression, named: float, report: Report) -> tuple[Unknown, For
 
 def _written(found: Discovery, beyond: Beyond, gain: float) -> Written:
     """A law in the place of what was found."""
-    return Written(replace(found, steps=(step_of(beyond, gain),)), beyond.unknown, beyond.path)
+    step = step_of(beyond, gain)
+    return Written(replace(found, steps=(step,), verdict="not-in-library", lacking=0.0), beyond.unknown, beyond.path)
 
 
 def _shape_of_a_name(law: Unknown, found: Discovery, start: Regression) -> bool:

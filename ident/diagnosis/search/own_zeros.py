@@ -7,7 +7,10 @@ another again, refute what is right. Their levels are looked for as those of the
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+
+import numpy as np
 
 from ...campaign.apart import as_it_came, curves, read_apart
 from ...campaign.campaign import Campaign
@@ -15,31 +18,40 @@ from ...campaign.record import Trace
 from ...fit import Fit, fit
 from ...fit.rebuild import fit_at
 from ...pulse import Report
-from ..evidence.criterion import VERY_STRONG, Left, behind
+from ..evidence.criterion import VERY_STRONG, Left, behind, criteria
 from ..evidence.enough import adequate
 from ..evidence.held_out import foretold
+from ..linearised.regression import Regression
 from ..linearised.shorten import one_stretch_each
 from ..ranking.look import Look
+from ..ranking.pairs import best_pair
+from ..ranking.score import score_beside, significant
+from ..ranking.weigh import Candidate
 from ..records.between import comparable, differing, rows_of
+from ..records.differing import Differing, numbers_of
 
 LEVEL = "level"
+_MOVED = 0.3  # of its error bar: by so much a zero is another one
 
 
 def with_own_zeros(current: Fit, look: Look) -> Campaign | None:
-    """The campaign with its records read by zeros of their own, if the criterion prefers those, with their numbers, to
-    the model as it is and to it with any effect more; None where they are few, or as they should be."""
+    """The campaign with its records read by zeros of their own, if the criterion prefers those to a common one, beside
+    the effects that say most with either, two at most; None where they are few, or as they should be."""
     campaign, regression = current.campaign, look.regression
     if not comparable(current) or any(record.differs for record in campaign.records):
         return None
-    rows = rows_of(regression, LEVEL)
-    left = regression.beside(rows).residual
-    if adequate(regression, promise=regression.chi2 - float(left @ left)) and foretold(current):
+    beside = regression.beside(rows_of(regression, LEVEL))
+    more = numbers_of(regression.fit, LEVEL)
+    if adequate(regression, promise=regression.chi2 - beside.chi2) and foretold(current):
         return None
-    levels = Left(left, regression.numbers + len(rows))
-    if behind(levels, regression) > -VERY_STRONG or any(behind(levels, one) > 0 for one in _with_effects(look)):
+    if behind(Left(beside.residual, regression.numbers + more), regression) > -VERY_STRONG:
+        return None
+    (scored,) = score_beside([beside], look.library)
+    if behind(_best(beside, scored, more, look), _best(regression, look.candidates, 0, look)) > -VERY_STRONG:
         return None
     look.report("has the sensor a zero of its own in each record?")
-    return _read_so(current, campaign, words=True)
+    found = differing(one_stretch_each(current), (LEVEL,))
+    return found and _read_so(campaign, found)
 
 
 def has_own_zeros(campaign: Campaign) -> bool:
@@ -48,29 +60,35 @@ def has_own_zeros(campaign: Campaign) -> bool:
 
 
 def with_zeros_anew(last: Fit, report: Report) -> Fit:
-    """The last fit of a walk, the zeros found again beside it if they were looked for on the way: what had been missing
-    may have bent them."""
+    """The last fit of a walk, the zeros found again beside it if they were looked for on the way and have moved: what
+    had been missing may have bent them."""
     if not has_own_zeros(last.campaign):
         return last
     report("the zeros of the records once more")
     as_they_came = replace(last.campaign, records=tuple(as_it_came(record) for record in last.campaign.records))
     there = fit_at(last.model, as_they_came, last.values, converged=False)
-    told = _read_so(there, as_they_came, words=False)
-    return last if told is None else fit(last.model, told, initial=last.values)
-
-
-def _read_so(fitted: Fit, campaign: Campaign, words: bool) -> Campaign | None:
-    """The records of a campaign by the zeros that a fit to them tells, long ones by a stretch of each."""
-    found = differing(one_stretch_each(fitted), (LEVEL,))
+    found = differing(one_stretch_each(there), (LEVEL,))
     if found is None:
-        return None
-    levels = {
-        trace.name: size[0] * _size(trace) for trace, size in zip(found.fit.campaign.traces, found.sizes, strict=True)
-    }
-    read = tuple(
-        read_apart(r, LEVEL, [levels[r.name] / _size(r)]) if isinstance(r, Trace) else r for r in campaign.records
-    )
-    return replace(campaign, records=read, notes=(*campaign.notes, *([found.words] if words else [])))
+        return last
+    told = _read_so(as_they_came, found)
+    errors = dict(zip(found.names, found.errors[:, 0], strict=True))
+    pairs = zip(last.campaign.traces, told.traces, strict=True)
+    moved = [abs(_zero(now) - _zero(before)) > _MOVED * errors[now.name] * _size(now) for before, now in pairs]
+    return fit(last.model, told, initial=last.values) if any(moved) else last
+
+
+def _read_so(campaign: Campaign, found: Differing) -> Campaign:
+    """The records of a campaign by the zeros that were found, of long ones in a stretch of each."""
+    levels = {trace.name: _zero(trace) for trace in found.fit.campaign.traces}
+    share = lambda trace: levels[trace.name] / _size(trace) if _size(trace) else 0.0
+    read = tuple(read_apart(r, LEVEL, [share(r)]) if isinstance(r, Trace) else r for r in campaign.records)
+    notes = tuple(note for note in campaign.notes if not note.startswith(found.words.partition(":")[0]))
+    return replace(campaign, records=read, notes=(*notes, found.words))
+
+
+def _zero(trace: Trace) -> float:
+    """The zero by which a record is read, in the unit of its response."""
+    return 0.0 if trace.own is None else trace.own[1][0] * _size(trace)
 
 
 def _size(trace: Trace) -> float:
@@ -78,8 +96,22 @@ def _size(trace: Trace) -> float:
     return float(curves(trace)[0, 0])
 
 
-def _with_effects(look: Look) -> list[Left]:
-    """What each effect that matters leaves by its score."""
-    regression = look.regression
-    left = lambda rows: regression.residual - rows.T @ (rows @ regression.residual)
-    return [Left(left(one.signature), regression.numbers + one.dof) for one in look.real]
+def _best(regression: Regression, candidates: Sequence[Candidate], more: int, look: Look) -> Left:
+    """What is left by scores with no effect, one or two, whichever the criterion prefers; `more`: numbers that the
+    regression absorbs besides."""
+    numbers, left = regression.numbers + more, regression.residual
+    after = lambda rows: left - rows.T @ (rows @ left)
+    tried = [Left(left, numbers)]
+    tried += [
+        Left(after(one.signature), numbers + one.dof + histories(one.name, look)) for one in significant(candidates)
+    ]
+    pair = best_pair(regression, candidates)
+    if pair is not None:
+        tried.append(Left(pair.left, pair.numbers + more + sum(histories(name, look) for name in pair.names)))
+    return tried[int(np.argmin(criteria(tried)))]
+
+
+def histories(effect: str, look: Look) -> int:
+    """How many zeros of the records' own an effect brings: a slow memory has one in each that begins in motion."""
+    begun = sum(record.start != "rest" for record in look.regression.fit.campaign.fitted)
+    return begun * len(look.library[effect].hidden_units)

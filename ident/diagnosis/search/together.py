@@ -9,7 +9,6 @@ import numpy as np
 
 from ...effects.registry import Registry
 from ...fit import Fit
-from ...pulse import Report
 from ..evidence.coloured_noise import behind_in_colour
 from ..evidence.criterion import Left, clearly_better, criteria
 from ..evidence.enough import adequate, not_worth_adding, worth_a_name
@@ -110,7 +109,7 @@ def both(
     return (steps, now) if better and not any(hurts(rival, before) for rival in rivals) else None
 
 
-def two_names_do(look: Look, start: Regression, report: Report, as_much: float = 0.0) -> bool:
+def two_names_do(look: Look, start: Regression, as_much: float = 0.0) -> bool:
     """Whether the two effects that promise most reach the noise once they are refitted, which they are if they promise
     to leave nothing that is worth a name, or no more χ² than `as_much`: a promise is of first order.
 
@@ -120,12 +119,12 @@ def two_names_do(look: Look, start: Regression, report: Report, as_much: float =
     left = np.inf if pair is None else float(pair.left @ pair.left)
     if pair is None or (left > as_much and worth_a_name(left - look.regression.n, look.regression)):
         return False
-    report(f"trying {' and '.join(pair.names)} together")
     return _reach_the_noise(look, start, pair.names)
 
 
 @lru_cache(maxsize=4)  # whoever has another answer asks
 def _reach_the_noise(look: Look, start: Regression, names: tuple[str, str]) -> bool:
+    look.report(f"trying {' and '.join(names)} together")
     found = both(start.fit, start, names, look.library, None, start)
     return found is not None and adequate(found[1])
 
