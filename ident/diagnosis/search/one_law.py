@@ -3,7 +3,6 @@
 Where no effect reaches the noise, nor two promise to, but one function of a single coordinate does, or one term or
 product of two, the library may still have that function in pieces: a cubic and a quintic spring are one function of z.
 If all its effects of these coordinates together do not say it, no names will, however many a walk puts side by side.
-Of one that leaves nothing worth a name the law is a finer shape, and is written beside it.
 """
 
 from __future__ import annotations
@@ -15,11 +14,10 @@ import numpy as np
 
 from ...campaign.campaign import Campaign
 from ...effects.dependence import depends_on
-from ...effects.effect import AbstractEffect
 from ...fit import Fit
 from ...fit.floors import sharpened
 from ...pulse import Report
-from ..evidence.enough import MOST_OF_IT, adequate, speaks_for, worth_a_name
+from ..evidence.enough import MOST_OF_IT, adequate, speaks_for
 from ..evidence.held_out import contradicted, hurts
 from ..linearised.basis import orthonormal
 from ..linearised.regression import Regression, prepare
@@ -88,13 +86,11 @@ def in_their_place(found: Discovery, start: Regression, path: Path, report: Repo
 
     `start`: of the `working` excerpt of the fit with which the walk began.
     """
-    asked = found.verdict != "identified" and found.steps and not adequate(found.regression)
+    asked = found.verdict == "not-in-library" and found.steps and not adequate(found.regression)
     if not asked or found.start.campaign.fitted_sweeps:
         return None
     said = _said(start, found.regression.chi2, report)
-    if said is None or _shape_of_a_name(said[0], found, start):
-        return None
-    told = _holds(found.start, found, start, said[0], path, report)
+    told = None if said is None else _holds(found.start, found, start, said[0], path, report)
     return None if told is None else _written(found, *told)
 
 
@@ -113,22 +109,7 @@ def _said(start: Regression, named: float, report: Report) -> tuple[Unknown, For
 
 def _written(found: Discovery, beyond: Beyond, gain: float) -> Written:
     """A law in the place of what was found."""
-    step = step_of(beyond, gain)
-    return Written(replace(found, steps=(step,), verdict="not-in-library", lacking=0.0), beyond.unknown, beyond.path)
-
-
-def _shape_of_a_name(law: Unknown, found: Discovery, start: Regression) -> bool:
-    """Whether a law is a finer shape of an effect that a walk has named: by itself that leaves nothing that is worth a
-    name, and the law is then written beside it."""
-    named = [one.name for one in found.final.model.effects if _has_coordinates_of(law, one)]
-    left = [(1.0 - found.confirmed.get(name, 0.0)) * start.excess for name in named]
-    return any(not worth_a_name(excess, start) for excess in left)
-
-
-def _has_coordinates_of(law: Unknown, effect: AbstractEffect) -> bool:
-    """Whether an effect acts where a law does, and depends on nothing else."""
-    told = depends_on(effect)
-    return told is not None and told[0] == law.side and set(told[1]) <= set(law.coordinates)
+    return Written(replace(found, steps=(step_of(beyond, gain),)), beyond.unknown, beyond.path)
 
 
 def _holds(
@@ -180,10 +161,9 @@ def _may_be_one(start: Regression, named: float) -> bool:
 
 
 def says_more(left: float, named: float, start: Regression) -> bool:
-    """Whether a law that leaves so much χ² per sample may say everything, for it leaves no more than a finer shape, or
-    most of what the names leave, χ² `named`: along a motion that was measured a law leaves what noise does to that,
-    and only its simulation tells how much."""
-    return as_good_as_named(left * start.n, start) or (left - 1.0) * start.n < MOST_OF_IT * (named - start.n)
+    """Whether a law that leaves so much χ² per sample says everything, or most of what the names leave, χ² `named`:
+    along a motion that was measured a kink leaves what noise does to it, and only its simulation tells how much."""
+    return left < AS_WELL or (left - 1.0) * start.n < MOST_OF_IT * (named - start.n)
 
 
 def _left_by_names(look: Look, pair: Pair | None) -> float:
@@ -196,9 +176,11 @@ def said_in_pieces(look: Look, unknown: Unknown, as_much: float) -> bool:
     """Whether effects that depend on nothing else than a law, and act where it does, explain `as_much` together: the
     best one and the best beside it, or more of them with no more numbers than its formula has. A dozen mimic any
     function, and a table has as many numbers as they need."""
-    regression, pieces = look.regression, []
+    regression, own = look.regression, set(unknown.coordinates)
+    pieces = []
     for candidate in look.candidates:
-        if _has_coordinates_of(unknown, look.library[candidate.name]()):
+        law = depends_on(look.library[candidate.name]())
+        if law is not None and law[0] == unknown.side and set(law[1]) <= own:
             rows = np.concatenate([candidate.signature, *candidate.near_signatures])
             pieces.append((candidate.dof, rows, rows))
     left, spent, formula = regression.residual, 0, unknown.formula
@@ -215,6 +197,4 @@ def said_in_pieces(look: Look, unknown: Unknown, as_much: float) -> bool:
         said = float(left @ left)
         if said < as_much or as_good_as_named(said, regression):
             return True
-        if count == 0 and not worth_a_name(said - regression.n, regression):
-            return True  # what that effect leaves is a finer shape of it
     return False
