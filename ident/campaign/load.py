@@ -28,7 +28,7 @@ from .quality.checks import (
     uniform_time,
 )
 from .quality.clipping import across_gaps, clipped_mask
-from .quality.gaps import gone_on_grid, without_gaps
+from .quality.gaps import without_gaps
 from .quality.outliers import find_outliers, without_outliers
 from .quality.rest_level import rest_level
 from .quality.slips import find_slips
@@ -135,8 +135,7 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
     else:
         channel = channel_of(columns["time"], "s", notes, "time")
         time = uniform_time(columns["time"], channel.factor, notes)
-        drive, response = on_grid(columns["time"], channel.factor, time, drive, response)
-        gone = gone_on_grid(gone, channel.factor * columns["time"].numbers(), time)
+        gone, drive, response = on_grid(columns["time"], channel.factor, time, gone, drive, response)
     moved = response / _PLATFORM_OMEGA ** MEASURES.index(spec.measures)
     check_plausible(time, drive, moved, columns, device, notes)
     check_response(columns["response"], response, notes)

@@ -22,7 +22,6 @@ from .linearised.shorten import is_long
 from .linearised.trajectory import Diverged
 from .ranking.confirm import accept, confirm
 from .ranking.look import Look
-from .ranking.pairs import best_pair
 from .ranking.score import score, score_beside, significant
 from .records.between import comparable, differing, kinds_of, rows_of
 from .records.differing import Differing, numbers_of
@@ -64,7 +63,7 @@ def apart_before(look: Look, report: Report) -> Apart | None:
         return None
     plain = _of_one_mode(look)
     promise = _best(plain, report)
-    pair = best_pair(regression, look.candidates)
+    pair = look.pair
     if pair is not None:
         pair = pair._replace(numbers=pair.numbers + sum(histories(name, look) for name in pair.names))
     says_all = pair is not None and float(pair.left @ pair.left) < AS_WELL * regression.n

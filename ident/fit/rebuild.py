@@ -49,3 +49,8 @@ def fit_at(
         found = evaluate(static, data, unknowns)
     there = solve.Solution(unknowns, float("nan"), 0, converged, found)
     return finish(model, campaign, Minimum(static, data, there, tuple(starts), scales), sigma)
+
+
+def values_without(parent: Fit, *names: str) -> np.ndarray:
+    """Values of all parameters but those of some effects."""
+    return np.array([v for p, v in zip(parent.model.parameters, parent.values, strict=True) if p.effect not in names])

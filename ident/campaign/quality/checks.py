@@ -19,6 +19,7 @@ _LASTS = 0.97  # of a free motion's first quarter in its last: its quality would
 MOST_JITTER = 0.2  # of an interval: what is sampled less evenly has no grid
 _LONGEST_STEP = 1.6  # of the usual interval: what is longer is a gap
 _UNEVEN = 0.3  # of the usual interval, by which the others may be off it
+_BESIDE_GONE = 0.25  # of an interval, by which a sample of the grid may lie towards a row that says nothing
 _BETWEEN = 0.01  # of a signal's rms, missed between uneven samples
 _STILL_UNIFORM = 0.01  # of an interval: a sine of 20 samples a period is then read 0.3 % wrong at most
 
@@ -102,8 +103,11 @@ def gaps_in(steps: np.ndarray, step: float, print_off: float = 0.0) -> np.ndarra
     return gaps if few and np.max(np.abs(others - step)) < _UNEVEN * step + print_off else gaps[:0]
 
 
-def on_grid(column: Column, factor: float, time: np.ndarray, *signals: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Signals (n,) that were sampled at the printed times, on the uniform grid `time` (n,) s that they mean.
+def on_grid(
+    column: Column, factor: float, time: np.ndarray, gone: np.ndarray, *signals: np.ndarray
+) -> tuple[np.ndarray, ...]:
+    """Which samples say nothing, and signals, all (n,), that were sampled at the printed times, on the uniform grid
+    `time` (n,) s that they mean.
 
     Where print rounds the times more than the clock jitters, the samples are on the grid already. Times off any grid
     are read if a spline says what is between them: one through every other sample, whose intervals are twice as long,
@@ -112,7 +116,7 @@ def on_grid(column: Column, factor: float, time: np.ndarray, *signals: np.ndarra
     printed = factor * column.numbers()
     worst, still = float(np.max(np.abs(printed - time))), _STILL_UNIFORM * (time[1] - time[0])
     if worst <= still or worst <= 0.75 * factor * _resolution(column):
-        return signals
+        return gone, *signals
     from scipy.interpolate import CubicSpline  # here, because its import costs more than reading a campaign
 
     inside = np.clip(time, printed[0], printed[-1])
@@ -123,7 +127,8 @@ def on_grid(column: Column, factor: float, time: np.ndarray, *signals: np.ndarra
                 do = "sample faster, or with a clock that keeps its interval"
                 what = "the samples are uneven, and too few to say what is between them"
                 raise UserError(what, where=column.file, do=do)
-    return tuple(CubicSpline(printed, signal)(inside) for signal in signals)
+    beside_gone = np.interp(time, printed, gone.astype(float)) > _BESIDE_GONE
+    return beside_gone, *(CubicSpline(printed, signal)(inside) for signal in signals)
 
 
 def _resolution(column: Column) -> float:

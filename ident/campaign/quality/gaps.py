@@ -10,7 +10,6 @@ from .clipping import across_gaps
 # Of the drive's rms, missed in the mean over all places: as much as an amplifier's gain is known; the response beside
 # is not counted.
 _HARMLESS = 0.01
-_BESIDE_GONE = 0.25  # of an interval, by which a sample of the grid may lie towards a row that is gone
 _PLACES = 8  # where the same gaps are made, to see what the curve drawn across them is worth
 
 
@@ -29,14 +28,6 @@ def without_gaps(
     then = "a smooth curve takes their place" if drive else "left out of every fit"
     notes.append(f"{column.place(first)}: {many} missing, or no number; {then}.")
     return filled
-
-
-def gone_on_grid(gone: np.ndarray, printed: np.ndarray, time: np.ndarray) -> np.ndarray:
-    """(n,) which samples of the uniform grid `time` (n,) s say nothing, where rows `gone` (n,) of the printed times do
-    not: those beside which one of them is the nearer of two rows, or both are gone."""
-    if not np.any(gone):
-        return gone
-    return np.interp(time, printed, gone.astype(float)) > _BESIDE_GONE
 
 
 def crossed_by_drive(column: Column, there: np.ndarray, at: np.ndarray | None = None) -> bool:

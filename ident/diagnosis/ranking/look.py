@@ -19,6 +19,7 @@ from ..evidence.enough import another_law, worth_a_name
 from ..linearised.anchor import prepare_at_best
 from ..linearised.regression import Regression
 from .confirm import Confirmed, confirm
+from .pairs import Pair, best_pair
 from .refits import bent_readings, by_refits
 from .score import score, significant
 from .weigh import Candidate
@@ -78,6 +79,11 @@ class Look:
     def real(self) -> list[Candidate]:
         """Those that chance would not produce."""
         return significant(self.candidates)
+
+    @cached_property
+    def pair(self) -> Pair | None:
+        """The two that explain the most together, by their scores."""
+        return best_pair(self.regression, self.candidates)
 
     @property
     def promise(self) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...campaign.apart import TOLD, Kind, Told, size_of
 from ...fit import Fit, fit
+from ...fit.rebuild import values_without
 
 _MOVED = 0.3  # of its error bar: by so much a number is another one
 _DRIVE = Told("drive", 100.0, "%", "does the force fall behind what it is called, or was a gain read wrongly?", 0.9,
@@ -62,10 +63,9 @@ def without_common_zero(fitted: Fit) -> Fit:
     common = [e.name for e in model.effects if e.is_constant and e.acts_on == "sensor" and e.name not in asked]
     if not common:
         return fitted
-    values = [v for p, v in zip(model.parameters, fitted.values, strict=True) if p.effect not in common]
     for name in common:
         model = model - name
-    return fit(model, fitted.campaign, initial=np.array(values))
+    return fit(model, fitted.campaign, initial=values_without(fitted, *common))
 
 
 def numbers_of(fitted: Fit, kind: Kind) -> int:

@@ -11,7 +11,7 @@ from ...effects.effect import AbstractEffect
 from ...effects.registry import find, registry
 from ...fit import Fit, fit
 from ...fit.fit import minimise
-from ...fit.rebuild import fit_at
+from ...fit.rebuild import fit_at, values_without
 from ...fit.solve import MAX_STEPS
 from ...fit.starts import starting_points
 from ...pulse import Report
@@ -112,8 +112,3 @@ def to_its_end(found: Fit, report: Report = lambda _: None) -> Fit:
     best = minimise(model, campaign, initial=starts, most=_RACE, compared=True)
     other = fit(model, campaign, initial=best.values, report=report)
     return min(last, other, key=lambda one: one.fitted.chi2)
-
-
-def values_without(parent: Fit, *names: str) -> np.ndarray:
-    """Values of all parameters but those of some effects."""
-    return np.array([v for p, v in zip(parent.model.parameters, parent.values, strict=True) if p.effect not in names])

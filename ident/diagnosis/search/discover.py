@@ -104,8 +104,9 @@ def _walk(
     if asked and (form := in_another_form(start, look.regression, library, report)) is not None:
         return once_more(form.fit)
     current, questioned = walked.final, None
+    ended = lambda look, anew=None: Ended(Walked(start, tuple(steps), gains), look, at_best, ranking, anew)
     if (anew := with_own_zeros(current, look)) is not None:
-        return Ended(Walked(start, tuple(steps), gains), look, at_best, ranking, anew)
+        return ended(look, anew)
     while look.worth_it and look.real and len(steps) < _MOST_TERMS:
         alone = not_worth_adding(look.regression, look.promise, first)
         if alone and not hidden_by_each_other(look.regression, look.candidates, None, first, library):
@@ -147,7 +148,7 @@ def _walk(
                 return _walk(Walked(fewer), library, report, keep, revised=revised)
         keep(Walked(start, tuple(steps), gains))
         if (anew := with_own_zeros(current, look)) is not None:
-            return Ended(Walked(start, tuple(steps), gains), look, at_best, ranking, anew)
+            return ended(look, anew)
     if revised and steps and (lower := lower_start(start, current, report)) is not None:
         return once_more(lower)
     asked = steps or not adequate(look.regression)
@@ -157,7 +158,7 @@ def _walk(
         and (fewer := without_a_mode(start, current, library, first, report)) is not None
     ):
         return _walk(Walked(fewer), library, report, keep, revised=revised)
-    return Ended(Walked(start, tuple(steps), gains), look, at_best, ranking)
+    return ended(look)
 
 
 def _with_its_mode(current: Fit, regression: Regression, look: Look) -> tuple[Fit, Regression]:

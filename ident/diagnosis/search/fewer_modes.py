@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from ...effects.registry import Registry
 from ...fit import Fit
 from ...fit.linear.start_model import linear_choice, modes_of
+from ...fit.rebuild import values_without
 from ...pulse import Report
 from ..evidence.criterion import behind
 from ..evidence.enough import superfluous
@@ -20,7 +21,7 @@ from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long
 from ..linearised.trajectory import Diverged
 from ..ranking.confirm import accept, confirm
-from .change import ENOUGH, values_without, without
+from .change import ENOUGH, without
 from .parts import without_one
 from .prune import rivals
 

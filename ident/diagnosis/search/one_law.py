@@ -24,7 +24,6 @@ from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
 from ..ranking.look import Look
-from ..ranking.pairs import Pair, best_pair
 from ..unknown.find import Unknown, as_table, better_than, without_memory
 from ..unknown.formula import Formula
 from ..unknown.subsets import NEAR, rank
@@ -54,8 +53,7 @@ def one_law(look: Look, fitted: Fit, start: Regression, path: Path, report: Repo
     regression = look.regression
     if not fitted.campaign.fitted or fitted.campaign.fitted_sweeps or not look.worth_it:
         return None
-    pair = best_pair(regression, look.candidates)
-    named = _left_by_names(look, pair)
+    named = _left_by_names(look)
     if as_good_as_named(named, regression) or not _may_be_one(start, named):
         return None
     found = _said(start, named, report)
@@ -166,9 +164,9 @@ def says_more(left: float, named: float, start: Regression) -> bool:
     return left < AS_WELL or (left - 1.0) * start.n < MOST_OF_IT * (named - start.n)
 
 
-def _left_by_names(look: Look, pair: Pair | None) -> float:
+def _left_by_names(look: Look) -> float:
     """The least χ² that an effect leaves, refitted, or two promise to leave."""
-    promised = np.inf if pair is None else float(pair.left @ pair.left)
+    promised = np.inf if look.pair is None else float(look.pair.left @ look.pair.left)
     return min([promised, *(one.chi2 for one in look.tried if one.possible)])
 
 

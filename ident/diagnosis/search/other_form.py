@@ -15,6 +15,7 @@ import numpy as np
 from ...effects.effect import AbstractEffect, Linear
 from ...effects.registry import Registry
 from ...fit import Fit, fit
+from ...fit.rebuild import values_without
 from ...model import FREQUENCY, GAIN, QUALITY, make_effect
 from ...pulse import Report
 from ..evidence.criterion import clearly_better
@@ -23,7 +24,6 @@ from ..evidence.held_out import hurts
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import CRAWLS, working
 from ..linearised.trajectory import Diverged
-from .change import values_without
 from .steps import Step
 
 

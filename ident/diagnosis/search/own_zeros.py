@@ -24,11 +24,11 @@ from ..evidence.held_out import foretold
 from ..linearised.regression import Regression
 from ..linearised.shorten import one_stretch_each
 from ..ranking.look import Look
-from ..ranking.pairs import best_pair
+from ..ranking.pairs import Pair, best_pair
 from ..ranking.score import score_beside, significant
 from ..ranking.weigh import Candidate
 from ..records.between import comparable, differing, rows_of
-from ..records.differing import Differing, numbers_of
+from ..records.differing import OF_ZERO, Differing, numbers_of
 
 LEVEL = "level"
 _MOVED = 0.3  # of its error bar: by so much a zero is another one
@@ -47,7 +47,8 @@ def with_own_zeros(current: Fit, look: Look) -> Campaign | None:
     if behind(Left(beside.residual, regression.numbers + more), regression) > -VERY_STRONG:
         return None
     (scored,) = score_beside([beside], look.library)
-    if behind(_best(beside, scored, more, look), _best(regression, look.candidates, 0, look)) > -VERY_STRONG:
+    zeros = _best(beside, significant(scored), best_pair(beside, scored), more, look)
+    if behind(zeros, _best(regression, look.real, look.pair, 0, look)) > -VERY_STRONG:
         return None
     look.report("has the sensor a zero of its own in each record?")
     found = differing(one_stretch_each(current), (LEVEL,))
@@ -55,14 +56,14 @@ def with_own_zeros(current: Fit, look: Look) -> Campaign | None:
 
 
 def has_own_zeros(campaign: Campaign) -> bool:
-    """Whether the records are read by zeros of their own."""
-    return any(record.own is not None and record.own[0] == LEVEL for record in campaign.traces)
+    """Whether the records are read by zeros of their own, be they levels or baselines."""
+    return any(record.own is not None and record.own[0] in OF_ZERO for record in campaign.traces)
 
 
 def with_zeros_anew(last: Fit, report: Report) -> Fit:
     """The last fit of a walk, the zeros found again beside it if they were looked for on the way and have moved: what
     had been missing may have bent them."""
-    if not has_own_zeros(last.campaign):
+    if not any(record.own is not None and record.own[0] == LEVEL for record in last.campaign.traces):
         return last
     report("the zeros of the records once more")
     as_they_came = replace(last.campaign, records=tuple(as_it_came(record) for record in last.campaign.records))
@@ -96,16 +97,13 @@ def _size(trace: Trace) -> float:
     return float(curves(trace)[0, 0])
 
 
-def _best(regression: Regression, candidates: Sequence[Candidate], more: int, look: Look) -> Left:
+def _best(regression: Regression, effects: Sequence[Candidate], pair: Pair | None, more: int, look: Look) -> Left:
     """What is left by scores with no effect, one or two, whichever the criterion prefers; `more`: numbers that the
     regression absorbs besides."""
     numbers, left = regression.numbers + more, regression.residual
     after = lambda rows: left - rows.T @ (rows @ left)
     tried = [Left(left, numbers)]
-    tried += [
-        Left(after(one.signature), numbers + one.dof + histories(one.name, look)) for one in significant(candidates)
-    ]
-    pair = best_pair(regression, candidates)
+    tried += [Left(after(one.signature), numbers + one.dof + histories(one.name, look)) for one in effects]
     if pair is not None:
         tried.append(Left(pair.left, pair.numbers + more + sum(histories(name, look) for name in pair.names)))
     return tried[int(np.argmin(criteria(tried)))]

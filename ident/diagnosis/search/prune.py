@@ -10,7 +10,7 @@ import numpy as np
 
 from ...effects.registry import Registry
 from ...fit import Fit
-from ...fit.rebuild import fit_at
+from ...fit.rebuild import fit_at, values_without
 from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG, behind, criteria
 from ..evidence.enough import ANOTHER_LAW, SAME_SHAPE, laws_differ_by, superfluous
@@ -24,7 +24,7 @@ from ..ranking.confirm import accept, confirm
 from ..ranking.score import score, significant
 from ..ranking.weigh import Candidate
 from ..side_by_side import at_once
-from .change import ENOUGH, still_possible, try_without, values_without
+from .change import ENOUGH, still_possible, try_without
 from .parts import Parts, take_apart
 
 _MOST_CHANGES = 10  # each has to be for the better, but by two measures: criterion and held-out error

@@ -115,7 +115,7 @@ def two_names_do(look: Look, start: Regression, as_much: float = 0.0) -> bool:
 
     `start`: of the `working` excerpt of the fit that is looked at.
     """
-    pair = best_pair(look.regression, look.candidates)
+    pair = look.pair
     left = np.inf if pair is None else float(pair.left @ pair.left)
     if pair is None or (left > as_much and worth_a_name(left - look.regression.n, look.regression)):
         return False
