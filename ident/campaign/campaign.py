@@ -7,11 +7,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .device import Device, Platform
 from .record import Record, Sweep, Trace, common_order
 from .said import Said
+
+if TYPE_CHECKING:
+    from .quality.suspect import Suspect
 
 MOST_MODES = 6
 """Linear modes that a model may have, its own included."""
@@ -48,6 +51,7 @@ class Campaign:
       has, None if the records decide.
     - `said`: what its file says that decides a result, None if it has none.
     - `files`: what `read_campaign` was given: one TOML file, or data files.
+    - `left_out`: why records that are no longer among `records` were set aside.
     """
 
     title: str
@@ -64,6 +68,7 @@ class Campaign:
     linear: str = "auto"
     modes: int | None = None
     said: Said | None = None
+    left_out: tuple[Suspect, ...] = ()
 
     @property
     def traces(self) -> tuple[Trace, ...]:

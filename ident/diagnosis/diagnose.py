@@ -22,6 +22,7 @@ from ..pulse import Report
 from ..threads import one_thread
 from .apart import Apart, apart_after, apart_before
 from .evidence.enough import adequate
+from .faulty.aside import without_them
 from .faulty.odd_one import odd_one
 from .faulty.suspects import BY_OTHERS, find_suspects, judged_again
 from .linearised.regression import Regression, prepare
@@ -54,9 +55,10 @@ class Diagnosis:
 
     **Arguments:** `where`: where the first fit of the walk fails; `unknown`: what the library lacks, if it lacks
     something, and `effect_file`, where that was written; `next_experiments`: records that would separate what ties;
-    `unseen`: effects of which these records cannot say anything; `suspects`: records that something is wrong with. The
-    walk has no steps, but for that of a sensor's zero, if a faulty record explains more than any effect does, or if one
-    law that the library lacks says everything and nobody said where to write it.
+    `unseen`: effects of which these records cannot say anything; `suspects`: records that something is wrong with. A
+    faulty record that explains more than any effect does is left out of the walk. This has no steps, but for that of a
+    sensor's zero, if the others are too few for that, or if one law that the library lacks says everything and nobody
+    said where to write it.
     """
 
     discovery: Discovery
@@ -135,7 +137,12 @@ def diagnose(
     said = _answered(fitted, library, report, effect_file, keeps_walk, keep)
     if said.effect_file is not None:
         trust(said.effect_file)  # our own words
-    return said
+    left_out = said.final.campaign.left_out
+    if not left_out:
+        return said
+    sure = said.verdict == "identified"  # beside a suspect no name is
+    discovery = replace(said.discovery, verdict="ambiguous") if sure else said.discovery
+    return replace(said, discovery=discovery, suspects=(*left_out, *said.suspects))
 
 
 def _answered(
@@ -178,8 +185,13 @@ def _answered(
     # A drive that jumps tells by its edges how late it acts, and the walk begins again with that.
     held = late and any(jumps(record.drive) for record in fitted.campaign.fitted if record.between == "auto")
     if first and not held:
-        nothing = Discovery("ambiguous", fitted, (), (), {}, (), regression)
-        return Diagnosis(nothing, where, suspects=suspects)
+        rest = without_them(fitted, first)
+        if rest is None:
+            nothing = Discovery("ambiguous", fitted, (), (), {}, (), regression)
+            return Diagnosis(nothing, where, suspects=suspects)
+        report(f"going on without {', '.join(one.file for one in first)}")
+        said = _answered(Walked(rest), library, report, effect_file, keeps_walk, keep)
+        return replace(said, where=where)
 
     def once_more(campaign: Campaign) -> Diagnosis:
         report("what the last model leaves tells better how the records are to be read: once more, so")

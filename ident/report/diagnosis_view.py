@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..campaign.quality.suspect import ALL
+from ..campaign.quality.suspect import ALL, Suspect
 from ..diagnosis.diagnose import Diagnosis
 from ..diagnosis.evidence.enough import ANOTHER_LAW, adequate, noise_of_force
 from ..diagnosis.evidence.held_out import contradicted
@@ -31,6 +31,12 @@ _OTHER_STARTS = (
 
 def verdict_words(found: Diagnosis) -> str:
     """The verdict in one or two sentences."""
+    without = [one.file for one in found.final.campaign.left_out]
+    be = "is" if len(without) == 1 else "are"
+    return f"{listed(without)} {be} left out. {_by_the_rest(found)}" if without else _by_the_rest(found)
+
+
+def _by_the_rest(found: Diagnosis) -> str:
     held = found.discovery.final.holdout
     if held is None or not contradicted(found.discovery.final):
         return _verdict_words(found)
@@ -46,7 +52,7 @@ def _verdict_words(found: Diagnosis) -> str:
     """The verdict by the fitted records."""
     loop = found.discovery
     final = loop.final
-    first = [suspect.file for suspect in found.suspects if suspect.first]
+    first = [suspect.file for suspect in _unsettled(found)]
     if first == [ALL]:
         return "No physics is named: that all responses come late explains more of the misfit than any effect does."
     if first:
@@ -106,6 +112,11 @@ def _verdict_words(found: Diagnosis) -> str:
     return _not_in_library(loop, [s for s in named if not s.added.startswith(NAME)], named)
 
 
+def _unsettled(found: Diagnosis) -> list[Suspect]:
+    """Suspects that come before any physics, and could not be left out."""
+    return [one for one in found.suspects if one.first and one not in found.final.campaign.left_out]
+
+
 def _no_shortcoming(loop: Discovery) -> str:
     """What of an error above the noise floors is no shortcoming of a model: noise of the force, or that of a colour."""
     noise, left = noise_of_force(loop.regression), loop.regression
@@ -145,7 +156,7 @@ def _not_in_library(loop: Discovery, known: list[Step], named: list[Step]) -> st
 def why_not_written(found: Diagnosis) -> str:
     """Why nothing was written of what the library lacks."""
     loop, unknown = found.discovery, found.unknown
-    if any(suspect.first for suspect in found.suspects) and not loop.steps:
+    if _unsettled(found) and not loop.steps:
         return "what is wrong with the records comes before any law"
     if loop.verdict == "adequate":
         return "nothing is missing"
