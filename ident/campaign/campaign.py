@@ -51,7 +51,7 @@ class Campaign:
       has, None if the records decide.
     - `said`: what its file says that decides a result, None if it has none.
     - `files`: what `read_campaign` was given: one TOML file, or data files.
-    - `left_out`: why records that are no longer among `records` were set aside.
+    - `left_out`: traces that were set aside, and why; they are no longer among the `records`.
     """
 
     title: str
@@ -68,7 +68,7 @@ class Campaign:
     linear: str = "auto"
     modes: int | None = None
     said: Said | None = None
-    left_out: tuple[Suspect, ...] = ()
+    left_out: tuple[tuple[Trace, Suspect], ...] = ()
 
     @property
     def traces(self) -> tuple[Trace, ...]:

@@ -22,7 +22,7 @@ from ..pulse import Report
 from ..threads import one_thread
 from .apart import Apart, apart_after, apart_before
 from .evidence.enough import adequate
-from .faulty.aside import without_them
+from .faulty.aside import left_out, without_them
 from .faulty.odd_one import odd_one
 from .faulty.suspects import BY_OTHERS, find_suspects, judged_again
 from .linearised.regression import Regression, prepare
@@ -137,12 +137,10 @@ def diagnose(
     said = _answered(fitted, library, report, effect_file, keeps_walk, keep)
     if said.effect_file is not None:
         trust(said.effect_file)  # our own words
-    left_out = said.final.campaign.left_out
-    if not left_out:
-        return said
-    sure = said.verdict == "identified"  # beside a suspect no name is
-    discovery = replace(said.discovery, verdict="ambiguous") if sure else said.discovery
-    return replace(said, discovery=discovery, suspects=(*left_out, *said.suspects))
+    aside = left_out(said.final)
+    if aside and said.verdict == "identified":  # beside a suspect no name is sure
+        said = replace(said, discovery=replace(said.discovery, verdict="ambiguous"))
+    return replace(said, suspects=(*aside, *said.suspects))
 
 
 def _answered(

@@ -31,7 +31,7 @@ _OTHER_STARTS = (
 
 def verdict_words(found: Diagnosis) -> str:
     """The verdict in one or two sentences."""
-    without = [one.file for one in found.final.campaign.left_out]
+    without = [record.name for record, _ in found.final.campaign.left_out]
     be = "is" if len(without) == 1 else "are"
     return f"{listed(without)} {be} left out. {_by_the_rest(found)}" if without else _by_the_rest(found)
 
@@ -114,7 +114,8 @@ def _verdict_words(found: Diagnosis) -> str:
 
 def _unsettled(found: Diagnosis) -> list[Suspect]:
     """Suspects that come before any physics, and could not be left out."""
-    return [one for one in found.suspects if one.first and one not in found.final.campaign.left_out]
+    aside = [record.name for record, _ in found.final.campaign.left_out]
+    return [one for one in found.suspects if one.first and one.file not in aside]
 
 
 def _no_shortcoming(loop: Discovery) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..campaign import Campaign, NoiseFloor
 from ..campaign.apart import read_apart
-from ..campaign.quality.suspect import Suspect
+from ..campaign.quality.suspect import Suspect, set_aside
 from ..campaign.record import Sweep, Trace
 from ..effects.registry import Registry, built_in, find, registry
 from ..errors import UserError
@@ -56,7 +56,7 @@ def state(fit: Fit) -> dict[str, Any]:
         "noise": [asdict(record.noise) for record in fit.campaign.records],
         # What of a trace was estimated: how it differs from the others, and where a drive that is held changes.
         "traces": [[trace.own, trace.edge] for trace in fit.campaign.traces],
-        "left_out": [asdict(one) for one in fit.campaign.left_out],
+        "left_out": [asdict(suspect) for _, suspect in fit.campaign.left_out],
         "stronger": [None if s.stronger is None else s.stronger.tolist() for s in fit.campaign.sweeps],
     }
 
@@ -71,10 +71,7 @@ def restore(document: dict[str, Any], folder: Path) -> tuple[Model, Campaign, np
 def restore_campaign(document: dict[str, Any], folder: Path) -> Campaign:
     """The campaign of a `run.json`, with the effect files and noise floors of then; what it depends on is the same."""
     kept, campaign = document["state"], campaign_of(document, folder)
-    left_out = tuple(Suspect(**one) for one in kept.get("left_out", ()))
-    gone = {one.file for one in left_out}
-    there = tuple(r for r in campaign.records if r.holdout or r.name not in gone)
-    campaign = replace(campaign, records=there, left_out=left_out)
+    campaign = set_aside(campaign, [Suspect(**one) for one in kept.get("left_out", ())])
     floors = [NoiseFloor(**{**floor, "ar": tuple(floor["ar"])}) for floor in kept["noise"]]
     records = [replace(record, noise=noise) for record, noise in zip(campaign.records, floors, strict=True)]
     estimates, stronger = iter(kept.get("traces", ())), iter(kept.get("stronger", ()))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -62,6 +63,14 @@ class Suspect:
         """As it stands in diagnosis.json under "records"."""
         return {"file": self.file, "suspect": self.kind, "size": self.size, "unit": self.unit,
                 "probability": self.probability, "words": self.sentence}  # fmt: skip
+
+
+def set_aside(campaign: Campaign, suspects: Sequence[Suspect]) -> Campaign:
+    """The campaign without its fitted traces that are suspect, which it then has as `left_out`."""
+    why = {suspect.file: suspect for suspect in suspects}
+    gone = [record for record in campaign.fitted if record.name in why]
+    left_out = (*campaign.left_out, *((record, why[record.name]) for record in gone))
+    return replace(campaign, records=tuple(r for r in campaign.records if r not in gone), left_out=left_out)
 
 
 def suspects_by_data(campaign: Campaign) -> tuple[Suspect, ...]:

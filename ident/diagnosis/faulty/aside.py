@@ -1,28 +1,37 @@
-"""A walk goes on without the records that are suspect: what the others obey is told all the same."""
+"""A walk goes on without the records that are suspect: what the others obey is told all the same, and that then tells
+better what is wrong with them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from functools import lru_cache
 
-from ...campaign.quality.suspect import ALL, Suspect
+from ...campaign.quality.suspect import ALL, Suspect, set_aside
 from ...fit import Fit
 from ..linearised.trajectory import Diverged
-from .astray import of_the_others
+from .astray import of_these
+from .suspects import told_outside
 
 
 def without_them(fitted: Fit, suspects: Sequence[Suspect]) -> Fit | None:
-    """The fit without suspect records, which its campaign then has as `left_out`; None if these are not clearly the
-    fewer, if all records are meant, or if the motion of the others has no bound."""
-    campaign = fitted.campaign
-    left_out = (*campaign.left_out, *suspects)
-    whole = len(campaign.fitted) + len(campaign.left_out)
-    if any(one.file == ALL for one in suspects) or 2 * len(left_out) >= whole:
+    """The fit of the others, whose campaign has the suspects as `left_out`; None if these are not clearly the fewer, if
+    all records are meant, or if the motion of the others has no bound."""
+    campaign = set_aside(fitted.campaign, suspects)
+    if any(one.file == ALL for one in suspects) or len(campaign.left_out) >= len(campaign.fitted):
         return None
-    fitted = replace(fitted, campaign=replace(campaign, left_out=left_out))
     try:
-        for one in suspects:
-            fitted = of_the_others(fitted, [trace.name for trace in fitted.campaign.traces].index(one.file))
+        return of_these(fitted, campaign)
     except Diverged:
         return None
-    return fitted
+
+
+@lru_cache(maxsize=8)  # the diagnosis, the terminal and the page ask
+def left_out(fitted: Fit) -> tuple[Suspect, ...]:
+    """The records that were left out of a fit, and what is wrong with them as its model tells; as it was told before
+    where that does not explain them."""
+    known = fitted.campaign.left_out
+    traces = (*fitted.campaign.traces, *(record for record, _ in known))
+    at = len(fitted.campaign.traces)
+    told = [told_outside(fitted.model, fitted.values, fitted.fitted.error_over_noise, traces, at + k)
+            for k in range(len(known))]  # fmt: skip
+    return tuple(now or before for now, (_, before) in zip(told, known, strict=True))

@@ -8,15 +8,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...campaign.campaign import Campaign
 from ...fit import Fit, fit
 from ...fit.linear.start_model import linear_choice, start_model, with_drives
 from ..evidence.enough import MOST_OF_IT
 from .faults import told_by_others, without
 
 
-def of_the_others(fitted: Fit, i: int) -> Fit:
-    """The fit without a trace; of the first model of a walk, that which the others choose, with their drives."""
-    campaign = without(fitted.campaign, i)
+def of_these(fitted: Fit, campaign: Campaign) -> Fit:
+    """The fit of fewer records; of the first model of a walk, that which these choose, with their drives."""
     if not _is_first(fitted):
         return fit(fitted.model, campaign, initial=fitted.values)
     campaign = with_drives(campaign)

@@ -28,7 +28,7 @@ from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, one_stretch_each
 from ..linearised.trajectory import Diverged
 from ..ranking.look import Look, first_look
-from .astray import as_others_choose, of_the_others
+from .astray import as_others_choose, of_these
 from .faults import (
     OF_FREQUENCY,
     Fault,
@@ -40,6 +40,7 @@ from .faults import (
     own_device,
     reach,
     told_by_others,
+    without,
 )
 from .nuisance import DROPPED, OWN_CLOCK, Nuisance, rms
 
@@ -165,20 +166,22 @@ def _by_others(fitted: Fit, look: Look, two_do: Callable[[], bool]) -> list[Susp
             break
         suspect, known = one
         if found:
-            without = " and ".join(other.file for other in found)
-            suspect = replace(suspect, says=f"{suspect.says}, {without} left out")
+            gone = " and ".join(other.file for other in found)
+            suspect = replace(suspect, says=f"{suspect.says}, {gone} left out")
         found.append(suspect)
         traces = known.traces if suspect.file == ALL else traces
         if suspect.settles or suspect.file == ALL or len(found) >= most:
             break
         try:  # one fault may hide another: what do the others say of one another?
             names = [trace.name for trace in fitted.campaign.traces]
-            fitted = of_the_others(fitted, names.index(suspect.file))
+            fitted = of_these(fitted, without(fitted.campaign, names.index(suspect.file)))
             look = first_look(fitted, look.library, look.report)
         except Diverged:  # without it their motion has no bound
             break
     at = {trace.name: i for i, trace in enumerate(traces)}
-    return found + [s for name in outside if (s := _held_out(traces, known, at[name])) is not None]
+    agree = rms(known.left, 1.0)
+    told = [told_outside(known.model, known.values, agree, traces, at[name]) for name in outside]
+    return found + [suspect for suspect in told if suspect is not None]
 
 
 def _as_others_choose(
@@ -339,18 +342,18 @@ def _beyond_its_width(told: Nuisance, values: np.ndarray) -> bool:
     return told.unit != OF_FREQUENCY or abs(told.size) > 100 * half_width
 
 
-def _held_out(traces: Sequence[Trace], known: _Explained, i: int) -> Suspect | None:
-    """What is wrong with a held-out record that is predicted far worse than the fitted ones agree, if one number tells
-    it."""
-    agree, record = max(1.0, rms(known.left, 1.0)), traces[i]
-    reading = read(known.model, known.values, [record])[0]
+def told_outside(model: Model, values: np.ndarray, error: float, traces: Sequence[Trace], i: int) -> Suspect | None:
+    """What is wrong with a record outside a fit that is predicted far worse than the fitted ones agree, to an `error`
+    over noise, if one number tells it."""
+    agree, record = max(1.0, error), traces[i]
+    reading = read(model, values, [record])[0]
     if not np.all(np.isfinite(reading)):
         return None
     before = rms((record.response - reading)[record.counted], record.noise.sigma)
     if not before > _FAR * agree:
         return None
-    told = next(iter(explanations(known.model, known.values, traces, i)), None)
-    if told is None or told.error > _BACK * agree or not _beyond_its_width(told, known.values):
+    told = next(iter(explanations(model, values, traces, i)), None)
+    if told is None or told.error > _BACK * agree or not _beyond_its_width(told, values):
         return None
     words = f"{words_of(told, traces)}; so read, it agrees with the others (error over noise {before:.3g} → "
     words += f"{told.error:.3g}, theirs {agree:.3g})"

@@ -35,7 +35,7 @@ from .fewer_modes import without_a_mode, without_its_mode
 from .further_mode import with_its_mode
 from .once_more import another_minimum, begun_with, drive_beside, lower_start, with_other_starts
 from .other_form import in_another_form, steps_in_another_form
-from .own_zeros import with_own_zeros
+from .own_zeros import with_own_zeros, with_zeros_anew
 from .rivals import rivals_of
 from .steps import Ended, Step, Walked
 from .ties import weighed_ties
@@ -134,6 +134,9 @@ def _walk(
         current, regression = with_its_constant(steps[-1].fit, regression, library, report)
         fewer = without_its_mode(current, start, [step.added for step in steps], first, report)
         current, regression = fewer or _with_its_mode(current, regression, look)
+        # What was missing has bent the zeros: else a common one would have to straighten them.
+        if (zeros := with_zeros_anew(current, report)) is not current:
+            current, regression = zeros, prepare(working(zeros))
         steps[-1] = steps[-1]._replace(fit=current)
         steps, regression = steps_in_another_form(steps, regression, library, report)
         current = steps[-1].fit

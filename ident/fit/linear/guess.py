@@ -126,7 +126,9 @@ def _scales(records: tuple[Trace, ...], frequency: float) -> DataScales:
     displacement = max(float(np.max(np.abs(r.response - np.mean(r.response)))) / omega**r.order for r in records)
     velocity = 0.0
     for record in records:
-        half = max(int(0.05 / (frequency * record.step)), 2)
+        # A spring may be as good as none: the slope is that of the motion, whatever the resonance is.
+        liveliest_at = max(liveliest(record.response, record.step, 1), default=0.0)
+        half = max(int(0.05 / (max(frequency, liveliest_at) * record.step)), 2)
         if len(record.response) > 2 * half + 1:
             line = np.arange(half, -half - 1, -1)  # slope of the straight line through the samples around each one
             slope = np.convolve(record.response, line, "valid") / (np.sum(line**2) * record.step)
