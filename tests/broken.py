@@ -110,7 +110,8 @@ _data("too short", csv_text(values=signals(12)), "too few")
 _data("time runs backwards", csv_text(values=_changed(50, 0, 1e-3)), "line 52", "backwards")
 _data("time repeats", _with_row(52, _rows[51]), "line 53", "repeats")
 _data("two runs in one file", csv_text(values=np.vstack([signals(), signals()])), "backwards", "line 402")
-_data("gap", csv_text(values=np.delete(signals(), slice(100, 160), axis=0)), "gap", "line 102")
+_often = [row for k in range(25, 390, 36) for row in range(k, k + 12)]  # longer than a quarter of a period
+_data("gaps again and again", csv_text(values=np.delete(signals(), _often, axis=0)), "gap", "10 more", "line 27")
 _jitter = np.random.default_rng(0).uniform(-0.4, 0.4, 400) * 5e-5
 _data("jitter", csv_text(values=_column(0, signals()[:, 0] + _jitter)), "not uniform", "resample")
 _data("constant time", csv_text(values=_column(0, np.ones(400))), "time repeats")

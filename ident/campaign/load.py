@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,8 +17,9 @@ from .channel import channel_of, own_units, plausible_noise
 from .device import Device
 from .drive import find_period
 from .guess import guess_kind, match_any
-from .lost_samples import times_of, with_lost_samples
+from .lost_samples import times_of
 from .noise.floor import noise_floor
+from .outages import note_on, spec_of, stretches
 from .quality.checks import (
     check_drive,
     check_length,
@@ -58,17 +60,24 @@ def read_table(path: Path, name: str, own_units: tuple[str, ...] = ()) -> Table:
     return read_text_table(path, name, own)
 
 
-def load_record(spec: RecordSpec, table: Table, device: Device) -> tuple[Record, list[str]]:
-    """The record and the notes on it."""
+def load_record(spec: RecordSpec, table: Table, device: Device) -> tuple[list[tuple[RecordSpec, Record]], list[str]]:
+    """The record, or the stretches of one with outages, each with what is said of it, and the notes on them."""
     (unit, dimension), _ = signal_units(device)
     table = with_drive(spec, table, read_table, unit, dimension)
     kind = spec.kind or guess_kind(table)
     notes = list(table.notes)
     if not spec.kind and kind == "sweep":
         notes.append(f'{spec.file}: taken as a sweep (kind = "sweep"), because it has a frequency and no time.')
-    table = table if kind == "sweep" else segment_of(spec, table)
-    record, found = (load_sweep if kind == "sweep" else _trace)(spec, table, device)
-    return record, notes + found
+    if kind == "sweep":
+        sweep, found = load_sweep(spec, table, device)
+        return [(spec, sweep)], notes + found
+    told = _columns(spec, segment_of(spec, table), device, notes)
+    parts = stretches(told)
+    notes += [note_on(spec, parts)] if len(parts) > 1 else []
+    specs = [spec_of(spec, k, len(parts)) for k in range(1, len(parts) + 1)]
+    traces = [_trace(own, columns, device, notes) for own, columns in zip(specs, parts, strict=True)]
+    since = [replace(trace, into=float(trace.time[0] - traces[0].time[0])) for trace in traces]
+    return list(zip(specs, since, strict=True)), notes
 
 
 def _no_peak_unit(column: Column) -> None:
@@ -87,12 +96,12 @@ def _signal(column: Column, base: str, scale: Scale | None, notes: list[str], ro
     return Channel(scale.unit, scale.size), values * read.factor * scale.factor
 
 
-def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[str]]:
-    notes: list[str] = []
+def _columns(spec: RecordSpec, table: Table, device: Device, notes: list[str]) -> dict[str, Column]:
+    """The columns of a trace by their roles."""
     if spec.relative_noise:
         what = f"{spec.file} is a trace: its noise is no share of an amplitude"
         raise UserError(what, where=spec.where, do='write for example noise = "12 nm"')
-    (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device, spec.measures)
+    (_, drive_dimension), (_, response_dimension) = signal_units(device, spec.measures)
     roles = trace_roles(drive_dimension or NUMBER, response_dimension or NUMBER, own_units(device, spec.measures))
     roles = tuple(replace(r, dimension=spec.scale[r.name].dimension, own_unit="") if r.name in spec.scale else r
                   for r in roles)  # fmt: skip
@@ -115,7 +124,12 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
     columns = match_columns(table, without if undriven else roles, given, units, where=spec.where)
     for column in columns.values():
         _no_peak_unit(column)
-    columns = with_lost_samples(columns)
+    return columns
+
+
+def _trace(spec: RecordSpec, columns: Mapping[str, Column], device: Device, notes: list[str]) -> Trace:
+    (drive_unit, _), (response_unit, _) = signal_units(device, spec.measures)
+    undriven = "drive" not in columns
     at = times_of(columns)
     response_channel, response = _signal(
         columns["response"], response_unit, spec.scale.get("response"), notes, "response"
@@ -183,7 +197,7 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         noise = noise_floor(time, drive, response - level, period, masked, lost=stuck == 0)
     if not spec.start:
         notes.append(f"{spec.file}: start is not given; the initial state is fitted.")
-    trace = Trace(
+    return Trace(
         name=spec.name,
         time=time,
         drive=drive,
@@ -203,7 +217,6 @@ def _trace(spec: RecordSpec, table: Table, device: Device) -> tuple[Trace, list[
         between=spec.between,
         edge=0.0 if spec.between == "hold" else None,
     )
-    return trace, notes
 
 
 def _skip_samples(spec: RecordSpec, time: np.ndarray, every: int) -> int:

@@ -42,6 +42,12 @@ def with_lost_samples(columns: Mapping[str, Column]) -> dict[str, Column]:
     return found
 
 
+def lost_between(columns: Mapping[str, Column]) -> np.ndarray | None:
+    """(n − 1,) how many samples are missing between the rows, by their times; None if none is known to be."""
+    index = _intervals(columns["time"].numbers()) if "time" in columns else None
+    return None if index is None else np.diff(index) - 1
+
+
 def times_of(columns: Mapping[str, Column]) -> np.ndarray | None:
     """(n,) the printed times, if there are some and they run on."""
     if "time" not in columns:

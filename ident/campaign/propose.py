@@ -179,7 +179,7 @@ def _record(
         lines.append(f'load = "{load[1].replace(",", ".").replace("p", ".")} {load[2]}"')
         doubts.append("the load is read from the name of the file")
     try:
-        record, notes = load_record(spec, table, device)
+        ((_, record), *_), notes = load_record(spec, table, device)
     except UserError as error:
         return _Proposal(tuple(lines), None, (*doubts, f"as it stands it cannot be read: {error}"))
     doubts += [note.removeprefix(f"{path.name}: ") for note in notes if not _ANSWERED.search(note)]

@@ -133,15 +133,15 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
         raise UserError("the campaign has no records", where=where, do='add [[record]] with file = "a.csv"')
     own = (device.output, device.input) if isinstance(device, Oscillator) else ()
 
-    def loaded(spec: RecordSpec) -> tuple[Record, list[str]]:
+    def loaded(spec: RecordSpec) -> tuple[list[tuple[RecordSpec, Record]], list[str]]:
         return load_record(spec, spec.table or read_table(spec.path, spec.file, own), device)
 
-    records: list[Record] = []
+    read: list[tuple[RecordSpec, Record]] = []
     with ThreadPoolExecutor(2) as pool:  # most of the work is the noise floor's, outside the interpreter
-        for record, found in pool.map(loaded, specs):
-            records.append(record)
-            notes += found
-    records = counted_from_rest(seen_together(records, notes), notes)
+        for found, told in pool.map(loaded, specs):
+            read += found
+            notes += told
+    records = counted_from_rest(seen_together([record for _, record in read], notes), notes)
     files = [one for one in (path, device_path, *effect_files) if one is not None]
     measured = [spec.path for spec in specs if spec.table is None]
     measured += [spec.drive_file for spec in specs if spec.drive_file is not None]
@@ -159,7 +159,9 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
         () if path is None else (path,),
         linear,
         modes,
-        None if path is None else Said.of(specs, device, [linear, modes], _names(measured, folder), folder),
+        None
+        if path is None
+        else Said.of([spec for spec, _ in read], device, [linear, modes], _names(measured, folder), folder),
     )
 
 

@@ -30,7 +30,8 @@ SWEEP_NAMES = {"drive": "level", "response": "amplitude"}
 @dataclass(frozen=True)
 class RecordSpec:
     """One `[[record]]`; `sine`: what `drive` tells instead of a column; `undriven`: nothing drove the device; `table`:
-    the data, where they were no file; `segment`: which of several recordings in the file, from 1.
+    the data, where they were no file; `segment`: which of several recordings in the file, from 1; `part`: which stretch
+    of one with outages, from 1, which the file itself tells.
 
     `noise` and `level` (a peak) are SI, `relative_noise` a fraction of the amplitude, `skip` is seconds (float) or
     samples (int), `rate` is Hz, `sweep_rate` Hz/s, `dwell` and `averaging` s."""
@@ -57,6 +58,7 @@ class RecordSpec:
     sine: str = ""
     drive_file: Path | None = None
     segment: int | None = None
+    part: int = 0
     undriven: bool = False
     measures: Measures = "displacement"
     between: Between = "auto"
@@ -66,7 +68,8 @@ class RecordSpec:
     @property
     def name(self) -> str:
         """How the record is called."""
-        return self.file if self.segment is None else f"{self.file} #{self.segment}"
+        called = self.file if self.segment is None else f"{self.file} #{self.segment}"
+        return called if self.part < 2 else f"{called}, stretch {self.part}"
 
 
 def signal_units(

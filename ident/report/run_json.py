@@ -39,6 +39,7 @@ def run_dict(fit: Fit) -> dict[str, Any]:
             _record(score, record) if isinstance(record, Trace) else _sweep(score, next(curves), fit)
             for score, record in zip(fit.scores, fit.campaign.records, strict=True)
         ],
+        **({"left_out": [record.name for record, _ in fit.campaign.left_out]} if fit.campaign.left_out else {}),
         **({"own_numbers": own_numbers_dict(fit)} if fit.campaign.heldout_sweeps else {}),
     }
 

@@ -255,7 +255,7 @@ def test_gaps_in_a_drive_are_crossed_wherever_they_lie():
     for lost in ([100, 130, 1070], [137, 500, 900], [300, 400, 1066]):  # moved, some of them come to lie at an end
         gone = np.isin(np.arange(1200), lost)
         assert crossed_by_drive(Column("a.csv", "drive_V", "drive", "V", 2, drive[~gone]), ~gone)
-    gone = np.isin(np.arange(1200), [1, 2, 3, 4, 5, 6])
+    gone = np.isin(np.arange(1200), np.arange(1, 13))
     assert not crossed_by_drive(Column("a.csv", "drive_V", "drive", "V", 2, drive[~gone]), ~gone)
 
 
@@ -280,8 +280,19 @@ def test_a_drive_is_drawn_across_lost_samples_only_where_that_is_harmless(tmp_pa
     (record,) = _campaign(tmp_path, a_csv=_without(text, {100, 101, 102})).traces
     assert record.masked is not None and list(np.flatnonzero(record.masked)) == [100, 101, 102]
     np.testing.assert_allclose(record.drive, DRIVE, atol=0.01 * float(np.std(DRIVE)))
-    (tmp_path / "a.csv").write_text(_without(text, set(range(100, 140))), encoding="utf-8")
-    assert_one_line(ident("check", tmp_path), "line 102", "a gap of")
+
+
+def test_where_nobody_knows_the_drive_a_record_ends_and_another_begins_in_motion(tmp_path):
+    text = HEADER + rows(TIME, DRIVE, RESPONSE)
+    lost = {50, *range(100, 140), 300}
+    campaign = _campaign(tmp_path, a_csv=_without(text, lost))
+    first, second = campaign.traces
+    assert (first.name, second.name) == ("a.csv", "a.csv, stretch 2")
+    assert (len(first.time), len(second.time)) == (100, 260)
+    assert list(np.flatnonzero(first.counted == 0)) == [50] and list(np.flatnonzero(second.counted == 0)) == [160]
+    assert second.begins_in_motion and second.into == pytest.approx(TIME[140] - TIME[0])
+    assert any("the recorder stopped on the way" in note for note in campaign.notes)
+    assert campaign.said is not None and [name for name, _ in campaign.said.records] == [first.name, second.name]
 
 
 def test_lost_samples_are_seen_among_uneven_ones(tmp_path):

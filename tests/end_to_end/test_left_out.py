@@ -57,5 +57,6 @@ def test_the_run_is_read_back_without_the_record(told):
     assert [record.name for record, _ in fitted.campaign.left_out] == [WRONG]
     kept = json.loads((run / "run.json").read_text(encoding="utf-8"))
     assert fitted.fitted.error_over_noise == pytest.approx(kept["fitted"]["error_over_noise"], rel=1e-9)
+    assert kept["left_out"] == [WRONG] and WRONG not in [record["file"] for record in kept["records"]]
     shown = ident("report", run)
     assert shown.code == 0 and f"Left out as suspect: {WRONG}" in (run / "report.html").read_text(encoding="utf-8")

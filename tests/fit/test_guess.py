@@ -7,7 +7,7 @@ import pytest
 from scipy import signal
 
 from ident.campaign.record import Channel, NoiseFloor, Trace
-from ident.fit.linear.guess import guess_linear
+from ident.fit.linear.guess import data_scales, guess_linear
 from ident.fit.linear.stretches import oscillator_filter, stretch_of, sums
 
 
@@ -56,3 +56,13 @@ def test_a_sharp_resonance_between_the_points_of_the_grid_is_tried_where_a_recor
     records = [replace(near, name=name) for name in "ab"]
     records = [replace(own, response=own.response + leak * own.drive) for own in (*records, far)]
     assert guess_linear(records).frequency == pytest.approx(f0, rel=0.01)
+
+
+def test_the_scale_of_a_velocity_is_that_of_the_motion_where_the_spring_is_as_good_as_none():
+    """A stage with friction was fitted with a resonance at 2 mHz; the slope across 23 s of it was none, and bounds of
+    the friction that are placed by it were no numbers."""
+    driven = record(480.0, 25.0, 3.0, 317.0)
+    at_resonance, far_below = (data_scales([driven], frequency).velocity for frequency in (480.0, 0.002))
+    amplitude = 0.5 * np.ptp(driven.response[1250:])
+    assert at_resonance == pytest.approx(2 * np.pi * 317 * amplitude, rel=0.2)
+    assert far_below == pytest.approx(at_resonance, rel=0.05)

@@ -7,8 +7,8 @@ import numpy as np
 from ..tables.table import Column
 from .clipping import across_gaps
 
-# Of the drive's rms, missed in the mean over all places: as much as an amplifier's gain is known; the response beside
-# is not counted.
+# Of the drive's rms: what is missed in the gaps, as a force that acts all along the record. An amplifier's gain is
+# known as well; the response beside is not counted.
 _HARMLESS = 0.01
 _PLACES = 8  # where the same gaps are made, to see what the curve drawn across them is worth
 
@@ -53,7 +53,8 @@ def missed_across(signal: np.ndarray, gone: np.ndarray, at: np.ndarray | None = 
 
 
 def _harmless(filled: np.ndarray, gone: np.ndarray, at: np.ndarray | None) -> bool:
-    return not np.ptp(filled) or missed_across(filled, gone, at) < _HARMLESS * float(np.std(filled))
+    missed = missed_across(filled, gone, at) * float(np.sqrt(np.mean(gone)))
+    return not np.ptp(filled) or missed < _HARMLESS * float(np.std(filled))
 
 
 def _misses(filled: np.ndarray, gone: np.ndarray, at: np.ndarray | None) -> list[np.ndarray]:
