@@ -30,6 +30,11 @@ _MOST_STEPS = 200_000  # of each walker: what has not converged by then will not
 _EVERY = 2.0  # s between two writings of the chain; what a kill can cost
 _MOST_REDRAWS = 200  # of walkers that would begin where the posterior is zero
 LIKE = 2000  # draws to which a mixture is fitted
+_LEARNS = (
+    300  # steps after which the draws may tell better what to propose; and again after twice and four times as many
+)
+_OFTEN = 3
+_LEARNED_FROM = 8000  # draws; of 2000 a tail of a hundredth of the mass has too few
 
 
 class Progress(NamedTuple):
@@ -93,7 +98,8 @@ def sample(
         density = laplace.density
         chain = _begin(laplace, key, seed)
     target = propose_from(laplace, chain.frame["like"])
-    begun, written, first = time.monotonic(), 0.0, chain.positions.shape[1]
+    begun = since = time.monotonic()
+    written, first = 0.0, chain.positions.shape[1]
     samplers = [_sampler(density, target, chain.positions.shape[2]) for _ in range(ENSEMBLES)]
     found: Convergence | None = None
     stopped = ""
@@ -106,9 +112,13 @@ def sample(
                 found = judge(chain.positions, chain.taus if fresh else chain.taus[:-1])
                 if fresh:
                     chain = chain._replace(taus=(*chain.taus, float(found.tau.max())))
-                report(_progress(found, steps, steps - first, time.monotonic() - begun))
+                report(_progress(found, steps, steps - first, time.monotonic() - since))
                 if not found.reasons:
                     break
+                if (better := _begun_anew(chain, found)) is not None:
+                    chain, first, since = better, 1, time.monotonic()
+                    target = propose_from(laplace, chain.frame["like"])
+                    samplers = [_sampler(density, target, chain.positions.shape[2]) for _ in range(ENSEMBLES)]
             if seconds is not None and time.monotonic() - begun > seconds:
                 stopped = "time ran out"
                 break
@@ -124,6 +134,26 @@ def sample(
     if path is not None:
         write_chain(path, chain)
     return Sampled(laplace, chain, found or judge(chain.positions, chain.taus), stopped)
+
+
+def _begun_anew(chain: Chain, found: Convergence) -> Chain | None:
+    """A chain that is far from its end, begun again where it is, with proposals like what it has drawn.
+
+    The weights of importance draws may say that these serve, and they miss a tail: where a stress acts by a restraint
+    that is about zero, it had a hundredth of the mass, and walkers stayed there for 470 steps. What was drawn with
+    other proposals is left out, for a chain that goes on adapting need not keep the posterior.
+    """
+    steps, times = chain.positions.shape[1], int(chain.frame.get("learned", 0))
+    if steps != _LEARNS * 2**times or times >= _OFTEN or found.share_done > 0.5:
+        return None
+    like = spread_evenly(chain.positions[:, found.burned :], _LEARNED_FROM)
+    return chain._replace(
+        positions=chain.positions[:, -1:],
+        log_probability=chain.log_probability[:, -1:],
+        accepted=np.zeros_like(chain.accepted),
+        taus=(),
+        frame={**chain.frame, "like": like, "learned": np.asarray(times + 1)},
+    )
 
 
 def _looks(steps: int) -> int:
