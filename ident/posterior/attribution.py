@@ -45,6 +45,7 @@ to 0.37 standard deviations."""
 _WEIGHED = 512  # importance draws of which they are chosen
 _MOST = 8  # mechanisms; 256 subsets of each draw
 _SEEN = 3.0  # standard errors from zero beyond which a record has an offset at all, and beyond which a model misses it
+_BIASED = 0.1  # mean of a drive over its rms, from which a reader may take what it does for an offset
 _EVEN = (0, 1, 3, 4)  # positions of the measures that are zero for symmetric physics; they decide
 
 
@@ -289,6 +290,11 @@ def _judge(
     counted = sum(m.counts for r in records for m in r.measures)
     if not counted and not missed:
         words = "No record has an offset that stands out of its noise: there is nothing to attribute."
+        if any(abs(float(np.mean(r.record.drive))) > _BIASED * float(np.std(r.record.drive)) for r in records):
+            words += (
+                " A drive that is biased moves the mean of a motion by the spring and by symmetric physics alike: that "
+                "is no offset, and a model without an effect shows by its error what the effect does to it."
+            )
         return Attribution("undecided", words, tuple(reasons), names, (), overall, records)
     if len(missed) > counted:
         reasons.append(f"the model misses the {missed[0][1]} of {missed[0][0]} by more than three standard errors")

@@ -84,6 +84,34 @@ def test_a_chain_interrupted_at_every_look_goes_on_bit_by_bit(found, undisturbed
     assert resumed.chain.taus == whole.sampled.chain.taus
 
 
+def test_proposals_that_miss_most_of_the_posterior_are_learned_anew(found, undisturbed, tmp_path, monkeypatch):
+    """They come from a tenth of its width. What was drawn with them is left out, and a resumed chain does the same."""
+    _, whole = undisturbed
+    density, key, learned = make_density(found), run_key(make_density(found), 0), sampler.learned
+
+    def narrow(laplace, count, seed=0):
+        return 0.1 * np.random.default_rng(seed).multivariate_normal(np.zeros(density.size), laplace.covariance, count)
+
+    monkeypatch.setattr(sampler, "learned", narrow)
+    told: list[int] = []
+    anew = sampler.sample(density, None, key, report=lambda now: told.append(now.steps))
+    assert anew.chain.frame["learned"] >= 1
+    assert told[told.index(300) + 1] < 300 and not anew.convergence.reasons
+    here, there = (sampled.kept.reshape(-1, density.size) for sampled in (anew, whole.sampled))
+    np.testing.assert_allclose(here.mean(axis=0), there.mean(axis=0), atol=0.1 * float(np.min(there.std(axis=0))))
+    np.testing.assert_allclose(here.std(axis=0), there.std(axis=0), rtol=0.1)
+
+    def stop(now: sampler.Progress) -> None:
+        if now.steps == 300:
+            raise KeyboardInterrupt
+
+    sampler.sample(density, tmp_path / "chain.h5", key, report=stop)
+    with monkeypatch.context() as patch:
+        patch.setattr(sampler, "learned", learned)  # nothing is learned from what is not there any more
+        resumed = sampler.sample(density, tmp_path / "chain.h5", key, resume=True)
+    assert np.array_equal(resumed.chain.positions, anew.chain.positions)
+
+
 def test_emcee_reads_every_ensemble(undisturbed):
     path, posterior = undisturbed
     for e in range(sampler.ENSEMBLES):
