@@ -116,7 +116,7 @@ def sample(
                 if not found.reasons:
                     break
                 if (better := _begun_anew(chain, found)) is not None:
-                    chain, first, since = better, 1, time.monotonic()
+                    chain, found, first, since = better, None, 1, time.monotonic()
                     target = propose_from(laplace, chain.frame["like"])
                     samplers = [_sampler(density, target, chain.positions.shape[2]) for _ in range(ENSEMBLES)]
             if seconds is not None and time.monotonic() - begun > seconds:

@@ -111,6 +111,17 @@ def test_proposals_that_miss_most_of_the_posterior_are_learned_anew(found, undis
         resumed = sampler.sample(density, tmp_path / "chain.h5", key, resume=True)
     assert np.array_equal(resumed.chain.positions, anew.chain.positions)
 
+    block = sampler._block
+
+    def interrupted(samplers, chain):
+        if int(chain.frame.get("learned", 0)):
+            raise KeyboardInterrupt
+        return block(samplers, chain)
+
+    monkeypatch.setattr(sampler, "_block", interrupted)  # before the new chain has been looked at
+    cut = sampler.sample(density, None, key)
+    assert cut.stopped == "it was interrupted" and cut.convergence.reasons and len(cut.draws(8)) == 8
+
 
 def test_emcee_reads_every_ensemble(undisturbed):
     path, posterior = undisturbed

@@ -33,12 +33,10 @@ def without_gaps(
 def crossed_by_drive(column: Column, there: np.ndarray, at: np.ndarray | None = None) -> bool:
     """Whether a smooth curve says what a drive did where samples are not `there` (n,), of which the column has the
     others; `at`: times of all."""
-    known = column.numbers(missing=True)
-    if np.any(np.isnan(known)):
-        return False
     signal = np.full(len(there), np.nan)
-    signal[there] = known
-    return _harmless(_crossed(signal, ~there, at), ~there, at)
+    signal[there] = column.numbers(missing=True)
+    gone = np.isnan(signal)  # numbers that are none among them
+    return bool(2 * np.count_nonzero(gone) < len(gone)) and _harmless(_crossed(signal, gone, at), gone, at)
 
 
 def _crossed(signal: np.ndarray, gone: np.ndarray, at: np.ndarray | None) -> np.ndarray:
