@@ -42,7 +42,7 @@ def spec_of(spec: RecordSpec, part: int, of: int) -> RecordSpec:
         return spec
     if part == 1:
         return replace(spec, part=1)
-    return replace(spec, part=part, skip=0, start="unknown" if spec.start == "rest" else spec.start)
+    return replace(spec, part=part, skip=0, start="unknown")
 
 
 def note_on(spec: RecordSpec, parts: Sequence[Mapping[str, Column]]) -> str:

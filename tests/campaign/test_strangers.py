@@ -255,6 +255,10 @@ def test_gaps_in_a_drive_are_crossed_wherever_they_lie():
     for lost in ([100, 130, 1070], [137, 500, 900], [300, 400, 1066]):  # moved, some of them come to lie at an end
         gone = np.isin(np.arange(1200), lost)
         assert crossed_by_drive(Column("a.csv", "drive_V", "drive", "V", 2, drive[~gone]), ~gone)
+    middle = np.abs(np.arange(1200) - 600) < 20  # nearly two periods, as far from the ends as can be
+    assert not crossed_by_drive(Column("a.csv", "drive_V", "drive", "V", 2, drive[~middle]), ~middle)
+    one = np.arange(1200) == 600
+    assert crossed_by_drive(Column("a.csv", "drive_V", "drive", "V", 2, drive[~one]), ~one)
     holed = np.where(np.arange(1200) == 700, np.nan, drive)  # one that is no number counts as one that is lost
     assert crossed_by_drive(Column("a.csv", "drive_V", "drive", "V", 2, holed[~gone]), ~gone)
     gone = np.isin(np.arange(1200), np.arange(1, 13))

@@ -14,7 +14,7 @@ from ident.report.diagnosis_view import why_not_written
     ("said", "verdict", "told"),
     [
         ("nothing is missing", "adequate", {}),
-        ("wrong with the records", "ambiguous", {"suspects": (SimpleNamespace(first=True),)}),
+        ("wrong with the records", "ambiguous", {"suspects": (SimpleNamespace(first=True, file="a.csv"),)}),
         ("in traces only", "not-in-library", {"traces": ()}),
         ("no term describes", "not-in-library", {"unknown": object()}),
         ("held-out ones", "not-in-library", {"holdout": SimpleNamespace(error_over_noise=float("inf"))}),
@@ -26,9 +26,10 @@ from ident.report.diagnosis_view import why_not_written
     ],
 )
 def test_it_says_the_true_reason(said: str, verdict: str, told: dict[str, Any]) -> None:
-    campaign = SimpleNamespace(fitted=told.get("traces", (object(),)))
+    campaign = SimpleNamespace(fitted=told.get("traces", (object(),)), left_out=())
     final = SimpleNamespace(campaign=campaign, holdout=told.get("holdout"))
     steps, lacking = told.get("steps", ()), told.get("lacking", 0.0)
     loop = SimpleNamespace(verdict=verdict, final=final, steps=steps, lacking=lacking)
-    found: Any = SimpleNamespace(discovery=loop, unknown=told.get("unknown"), suspects=told.get("suspects", ()))
+    suspects = told.get("suspects", ())
+    found: Any = SimpleNamespace(discovery=loop, final=final, unknown=told.get("unknown"), suspects=suspects)
     assert said in why_not_written(found)

@@ -59,7 +59,7 @@ def _misses(filled: np.ndarray, gone: np.ndarray, at: np.ndarray | None) -> list
     """What curves across the same gaps, moved to several other places, miss of a signal; one array a place. None is
     moved nearer to an end than they are: there a curve has less to go by."""
     n, found, places = len(gone), [np.zeros(0)], np.flatnonzero(gone)
-    end = int(min(places[0], n - 1 - places[-1])) if len(places) else 0
+    end = int(min(places[0], n - 1 - places[-1], n // (_PLACES + 1))) if len(places) else 0
     for place in range(1, _PLACES + 1):
         made = np.roll(gone, place * n // (_PLACES + 1)) & ~gone
         made[:end] = made[n - end :] = False

@@ -38,7 +38,10 @@ class Zero(NamedTuple):
 
     def before(self, walked: Walked) -> Walked:
         """The whole walk, of one that went on from there."""
-        return Walked(self.start, (self.step._replace(fit=walked.start), *walked.steps), walked.gains)
+        start, campaign = self.start, walked.start.campaign
+        if len(campaign.left_out) > len(start.campaign.left_out):  # a run is read back with one set of records
+            start = fit(start.model, campaign, initial=start.values)
+        return Walked(start, (self.step._replace(fit=walked.start), *walked.steps), walked.gains)
 
     def whole(self, found: Discovery, report: Report) -> Discovery:
         """The discovery with this step first; what it ties with, now that all others are in."""
