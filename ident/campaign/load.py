@@ -66,15 +66,15 @@ def load_record(spec: RecordSpec, table: Table, device: Device) -> tuple[list[tu
     table = with_drive(spec, table, read_table, unit, dimension)
     kind = spec.kind or guess_kind(table)
     notes = list(table.notes)
-    if not spec.kind and kind == "sweep":
-        notes.append(f'{spec.file}: taken as a sweep (kind = "sweep"), because it has a frequency and no time.')
     if kind == "sweep":
+        if not spec.kind:
+            notes.append(f'{spec.file}: taken as a sweep (kind = "sweep"), because it has a frequency and no time.')
         sweep, found = load_sweep(spec, table, device)
         return [(spec, sweep)], notes + found
     told = _columns(spec, segment_of(spec, table), device, notes)
     parts = stretches(told)
     notes += [note_on(spec, parts)] if len(parts) > 1 else []
-    specs = [spec_of(spec, k, len(parts)) for k in range(1, len(parts) + 1)]
+    specs = [spec_of(spec, k) for k in range(1, len(parts) + 1)]
     traces = [_trace(own, columns, device, notes) for own, columns in zip(specs, parts, strict=True)]
     since = [replace(trace, into=float(trace.time[0] - traces[0].time[0])) for trace in traces]
     return list(zip(specs, since, strict=True)), notes

@@ -36,13 +36,9 @@ def stretches(columns: Mapping[str, Column]) -> list[dict[str, Column]]:
     return [whole]
 
 
-def spec_of(spec: RecordSpec, part: int, of: int) -> RecordSpec:
-    """What is said of one of several stretches of a record, the first of which is called like the whole."""
-    if of == 1:
-        return spec
-    if part == 1:
-        return replace(spec, part=1)
-    return replace(spec, part=part, skip=0, start="unknown")
+def spec_of(spec: RecordSpec, part: int) -> RecordSpec:
+    """What is said of a stretch of a record, counted from 1; the first is called and begins like the whole."""
+    return spec if part == 1 else replace(spec, part=part, skip=0, start="unknown")
 
 
 def note_on(spec: RecordSpec, parts: Sequence[Mapping[str, Column]]) -> str:

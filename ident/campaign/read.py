@@ -141,6 +141,7 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
         for found, told in pool.map(loaded, specs):
             read += found
             notes += told
+    parts = [spec for spec, _ in read]
     records = counted_from_rest(seen_together([record for _, record in read], notes), notes)
     files = [one for one in (path, device_path, *effect_files) if one is not None]
     measured = [spec.path for spec in specs if spec.table is None]
@@ -159,9 +160,7 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
         () if path is None else (path,),
         linear,
         modes,
-        None
-        if path is None
-        else Said.of([spec for spec, _ in read], device, [linear, modes], _names(measured, folder), folder),
+        None if path is None else Said.of(parts, device, [linear, modes], _names(measured, folder), folder),
     )
 
 

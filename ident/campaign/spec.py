@@ -31,7 +31,7 @@ SWEEP_NAMES = {"drive": "level", "response": "amplitude"}
 class RecordSpec:
     """One `[[record]]`; `sine`: what `drive` tells instead of a column; `undriven`: nothing drove the device; `table`:
     the data, where they were no file; `segment`: which of several recordings in the file, from 1; `part`: which stretch
-    of one with outages, from 1, which the file itself tells.
+    of one with outages, from 1, as the file itself tells.
 
     `noise` and `level` (a peak) are SI, `relative_noise` a fraction of the amplitude, `skip` is seconds (float) or
     samples (int), `rate` is Hz, `sweep_rate` Hz/s, `dwell` and `averaging` s."""
@@ -58,7 +58,7 @@ class RecordSpec:
     sine: str = ""
     drive_file: Path | None = None
     segment: int | None = None
-    part: int = 0
+    part: int = 1
     undriven: bool = False
     measures: Measures = "displacement"
     between: Between = "auto"
@@ -69,7 +69,7 @@ class RecordSpec:
     def name(self) -> str:
         """How the record is called."""
         called = self.file if self.segment is None else f"{self.file} #{self.segment}"
-        return called if self.part < 2 else f"{called}, stretch {self.part}"
+        return called if self.part == 1 else f"{called}, stretch {self.part}"
 
 
 def signal_units(

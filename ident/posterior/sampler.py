@@ -30,10 +30,7 @@ _MOST_STEPS = 200_000  # of each walker: what has not converged by then will not
 _EVERY = 2.0  # s between two writings of the chain; what a kill can cost
 _MOST_REDRAWS = 200  # of walkers that would begin where the posterior is zero
 LIKE = 2000  # draws to which a mixture is fitted
-_LEARNS = (
-    300  # steps after which the draws may tell better what to propose; and again after twice and four times as many
-)
-_OFTEN = 3
+_LEARNS, _OFTEN = 300, 3  # steps after which draws may tell better what to propose, doubled each time; how many times
 _LEARNED_FROM = 8000  # draws; of 2000 a tail of a hundredth of the mass has too few
 
 

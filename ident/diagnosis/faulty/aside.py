@@ -15,9 +15,10 @@ from .suspects import told_outside
 
 def without_them(fitted: Fit, suspects: Sequence[Suspect]) -> Fit | None:
     """The fit of the others, whose campaign has the suspects as `left_out`; None if these are not clearly the fewer, if
-    all records are meant, or if the motion of the others has no bound."""
-    campaign = set_aside(fitted.campaign, suspects)
-    if any(one.file == ALL for one in suspects) or len(campaign.left_out) >= len(campaign.fitted):
+    all records are meant or it is not clear which of one name, or if the motion of the others has no bound."""
+    before, campaign = fitted.campaign, set_aside(fitted.campaign, suspects)
+    each = len(campaign.left_out) == len(before.left_out) + len(suspects)
+    if any(one.file == ALL for one in suspects) or not each or len(campaign.left_out) >= len(campaign.fitted):
         return None
     try:
         return of_these(fitted, campaign)

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...campaign.drive_sine import drive_sine
-from ...campaign.quality.suspect import ALL, Suspect, suspects_by_data
+from ...campaign.quality.suspect import ALL, Suspect, set_aside, suspects_by_data
 from ...campaign.record import Trace
 from ...fit import Fit, fit
 from ...fit.reading import read
@@ -40,7 +40,6 @@ from .faults import (
     own_device,
     reach,
     told_by_others,
-    without,
 )
 from .nuisance import DROPPED, OWN_CLOCK, Nuisance, rms
 
@@ -173,8 +172,7 @@ def _by_others(fitted: Fit, look: Look, two_do: Callable[[], bool]) -> list[Susp
         if suspect.settles or suspect.file == ALL or len(found) >= most:
             break
         try:  # one fault may hide another: what do the others say of one another?
-            names = [trace.name for trace in fitted.campaign.traces]
-            fitted = of_these(fitted, without(fitted.campaign, names.index(suspect.file)))
+            fitted = of_these(fitted, set_aside(fitted.campaign, [suspect]))
             look = first_look(fitted, look.library, look.report)
         except Diverged:  # without it their motion has no bound
             break
