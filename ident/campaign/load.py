@@ -19,7 +19,7 @@ from .drive import find_period
 from .guess import guess_kind, match_any
 from .lost_samples import times_of
 from .noise.floor import noise_floor
-from .outages import note_on, spec_of, stretches
+from .outages import of_use, stretches
 from .quality.checks import (
     check_drive,
     check_length,
@@ -72,12 +72,11 @@ def load_record(spec: RecordSpec, table: Table, device: Device) -> tuple[list[tu
         sweep, found = load_sweep(spec, table, device)
         return [(spec, sweep)], notes + found
     told = _columns(spec, segment_of(spec, table), device, notes)
-    parts = stretches(told)
-    notes += [note_on(spec, parts)] if len(parts) > 1 else []
-    specs = [spec_of(spec, k) for k in range(1, len(parts) + 1)]
-    traces = [_trace(own, columns, device, notes) for own, columns in zip(specs, parts, strict=True)]
-    since = [replace(trace, into=float(trace.time[0] - traces[0].time[0])) for trace in traces]
-    return list(zip(specs, since, strict=True)), notes
+    parts, found = of_use(spec, stretches(told))
+    notes += found
+    traces = [(own, _trace(own, columns, device, notes)) for own, columns in parts]
+    begun = traces[0][1].time[0]
+    return [(own, replace(trace, into=float(trace.time[0] - begun))) for own, trace in traces], notes
 
 
 def _no_peak_unit(column: Column) -> None:

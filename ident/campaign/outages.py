@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from .channel import channel_of
 from .lost_samples import lost_between, with_lost_samples
 from .record import LEAST
 from .spec import RecordSpec
@@ -36,15 +38,50 @@ def stretches(columns: Mapping[str, Column]) -> list[dict[str, Column]]:
     return [whole]
 
 
-def spec_of(spec: RecordSpec, part: int) -> RecordSpec:
-    """What is said of a stretch of a record, counted from 1; the first is called and begins like the whole."""
-    return spec if part == 1 else replace(spec, part=part, skip=0, start="unknown")
+def of_use(
+    spec: RecordSpec, parts: Sequence[dict[str, Column]]
+) -> tuple[list[tuple[RecordSpec, dict[str, Column]]], list[str]]:
+    """The stretches of a record that show something, each with what is said of it, and a note if there are several.
+
+    The first is called and begins like the whole. What is to be skipped is counted from the begin of the record. A
+    stretch of which too little is left, or whose response never changes, shows nothing; all stay where none does.
+    """
+    if len(parts) == 1:
+        return [(spec, parts[0])], []
+    since = [part["time"].numbers() - parts[0]["time"].numbers()[0] for part in parts]
+    said = [spec] + [
+        replace(spec, part=k, skip=_left_of(spec.skip, times, part["time"]), start="unknown")
+        for k, (times, part) in enumerate(zip(since, parts, strict=True), 1)
+        if k > 1
+    ]
+    shown = [pair for pair, times in zip(zip(said, parts, strict=True), since, strict=True) if _shows(*pair, times)]
+    shown = shown or list(zip(said, parts, strict=True))
+    return shown, [_note_on(spec.file, parts, len(shown))]
 
 
-def note_on(spec: RecordSpec, parts: Sequence[Mapping[str, Column]]) -> str:
+def _left_of(skip: float | int, times: np.ndarray, column: Column) -> float | int:
+    """What is still to be skipped of a stretch: samples, or s, as it is given."""
+    before = times[0] / _unit_of(skip, times, column)
+    return max(0, skip - round(before)) if isinstance(skip, int) else max(0.0, skip - before)
+
+
+def _shows(spec: RecordSpec, part: Mapping[str, Column], times: np.ndarray) -> bool:
+    step = float(np.median(np.diff(times))) / _unit_of(spec.skip, times, part["time"])
+    response = part["response"].numbers(missing=True)
+    return len(times) - math.ceil(spec.skip / step) >= LEAST and len(np.unique(response[~np.isnan(response)])) > 1
+
+
+def _unit_of(skip: float | int, times: np.ndarray, column: Column) -> float:
+    """A sample or a second in the unit of a column of times."""
+    return float(np.median(np.diff(times))) if isinstance(skip, int) else 1 / channel_of(column, "s", [], "time").factor
+
+
+def _note_on(file: str, parts: Sequence[Mapping[str, Column]], shown: int) -> str:
     """What was made of a record with outages, in words."""
     first = parts[1]["time"].place(0)
+    less = len(parts) - shown
+    few = f" {less} of its {len(parts)} stretches {'show' if less > 1 else 'shows'} nothing." if less else ""
     return (
-        f"{spec.file}: the recorder stopped on the way (before {first}), and nobody knows what the drive did then: "
-        f"its {len(parts)} stretches are records of their own; the later ones begin in motion."
+        f"{file}: the recorder stopped on the way (before {first}), and nobody knows what the drive did then: "
+        f"its {len(parts)} stretches are records of their own; the later ones begin in motion.{few}"
     )
