@@ -23,16 +23,17 @@ _UNPLACED = (
 )
 
 ADVICE: dict[Kind, str] = {
-    "delay": "is its trigger that of the others? Correct the times, or leave the record out",
-    "gain": "was a range or a probe switched? Correct the unit or the column, or leave the record out",
-    "sign": "is a probe reversed? Turn the sign of the column, or leave the record out",
-    "time-scale": "is the unit of its time, or its sampling rate, right? Correct it, or leave the record out",
-    "wrong-record": "does this file belong to this drive, device and load? Find the right one, or leave the record out",
-    "clipping": "measure again, in a wider range if it left its range, or leave the record out",
+    "delay": "is its trigger that of the others? Correct the times",
+    "gain": "was a range or a probe switched? Correct the unit or the column",
+    "sign": "is a probe reversed? Turn the sign of the column",
+    "time-scale": "is the unit of its time, or its sampling rate, right? Correct it",
+    "wrong-record": "does this file belong to this drive, device and load? Find the right one",
+    "clipping": "measure again, in a wider range if it left its range",
     "spikes": "what the neighbours say took their place; look at the sensor if there are many",
     "drift": "let it settle, or take the drift out before; a model would need sensor-drift",
     "duplicate": "list it once: twice makes error bars too small",
 }
+_KEPT: tuple[Kind, ...] = ("spikes", "drift", "duplicate")  # the record is of use as it is
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,12 @@ class Suspect:
     @property
     def sentence(self) -> str:
         """What is wrong and what to do."""
+        instead = "" if self.file == ALL or self.kind in _KEPT else ", or leave the record out"
+        return self.left_out.removesuffix(".") + f"{instead}."
+
+    @property
+    def left_out(self) -> str:
+        """The same of a record that is left out already."""
         do = _UNPLACED if self.file == ALL else ADVICE[self.kind]
         return f"{self.file}: {self.says} ({100 * self.probability:.0f} %): {do}."
 

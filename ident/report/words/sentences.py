@@ -134,7 +134,7 @@ def _heldout(fit: Fit) -> str:
 def sentences(fit: Fit) -> tuple[Sentence, ...]:
     """What must be known before a number of this fit is used, warnings first."""
     found = (*suspects_by_data(fit.campaign), *alone_off(fit))
-    suspects = [Sentence(f"Left out as suspect: {one.sentence}", True) for one in left_out(fit)]
+    suspects = [Sentence(f"Left out as suspect: {one.left_out}", True) for one in left_out(fit)]
     suspects += [Sentence(f"Suspect record {one.sentence}", True) for one in found]
     starts = [*_starts(fit), *_off_orbit(fit)]
     own = [Sentence(text, True) for text in own_number_words(fit)]
