@@ -105,7 +105,8 @@ def table_of(data: Any, name: str) -> Table:
 def _column(name: str, header: str, values: Sequence[Any] | np.ndarray, position: int) -> Column:
     stem, unit, doubtful = split_header(header)
     try:
-        cells = np.array(values, dtype=float)
+        complex_ones = np.iscomplexobj(np.asarray(values))
+        cells = np.zeros((0, 0)) if complex_ones else np.array(values, dtype=float)
     except (TypeError, ValueError, OverflowError):
         cells = np.zeros((0, 0))
     if cells.ndim != 1:

@@ -3,11 +3,12 @@ effect which the records see."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from ..campaign.read import PathLike
 from ..effects.registry import registry
 from ..fit import Fit
 from ..posterior import attribution, result
@@ -25,7 +26,7 @@ def doubts(fit: Fit) -> tuple[str, ...]:
 @one_thread
 def sample(
     fit: Fit,
-    chain_file: Path | None = None,
+    chain_file: PathLike | None = None,
     *,
     seed: int = 0,
     seconds: float | None = None,
@@ -39,23 +40,22 @@ def sample(
 
     **Raises:** UserError if there is no chain to go on with, or it is another's.
     """
-    return result.draw_posterior(
-        fit, chain_file, seed=seed, seconds=seconds, resume=resume, report=report, doubts=doubts
-    )
+    kept = None if chain_file is None else Path(chain_file)
+    return result.draw_posterior(fit, kept, seed=seed, seconds=seconds, resume=resume, report=report, doubts=doubts)
 
 
 @one_thread
-def compare(fits: Sequence[tuple[str, Fit]]) -> comparison.Comparison:
+def compare(fits: Sequence[tuple[str, Fit]] | Mapping[str, Fit]) -> comparison.Comparison:
     """Weigh named fits by evidence, by what they predict of left-out stretches, by held-out records.
 
     **Raises:** UserError if there are fewer than two, or they are not of the same records with the same noise.
     """
-    return comparison.compare(fits, doubts)
+    return comparison.compare(list(fits.items()) if isinstance(fits, Mapping) else fits, doubts)
 
 
 @one_thread
 def attribute(
-    fit: Fit, draws: np.ndarray | None = None, *, chain_file: Path | None = None, seed: int = 0
+    fit: Fit, draws: np.ndarray | None = None, *, chain_file: PathLike | None = None, seed: int = 0
 ) -> attribution.Attribution:
     """Attribute the offset of every periodic record of a fit.
 
@@ -65,5 +65,5 @@ def attribute(
     **Raises:** UserError if there is no effect, or no periodic record, to attribute to.
     """
     if draws is None and chain_file is not None:
-        draws = result.chain_draws(fit, chain_file, attribution.DRAWS)
+        draws = result.chain_draws(fit, Path(chain_file), attribution.DRAWS)
     return attribution.attribute(fit, draws, doubts=doubts, seed=seed)

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from ..campaign.tables.opening import read_bytes
 from ..campaign.trust import check_trusted
@@ -29,6 +30,13 @@ def built_in() -> Registry:
 
     modules = [importlib.import_module(f"{library.__name__}.{m.name}") for m in pkgutil.iter_modules(library.__path__)]
     return {effect.name: effect for module in modules for effect in _effects_of(module)}
+
+
+def effect_class(given: Any) -> type[AbstractEffect]:
+    """What was given for an effect of one's own. **Raises:** UserError if it is no class of one."""
+    if isinstance(given, type) and issubclass(given, AbstractEffect):
+        return given
+    raise UserError(f"{given!r} is neither the name of an effect nor a class of one", do="see docs/add-an-effect.md")
 
 
 def registry(files: Iterable[Path] = ()) -> Registry:

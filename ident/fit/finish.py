@@ -33,8 +33,9 @@ class Minimum(NamedTuple):
 
     @property
     def error(self) -> float:
-        """Error over noise at the best end."""
-        return min((s.end for s in self.starts if np.isfinite(s.end)), default=np.inf)
+        """Error over noise of the best solution."""
+        cost = self.best.cost
+        return float(np.sqrt(cost / self.data.count)) if np.isfinite(cost) else np.inf
 
     @property
     def values(self) -> np.ndarray:

@@ -284,7 +284,7 @@ def _with_residual_noise(campaign: Campaign, found: Minimum) -> Campaign:
         if isinstance(record, Trace) and not record.holdout:
             own = next(places)
             residual = found.best.found.residuals[own][record.counted] * record.noise.sigma
-            noise = replace(record.noise, sigma=float(np.std(residual)), method="residual of the fit")
+            noise = replace(record.noise, sigma=float(np.sqrt(np.mean(residual**2))), method="residual of the fit")
             records[i] = replace(record, noise=noise)
         elif isinstance(record, Sweep) and not record.holdout:
             size = float(np.sqrt(np.mean(sweeps[record.name] ** 2)))

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 from ..campaign.campaign import Campaign
 from ..campaign.read import read_campaign
 from ..effects.effect import AbstractEffect
+from ..effects.registry import effect_class
+from ..errors import UserError
 from ..model import Model, make_effect
 from ..pulse import Report
 from ..threads import one_thread
@@ -52,8 +54,16 @@ def fit_data(
     **Raises:** UserError for data, effects or settings that cannot be used.
     """
     until = time.monotonic() + seconds
+    if sigma not in get_args(SigmaChoice):
+        raise UserError(f"sigma = {sigma!r} is none", do=f"choose one of {', '.join(get_args(SigmaChoice))}")
+    if starts < 0:
+        raise UserError(
+            f"starts = {starts} is negative", do="give how many random starts there shall be beside the others"
+        )
     campaign = with_drives(read_campaign(data, **told))
     model = model_for(campaign, effects, report)
+    if initial is not None:
+        initial = _initial(initial, model)
     fitted = partial(
         fit, model, sigma=sigma, robust=robust, starts=starts, seed=seed, initial=initial, report=report, until=until
     )
@@ -62,14 +72,28 @@ def fit_data(
     return found if sharper is None else fitted(sharper)
 
 
+def _initial(initial: Any, model: Model) -> np.ndarray:
+    """(m,) SI, where a search shall begin. **Raises:** UserError if it is no value of each parameter."""
+    values, names = np.asarray(initial, dtype=float), [p.name for p in model.parameters]
+    if values.shape != (len(names),) or not np.all(np.isfinite(values)):
+        what = f"initial has the shape {values.shape}, or holds what is no number"
+        raise UserError(what, do=f"give {len(names)} finite numbers, SI: {', '.join(names)}")
+    return values
+
+
 def model_for(campaign: Campaign, effects: Effects, report: Report = lambda _: None) -> Model:
     """The model of a fit: as it is, or with the linear part that the records choose and these effects."""
     if isinstance(effects, Model):
         return effects
-    asked = (effects,) if isinstance(effects, (str, type)) else effects
+    asked = (
+        effects
+        if effects is None or isinstance(effects, Iterable) and not isinstance(effects, (str, type))
+        else (effects,)
+    )
     names = None if asked is None else [one for one in asked if isinstance(one, str)]
     model = start_model(campaign, names, report)
     for own in () if asked is None else asked:
         if not isinstance(own, str):
-            model = model + make_effect(campaign, own.name, {own.name: own})
+            one = effect_class(own)
+            model = model + make_effect(campaign, one.name, {one.name: one})
     return model

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from ...effects.effect import AbstractEffect
-from ...effects.registry import find, registry
+from ...effects.registry import effect_class, find, registry
 from ...fit import Fit, fit
 from ...fit.fit import minimise
 from ...fit.rebuild import fit_at, values_without
@@ -40,7 +40,7 @@ def add(
 
     **Raises:** UserError if there is no such effect, the model has it, or it cannot act on this device.
     """
-    effect = find(effect, registry(parent.campaign.effect_files)) if isinstance(effect, str) else effect
+    effect = find(effect, registry(parent.campaign.effect_files)) if isinstance(effect, str) else effect_class(effect)
     report(f"estimating {effect.name} along the measured motion")
     regression = prepare(parent)
     found = score(regression, {effect.name: effect}, forms=True)
