@@ -28,7 +28,7 @@ class Parameter:
 
     An `amplitude` enters so that zero means absent. A `shape` (a gap, a time, a yield) is meaningless while the
     effect is off; its `grid` lists values to try and its `limits` where it keeps its meaning, in multiples of the
-    data's own `scale`.
+    data's own `scale`. An amplitude that only refines has zero alone to try.
     """
 
     kind: Literal["amplitude", "shape"]
@@ -59,6 +59,7 @@ def amplitude(
     positive: bool = False,
     one_sided: bool = False,
     fitted: bool = True,
+    refines: bool = False,
     expected: Expected | None = None,
 ) -> Any:
     """Declare a parameter that switches the effect off when it is zero.
@@ -66,9 +67,11 @@ def amplitude(
     **Arguments:** `unit` ("N/m^3"); `doc`, a few words for the help page; `default`, the value to start a fit from;
     `positive`, if a fit must keep it above zero; `one_sided`, if it may pass through zero on its way but means nothing
     below (a friction that drives): what ends there is not the effect that is missing; `fitted=False` holds it unless
-    the campaign frees it; `expected`, what is known beforehand, which a posterior takes as its prior (a fit does not).
+    the campaign frees it; `refines`, if the law in its usual form has it at zero, so that records which do not ask for
+    it need not tell it; `expected`, what is known beforehand, which a posterior takes as its prior (a fit does not).
     """
-    return Parameter("amplitude", unit, doc, default, positive, (), "one", fitted, None, one_sided, expected)
+    return Parameter("amplitude", unit, doc, default, positive, (0.0,) if refines else (), "one", fitted, None, one_sided,
+                     expected)  # fmt: skip
 
 
 def shape(
