@@ -9,7 +9,8 @@ class ContactLoss(AbstractEffect):
     """Damping that acts in the contact of `end-stop` only: F = −c ((z − g)₊/g)ᵖ ż − c ((−z − a g)₊/g)ᵖ ż.
 
     It is what makes a ball bounce less high than it fell; with p as the exponent of the contact it is the law of Hunt
-    and Crossley. c is the damping at a penetration of one gap.
+    and Crossley. p near zero is a dashpot that is met at once (Kelvin and Voigt). c is the damping at a penetration of
+    one gap.
     """
 
     name = "contact-loss"
@@ -21,7 +22,7 @@ class ContactLoss(AbstractEffect):
     has_kink = True
 
     damping = amplitude("N*s/m", "damping at a penetration of one gap, c", one_sided=True)
-    exponent = shape("1", "exponent of the penetration, p", grid=(1.0, 1.5), limits=(0.8, 2.0))
+    exponent = shape("1", "exponent of the penetration, p", grid=(0.3, 1.0, 1.5), limits=(0.1, 2.0))
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         stop = self.partner
