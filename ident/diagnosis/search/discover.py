@@ -29,6 +29,7 @@ from ..ranking.confirm import Confirmed, accept
 from ..ranking.look import Look, best_drop, first_look
 from ..ranking.score import kept_more_than_chance
 from ..side_by_side import at_once
+from .as_step import step_with
 from .constant import with_its_constant
 from .drive import edges_of, other_drive, smooth_instead
 from .fewer_modes import without_a_mode, without_its_mode
@@ -38,7 +39,6 @@ from .other_form import in_another_form, steps_in_another_form
 from .own_zeros import with_own_zeros, with_zeros_anew
 from .rivals import rivals_of
 from .steps import Ended, Step, Walked
-from .ties import weighed_ties
 from .together import both, hidden_by_each_other
 
 Keep = Callable[[Walked], None]
@@ -251,15 +251,8 @@ def _best_step(current: Fit, look: Look, gains: dict[str, float]) -> tuple[list[
             return [one._replace(rivals=rivals_of(one.added, look.real, kept)), other], left
     if best is None:
         return None
-    found = best.confirmed
-    name, predicted = found.candidate.name, found.candidate.predicted_gain
-    ties, tied = weighed_ties(regression, found, look.real, library, tried)
-    return [
-        Step(
-            name, predicted, found.gain, ties.names, best.role, best.fit, ties.reasons, tied, regression,
-            rivals=rivals_of(name, look.real, kept),
-        )
-    ], best.left  # fmt: skip
+    step = step_with(best.confirmed, regression, look.real, library, best.role, best.fit, tried=tried, gains=kept)
+    return [step], best.left
 
 
 class _Best(NamedTuple):
