@@ -14,8 +14,9 @@ from ...fit.curves import BENT
 from ...pulse import Report
 from ..linearised.regression import Regression
 from ..side_by_side import at_once
-from .confirm import base_of, start_of, weigh, with_effect, without_unseen
+from .confirm import weigh
 from .score import refit_chance
+from .starts import base_of, start_of, with_effect, without_unseen
 from .weigh import Candidate
 
 FEW = 15  # steps of least squares: enough to tell who gains much

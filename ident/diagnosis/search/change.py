@@ -18,8 +18,9 @@ from ...pulse import Report
 from ...threads import one_thread
 from ..linearised.regression import prepare
 from ..linearised.shorten import CRAWLS
-from ..ranking.confirm import confirm, is_possible, shapes_of, start_of, with_effect, with_one, without_unseen
+from ..ranking.confirm import confirm
 from ..ranking.score import score
+from ..ranking.starts import is_possible, shapes_of, start_of, with_effect, with_one, without_unseen
 
 _RACE = 12  # steps, after which the best of several shapes is known
 _FEW = 4  # steps after which the better of two starts is known
