@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
 from html import escape
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -28,7 +27,7 @@ from .faulty.suspects import BY_OTHERS, find_suspects, judged_again
 from .linearised.regression import Regression, prepare
 from .linearised.shorten import working
 from .next_record.experiments import NextExperiment, next_experiments, rank_experiments
-from .ranking.look import first_look
+from .ranking.look import Look, first_look
 from .records.between import differing
 from .records.differing import without_common_zero
 from .search.conclude import concluded, concluded_or_sharper
@@ -134,7 +133,9 @@ def diagnose(
     """
     if effect_file is not None and effect_file.exists():
         raise UserError("this file exists already", where=str(effect_file), do="choose another name, or move it away")
-    said = _answered(fitted, library, report, effect_file, keeps_walk, keep)
+    walked = fitted if isinstance(fitted, Walked) else Walked(fitted)
+    library = registry(walked.start.campaign.effect_files) if library is None else library
+    said = _answered(_Asked(library, report, effect_file, keeps_walk, keep), walked)
     if said.effect_file is not None:
         trust(said.effect_file)  # our own words
     aside = left_out(said.final)
@@ -143,128 +144,101 @@ def diagnose(
     return replace(said, suspects=(*aside, *said.suspects))
 
 
-def _answered(
-    fitted: Fit | Walked,
-    library: Registry | None,
-    report: Report,
-    effect_file: Path | None = None,
-    keeps_walk: bool = False,
-    keep: Keep = lambda _: None,
-) -> Diagnosis:
-    walked = fitted if isinstance(fitted, Walked) else Walked(fitted)
-    fitted = walked.start
-    library = registry(fitted.campaign.effect_files) if library is None else library
-    zero = zero_of_the_sensor(walked, library, report)
-    if zero is not None:
-        with_zero = lambda walked: zero.step.added in walked.start.model.names
-        go_on = lambda walked: keep(zero.before(walked) if with_zero(walked) else walked)
-        said = _answered(zero.beside(walked), library, report, effect_file, keeps_walk, go_on)
-        if zero.step.added not in said.discovery.start.model.names:
-            return said  # each record has a zero of its own
-        discovery = zero.whole(said.discovery, report)
-        where = locate(prepare(working(discovery.start)), discovery.start)
-        own = replace(discovery, steps=discovery.steps[:1])  # of the others the walk beyond it has said
-        records = said.next_experiments or measure_next(own, library, report)
-        return replace(said, discovery=discovery, where=where, next_experiments=records)
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """What was asked, the same however often the walk begins anew; each as of `diagnose`."""
+
+    library: Registry
+    report: Report
+    effect_file: Path | None
+    keeps_walk: bool
+    keep: Keep
+
+
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """What is seen of the fit with which a walk begins: its regression, `where` it fails, what the library says of it.
+
+    **Arguments:** `suspects`: records that something is wrong with, and `first`, those of them that come before any
+    physics; `apart`: records that differ in a number each, where that promises to spare the walk.
+    """
+
+    walked: Walked
+    regression: Regression
+    where: Where
+    look: Look
+    suspects: tuple[Suspect, ...]
+    first: tuple[Suspect, ...]
+    apart: Apart | None
+
+    @property
+    def fitted(self) -> Fit:
+        """The fit that is looked at."""
+        return self.walked.start
+
+
+def _answered(asked: _Asked, walked: Walked) -> Diagnosis:
+    """The first answer that there is: what comes before any physics, what is no effect of the library, and then what
+    the walk names. An answer that reads the records otherwise asks again with the walk that begins there."""
+    said = _beside_zero(asked, walked)
+    if said is not None:
+        return said
+    seen = _seen(asked, walked)
+    return (
+        _records_differ(asked, seen, seen.apart)
+        or _without_faulty(asked, seen)
+        or _one_law_says_it(asked, seen)
+        or _after_the_walk(asked, seen)
+    )
+
+
+def _beside_zero(asked: _Asked, walked: Walked) -> Diagnosis | None:
+    """The answer beside the zero of a platform's sensor, which is the first step; None if it is not off."""
+    zero = zero_of_the_sensor(walked, asked.library, asked.report)
+    if zero is None:
+        return None
+    with_zero = lambda walked: zero.step.added in walked.start.model.names
+    go_on = lambda walked: asked.keep(zero.before(walked) if with_zero(walked) else walked)
+    said = _answered(replace(asked, keep=go_on), zero.beside(walked))
+    if zero.step.added not in said.discovery.start.model.names:
+        return said  # each record has a zero of its own
+    discovery = zero.whole(said.discovery, asked.report)
+    where = locate(prepare(working(discovery.start)), discovery.start)
+    own = replace(discovery, steps=discovery.steps[:1])  # of the others the walk beyond it has said
+    records = said.next_experiments or measure_next(own, asked.library, asked.report)
+    return replace(said, discovery=discovery, where=where, next_experiments=records)
+
+
+def _seen(asked: _Asked, walked: Walked) -> _Seen:
+    fitted, report = walked.start, asked.report
     report("locating the misfit")
     regression = prepare(working(fitted))
     where = locate(regression, fitted)
-    look = first_look(fitted, library, report)
-    looked = lambda one: look if one is fitted else first_look(one, library, report)
+    look = first_look(fitted, asked.library, report)
+    looked = lambda one: look if one is fitted else first_look(one, asked.library, report)
     suspects = find_suspects(fitted, looked, report, lambda: two_names_do(look, regression))
-    first = [suspect for suspect in suspects if suspect.first]
+    first = tuple(suspect for suspect in suspects if suspect.first)
     faulty = any(suspect.settles for suspect in first)  # else it may be the worst of several that each have a number
     if first and not faulty and find_unknown(regression).chi2_after < AS_WELL:
-        first = []  # a law of the device's coordinates says what that fault leaves
-    before = None if walked.steps or faulty else apart_before(look, report)
-    if before is not None and (said := _read_apart(before, regression, library, report, keep)) is not None:
-        return said
-    late = bool(first) and all(suspect.file == ALL for suspect in first)
-    # A drive that jumps tells by its edges how late it acts, and the walk begins again with that.
-    held = late and any(jumps(record.drive) for record in fitted.campaign.fitted if record.between == "auto")
-    if first and not held:
-        rest = without_them(fitted, first)
-        if rest is None:
-            nothing = Discovery("ambiguous", fitted, (), (), {}, (), regression)
-            return Diagnosis(nothing, where, suspects=suspects)
-        report(f"going on without {', '.join(one.file for one in first)}")
-        said = _answered(Walked(rest), library, report, effect_file, keeps_walk, keep)
-        return replace(said, where=where)
-
-    def once_more(campaign: Campaign) -> Diagnosis:
-        report("what the last model leaves tells better how the records are to be read: once more, so")
-        before = without_common_zero(fitted) if has_own_zeros(campaign) else fitted
-        again = Walked(fit(before.model, campaign, initial=before.values))
-        return _answered(again, library, report, effect_file, keeps_walk, keep)
-
-    if not (walked.steps or first):
-        with TemporaryDirectory() as folder:
-            law = one_law(look, fitted, regression, effect_file or Path(folder) / "law.py", report)
-            if isinstance(law, Campaign):
-                return once_more(law)
-            if law is not None:
-                hidden = unseen(regression, law.discovery.ranking, library)
-                suspects = judged_again(suspects, law.discovery.final, report)
-                told = law.discovery if effect_file is not None else replace(law.discovery, steps=())
-                return Diagnosis(told, where, law.unknown, effect_file, unseen=hidden, suspects=suspects)
-    found = concluded_or_sharper(walk_on(walked, library, report, keep=keep, look=look))
-    if isinstance(found, Campaign):
-        return once_more(found)
-    if found.start is not fitted:  # the walk has begun again, from a better first model
-        regression = prepare(working(found.start))
-        where = locate(regression, found.start)
-    if found.verdict != "adequate" and not adequate(found.regression) and before is None:
-        after = apart_after(look, found.final, report)
-        if after is not None and (said := _read_apart(after, regression, library, report, keep)) is not None:
-            return said
-    suspects = judged_again(suspects, found.final, report)
-    if found.verdict == "identified" and any(one.kind in BY_OTHERS for one in suspects):
-        found = replace(found, verdict="ambiguous")
-    if found.verdict == "not-in-library" and _starts_settle(found.final):
-        found = replace(found, verdict="ambiguous", lacking=0.0)  # what is left may be no physics at all
-    answer = partial(Diagnosis, where=where, unseen=unseen(regression, found.ranking, library), suspects=suspects)
-    if not fitted.campaign.fitted:
-        return answer(found)  # what a curve lacks beyond the library, and the next record, only traces tell
-    instead = in_their_place(found, regression, effect_file, report) if keeps_walk and effect_file else None
-    written = instead or beyond_library(found, regression, effect_file, keeps_walk, report)
-    suspects = _beside_law(suspects, written.unknown)
-    answer = partial(answer, unknown=written.unknown, effect_file=written.path, suspects=suspects)
-    if suspects and written.discovery is not found and written.discovery.steps:
-        # The law that they had lacked may have made them suspects.
-        answer = partial(answer, suspects=judged_again(suspects, written.discovery.final, report))
-    if written.discovery.verdict == "not-in-library" or written.discovery is not found:
-        return answer(written.discovery)
-    return answer(found, next_experiments=measure_next(found, library, report))
+        first = ()  # a law of the device's coordinates says what that fault leaves
+    apart = None if walked.steps or faulty else apart_before(look, report)
+    return _Seen(walked, regression, where, look, suspects, first, apart)
 
 
-def _beside_law(suspects: tuple[Suspect, ...], unknown: Unknown | None) -> tuple[Suspect, ...]:
-    """The suspects without those that come before any physics but leave something, where a law of the device's
-    coordinates says that, too."""
-    if unknown is None or not unknown.chi2_after < AS_WELL:
-        return suspects
-    return tuple(one for one in suspects if one.settles or not one.first)
-
-
-def _starts_settle(last: Fit) -> bool:
-    """Whether a model reaches the noise with other starts than are claimed: what it leaves is then no physics."""
-    freed = with_other_starts(last) if mostly_starts(last) else None
-    return freed is not None and adequate(prepare(working(freed)))
-
-
-def _read_apart(
-    apart: Apart, regression: Regression, library: Registry, report: Report, keep: Keep
-) -> Diagnosis | None:
+def _records_differ(asked: _Asked, seen: _Seen, apart: Apart | None) -> Diagnosis | None:
     """The answer where records that differ in a number each, and the library, explain them to the noise; None where
     they do not, or one law of a single coordinate does, which is the shorter answer.
 
     The numbers are found again after the walk that they make possible, for what was missing had bent them.
     """
+    if apart is None:
+        return None
     start, one = apart
     if start.campaign.fitted:
-        law = find_unknown(regression)
+        law = find_unknown(seen.regression)
         if law.formula is not None and law.of_one_law and law.chi2_after < AS_WELL:
             return None
-    walk = lambda one: concluded(walk_on(Walked(one.begun(start)), library, report))
+    walk = lambda one: concluded(walk_on(Walked(one.begun(start)), asked.library, asked.report))
     found = walk(one)
     again = differing(fit(found.final.model, start.campaign, initial=found.final.values), (one.kind,))
     if again is None:
@@ -273,12 +247,115 @@ def _read_apart(
         found = walk(again)
     if not adequate(found.regression):
         return None
-    said = _answered(Walked(found.start, found.steps, found.confirmed), library, report, keep=keep)
+    beside = replace(asked, effect_file=None, keeps_walk=False)
+    said = _answered(beside, Walked(found.start, found.steps, found.confirmed))
     # An effect may be mistaken for what differs, as for what is faulty.
     sure = said.verdict == "identified"
     said = replace(said, discovery=replace(said.discovery, verdict="ambiguous")) if sure else said
     odd = odd_one(again)
     return said if odd is None else replace(said, suspects=(*said.suspects, odd))
+
+
+def _without_faulty(asked: _Asked, seen: _Seen) -> Diagnosis | None:
+    """The answer of the other records, where some are faulty; that there is none, if these are too few."""
+    first, campaign = seen.first, seen.fitted.campaign
+    late = bool(first) and all(suspect.file == ALL for suspect in first)
+    # A drive that jumps tells by its edges how late it acts, and the walk begins again with that.
+    held = late and any(jumps(record.drive) for record in campaign.fitted if record.between == "auto")
+    if not first or held:
+        return None
+    rest = without_them(seen.fitted, first)
+    if rest is None:
+        nothing = Discovery("ambiguous", seen.fitted, (), (), {}, (), seen.regression)
+        return Diagnosis(nothing, seen.where, suspects=seen.suspects)
+    asked.report(f"going on without {', '.join(one.file for one in first)}")
+    return replace(_answered(asked, Walked(rest)), where=seen.where)
+
+
+def _one_law_says_it(asked: _Asked, seen: _Seen) -> Diagnosis | None:
+    """The answer where one law that the library lacks says everything: no walk is needed."""
+    if seen.walked.steps or seen.first:
+        return None
+    with TemporaryDirectory() as folder:
+        path = asked.effect_file or Path(folder) / "law.py"
+        law = one_law(seen.look, seen.fitted, seen.regression, path, asked.report)
+        if isinstance(law, Campaign):
+            return _once_more(asked, seen, law)
+        if law is None:
+            return None
+        hidden = unseen(seen.regression, law.discovery.ranking, asked.library)
+        suspects = judged_again(seen.suspects, law.discovery.final, asked.report)
+        told = law.discovery if asked.effect_file is not None else replace(law.discovery, steps=())
+        return Diagnosis(told, seen.where, law.unknown, asked.effect_file, unseen=hidden, suspects=suspects)
+
+
+def _once_more(asked: _Asked, seen: _Seen, campaign: Campaign) -> Diagnosis:
+    """The answer to the records as they are to be read."""
+    asked.report("what the last model leaves tells better how the records are to be read: once more, so")
+    before = without_common_zero(seen.fitted) if has_own_zeros(campaign) else seen.fitted
+    return _answered(asked, Walked(fit(before.model, campaign, initial=before.values)))
+
+
+def _after_the_walk(asked: _Asked, seen: _Seen) -> Diagnosis:
+    """The answer of the walk; or of one that begins again, where it shows that records differ, or are to be read
+    otherwise."""
+    ended = walk_on(seen.walked, asked.library, asked.report, keep=asked.keep, look=seen.look)
+    found = concluded_or_sharper(ended)
+    if isinstance(found, Campaign):
+        return _once_more(asked, seen, found)
+    if found.start is not seen.fitted:  # the walk has begun again, from a better first model
+        regression = prepare(working(found.start))
+        seen = replace(seen, regression=regression, where=locate(regression, found.start))
+    if found.verdict != "adequate" and not adequate(found.regression) and seen.apart is None:
+        said = _records_differ(asked, seen, apart_after(seen.look, found.final, asked.report))
+        if said is not None:
+            return said
+    suspects = judged_again(seen.suspects, found.final, asked.report)
+    found = _in_doubt(found, suspects)
+    hidden = unseen(seen.regression, found.ranking, asked.library)
+    said = Diagnosis(found, seen.where, unseen=hidden, suspects=suspects)
+    # What a curve lacks beyond the library, and the next record, only traces tell.
+    return _and_beyond(asked, seen, said) if seen.fitted.campaign.fitted else said
+
+
+def _in_doubt(found: Discovery, suspects: tuple[Suspect, ...]) -> Discovery:
+    """What a walk has found, its verdict in doubt where records contradict one another, or what it leaves may be no
+    physics at all."""
+    if found.verdict == "identified" and any(one.kind in BY_OTHERS for one in suspects):
+        return replace(found, verdict="ambiguous")
+    if found.verdict == "not-in-library" and _starts_settle(found.final):
+        return replace(found, verdict="ambiguous", lacking=0.0)
+    return found
+
+
+def _starts_settle(last: Fit) -> bool:
+    """Whether a model reaches the noise with other starts than are claimed: what it leaves is then no physics."""
+    freed = with_other_starts(last) if mostly_starts(last) else None
+    return freed is not None and adequate(prepare(working(freed)))
+
+
+def _and_beyond(asked: _Asked, seen: _Seen, said: Diagnosis) -> Diagnosis:
+    """The answer of a walk with what the library lacks, or else with the records that would tell what ties."""
+    found, start, path, report = said.discovery, seen.regression, asked.effect_file, asked.report
+    instead = in_their_place(found, start, path, report) if asked.keeps_walk and path else None
+    written = instead or beyond_library(found, start, path, asked.keeps_walk, report)
+    kept = written.discovery
+    suspects = _beside_law(said.suspects, written.unknown)
+    if suspects and kept is not found and kept.steps:
+        # The law that they had lacked may have made them suspects.
+        suspects = judged_again(suspects, kept.final, report)
+    said = replace(said, discovery=kept, unknown=written.unknown, effect_file=written.path, suspects=suspects)
+    if kept.verdict == "not-in-library" or kept is not found:
+        return said
+    return replace(said, next_experiments=measure_next(found, asked.library, report))
+
+
+def _beside_law(suspects: tuple[Suspect, ...], unknown: Unknown | None) -> tuple[Suspect, ...]:
+    """The suspects without those that come before any physics but leave something, where a law of the device's
+    coordinates says that, too."""
+    if unknown is None or not unknown.chi2_after < AS_WELL:
+        return suspects
+    return tuple(one for one in suspects if one.settles or not one.first)
 
 
 def measure_next(found: Discovery, library: Registry, report: Report = lambda _: None) -> tuple[NextExperiment, ...]:

@@ -11,7 +11,7 @@ from experiments.ring_downs.two_simple import LEVELS, found_in
 from experiments.ring_downs.two_simple import draw as draw_pendulum
 from ident.campaign.device import Oscillator, Platform
 from ident.diagnosis.diagnose import diagnose, measure_next
-from ident.diagnosis.ranking.confirm import is_possible
+from ident.diagnosis.ranking.starts import is_possible
 from ident.effects.effect import AbstractEffect, shape
 from ident.effects.library.coulomb_friction import CoulombFriction
 from ident.effects.library.end_stop import EndStop

@@ -10,6 +10,7 @@ import pytest
 
 from ident.campaign.device import Oscillator
 from ident.diagnosis.ranking import confirm as confirming
+from ident.diagnosis.ranking.starts import is_possible
 from ident.effects.library.cubic_damping import CubicDamping
 from ident.effects.library.squeeze_film_damping import SqueezeFilmDamping
 from ident.model import Model
@@ -56,4 +57,4 @@ def test_a_film_that_brakes_far_more_than_all_of_the_stage_is_another_law() -> N
         for size, gap in ((3.0, 3.0), (3.0, -3.0), (2250.0, 56.0), (2250.0, -56.0)):
             film = SqueezeFilmDamping(damping=size * own, gap=gap)
             values = np.array([*first, size * own, gap])
-            assert confirming.is_possible(model, values, film, ONE) == (size < 10)  # type: ignore[arg-type]
+            assert is_possible(model, values, film, ONE) == (size < 10)  # type: ignore[arg-type]

@@ -3,7 +3,7 @@ predicts."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -12,17 +12,27 @@ import numpy as np
 from ...effects.effect import AbstractEffect
 from ...fit import Fit, fit
 from ...fit.fit import minimise
-from ...fit.linear.guess import DataScales
-from ...fit.linear.one_tone import with_quality
 from ...fit.problem import WORST
 from ...fit.rebuild import fit_at
-from ...model import FREQUENCY, QUALITY, Model, make_effect
+from ...model import Model
 from ..evidence.criterion import behind
 from ..evidence.enough import worth_a_name
 from ..linearised.regression import Regression
 from ..linearised.shorten import CRAWLS, is_long
 from ..linearised.whiten import whiten
 from .splits import split_starts, takes_over
+from .starts import (
+    base_of,
+    begins_as_it_may,
+    is_possible,
+    mirrored,
+    nearly_absent,
+    shapes_of,
+    start_of,
+    with_effect,
+    with_one,
+    without_unseen,
+)
 from .usual_form import numbers_told
 from .weigh import Candidate
 
@@ -48,11 +58,6 @@ class Confirmed(NamedTuple):
     begun: np.ndarray | None = None
 
 
-_FREED = 5  # points of earlier shapes from which a refit starts too
-_ABSENT = 0.05  # of an effect's largest amplitude: a smaller one is as good as none
-_FAINT = 0.01  # of what the score predicts: nearly absent, so that the motion is the one without it
-_OTHERWISE = -0.3  # of what the score predicts, where its sign may be wrong and its size too large, as in `balance`
-_OFF_BOUND = 3.0  # times a quality factor at its bound, where a refit would have no slope to leave it by
 _LEAVES = 1.2  # χ² per sample: a memory that leaves more may have started in the wrong place
 _RACE = 12  # steps of the best start, before earlier shapes are freed
 
@@ -100,21 +105,21 @@ def _refitted(
     if candidate.beside is not None:
         starts.insert(1, np.concatenate([candidate.beside, start_of(model, candidate, before.scales)]))
     if regression.plane is not None or regression.passes is not None:
-        starts.append(np.concatenate([base, start_of(model, _mirrored(candidate, model), before.scales)]))
+        starts.append(np.concatenate([base, start_of(model, mirrored(candidate, model), before.scales)]))
     if freed := shapes_of(model, before):
         own = minimise(model, before.campaign, initial=starts, most=_RACE, compared=True).values
         starts = [own, *(with_one(own, i, value) for i, value in freed)]
     found = weigh(regression, model, candidate, starts, most)
     # Damping of the wrong sign, as scores may predict it where little is known, has no motion to start from, nor has a
     # sensor that saturates below what it read.
-    faint = start_of(model, _faint(candidate, model), before.scales)
+    faint = start_of(model, nearly_absent(candidate, model), before.scales)
     if not np.max(np.abs(found.left), initial=0.0) < WORST:
         return weigh(regression, model, candidate, [np.concatenate([base, faint])], most)
     if parent and not found.chi2 < regression.best_chi2:  # the search left where the fit without the effect stands
         own = (regression.instead_of or regression).fit.values
         there = [np.concatenate([own, one]) for one in (start_of(model, candidate, before.scales), faint)]
         found = min(found, weigh(regression, model, candidate, there, most), key=lambda one: one.chi2)
-    allowed = [start for start in starts if _begins_as_it_may(model, start)]
+    allowed = [start for start in starts if begins_as_it_may(model, start)]
     if not found.possible and 0 < len(allowed) < len(starts):
         found = weigh(regression, model, candidate, allowed, most)
     if takes_over(model) and found.chi2 > _LEAVES * regression.n:
@@ -123,62 +128,6 @@ def _refitted(
         other = weigh(regression, model, candidate, starts, most) if taken else found
         return min(found, other, key=lambda one: (not one.possible, one.chi2))
     return found
-
-
-def _faint(candidate: Candidate, model: Model) -> Candidate:
-    """A candidate that is nearly absent."""
-    amplitudes = {p.name for p in model.effects[-1].declared() if p.kind == "amplitude"}
-    faint = {name: _FAINT * value for name, value in candidate.values.items() if name in amplitudes}
-    return candidate._replace(values={**candidate.values, **faint})
-
-
-def _begins_as_it_may(model: Model, start: np.ndarray) -> bool:
-    """Whether a start has an amplitude of one sign on its side.
-
-    What cannot be may fit as well as what can, where another shape goes with the other sign, as a wall above the stage
-    and one below it.
-    """
-    effect = model.effects[-1]
-    sizes = start[len(start) - len(effect.parameters) :]
-    return any(p.one_sided and size > 0 for p, size in zip(effect.declared(), sizes, strict=True))
-
-
-def _mirrored(candidate: Candidate, model: Model) -> Candidate:
-    """A candidate with smaller amplitudes of the other sign."""
-    either = {p.name for p in model.effects[-1].declared() if p.kind == "amplitude" and not (p.one_sided or p.positive)}
-    return candidate._replace(
-        values={name: _OTHERWISE * value if name in either else value for name, value in candidate.values.items()}
-    )
-
-
-def with_effect(before: Fit, effect: type[AbstractEffect], words: Mapping[str, str] | None = None) -> Model:
-    """The model of a fit with one effect more; `words` as of `make_effect`.
-
-    A quality factor that had to be held, for a steady sine does not determine it, is free beside the effect, as it is
-    in the scores: a wrong one would make another effect of it.
-    """
-    free = with_quality(before.model)
-    return free + make_effect(before.campaign, effect.name, {effect.name: effect}, words)
-
-
-def without_unseen(model: Model, candidate: Candidate | None) -> Model:
-    """The model with those amplitudes of its last effect held that no record shows: a search would take them wherever
-    the error of the solver leads."""
-    unseen = frozenset() if candidate is None else candidate.unseen
-    return (
-        replace(model, held=model.held | {f"{model.effects[-1].name}.{name}" for name in unseen}) if unseen else model
-    )
-
-
-def base_of(regression: Regression) -> np.ndarray:
-    """The values from which a refit starts: the fit's own, its quality factor off the bound to which it may have bent.
-
-    At a bound a parameter has no slope that could lead it back.
-    """
-    values = regression.fit.values.copy()
-    if "at-bound" in regression.fit.estimates[QUALITY].flags:
-        values[QUALITY] *= _OFF_BOUND
-    return values
 
 
 def weigh(
@@ -224,27 +173,6 @@ def _weighed(
     return Confirmed(candidate, model, values, chi2, gain, left, numbers, bool(possible), found.best.found.starts)
 
 
-def is_possible(model: Model, values: np.ndarray, effect: AbstractEffect, scales: DataScales) -> bool:
-    """Whether an effect of a model has signs that physics allows, no value beyond its limits, and can be beside the
-    linear part.
-
-    A side of a stop that is about absent may have either. A stop that pulls bends the curve of another law, and a
-    friction that drives makes good what another takes too much: neither is there.
-    """
-    own = dict(zip((p.name for p in model.parameters), values, strict=True))
-    for p in effect.declared():
-        if p.limits and not p.positive:  # of a positive one a fit keeps inside
-            share = own[f"{effect.name}.{p.name}"] / getattr(scales, p.scale)
-            if not p.limits[0] <= share <= p.limits[1]:
-                return False
-    spring, damper = model.spring_and_damper(values[FREQUENCY], values[QUALITY], model.mass_of(values))
-    there = effect.with_values(**{p.name: own[f"{effect.name}.{p.name}"] for p in effect.parameters})
-    if not there.can_be(float(spring), float(damper)):
-        return False
-    sizes = [own[f"{effect.name}.{p.name}"] for p in effect.declared() if p.one_sided]
-    return not sizes or min(sizes) >= -_ABSENT * max(map(abs, sizes))
-
-
 def accept(confirmed: Confirmed, before: Fit) -> Fit:
     """The confirmed model as a Fit with uncertainties.
 
@@ -255,39 +183,3 @@ def accept(confirmed: Confirmed, before: Fit) -> Fit:
     if not is_long(campaign):
         return fit(model, campaign, initial=values, begun=confirmed.begun, most=CRAWLS)
     return fit_at(model, campaign, minimise(model, campaign, initial=values, most=_RACE).values)
-
-
-def start_of(model: Model, candidate: Candidate | None, scales: DataScales) -> np.ndarray:
-    """Parameters of the model's last effect as scored, or as declared if the score saw nothing; an amplitude that
-    cannot be negative starts small instead."""
-    effect = model.effects[-1]
-    declared = {p.name: p for p in effect.declared()}
-    known = {} if candidate is None else candidate.values
-    values = []
-    for p in effect.parameters:
-        value = known.get(p.name, p.default * getattr(scales, p.scale))
-        if declared[p.name].positive and value <= 0:
-            value = abs(candidate.errors.get(p.name, value)) if candidate is not None else 0.0
-            value = value or p.default or 1e-3
-        elif declared[p.name].one_sided:
-            value = max(value, 0.0)
-        values.append(value)
-    return np.array(values)
-
-
-def shapes_of(model: Model, before: Fit) -> list[tuple[int, float]]:
-    """Position and value of the shapes of earlier effects at the points of their grids, a few of all."""
-    points = [
-        (i, g * getattr(before.scales, p.scale))
-        for i, p in enumerate(model.parameters[: len(before.values)])
-        if p.kind == "shape" and p.fitted and len(p.grid) > 1
-        for g in p.grid
-    ]
-    return points[:: max(-(-len(points) // _FREED), 1)]
-
-
-def with_one(values: np.ndarray, index: int, value: float) -> np.ndarray:
-    """Parameters (m,) with one of them at another value."""
-    changed = values.copy()
-    changed[index] = value
-    return changed

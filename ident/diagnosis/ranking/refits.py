@@ -14,8 +14,9 @@ from ...fit.curves import BENT
 from ...pulse import Report
 from ..linearised.regression import Regression
 from ..side_by_side import at_once
-from .confirm import base_of, start_of, weigh, with_effect, without_unseen
-from .score import refit_chance
+from .confirm import weigh
+from .score import best_first, refit_chance
+from .starts import base_of, start_of, with_effect, without_unseen
 from .weigh import Candidate
 
 FEW = 15  # steps of least squares: enough to tell who gains much
@@ -35,8 +36,7 @@ def by_refits(
     report(f"scores cannot be believed here: refitting {min(len(candidates), _REFITTED)} effects instead")
     few = candidates[:_REFITTED]
     found = at_once(lambda one: _best_glimpse(regression, one, library[one.name]), few, report, "refits")
-    order = sorted(found, key=lambda c: -(c.drop - c.dof * np.log(regression.n)))
-    return [*order, *candidates[_REFITTED:]]
+    return [*best_first(found, regression.n), *candidates[_REFITTED:]]
 
 
 def bent_readings(regression: Regression, candidates: Sequence[Candidate], library: Registry) -> list[Candidate]:
@@ -46,7 +46,7 @@ def bent_readings(regression: Regression, candidates: Sequence[Candidate], libra
     the peaks the linear model has taken for damping; from a small bend of either sign a refit finds its way.
     """
     found = [_bent(regression, one, library[one.name]) if _bends(library[one.name]) else one for one in candidates]
-    return sorted(found, key=lambda c: -(c.drop - c.dof * np.log(regression.n)))
+    return best_first(found, regression.n)
 
 
 def _bends(effect: type[AbstractEffect]) -> bool:
@@ -77,10 +77,11 @@ def _bent(regression: Regression, candidate: Candidate, effect: type[AbstractEff
 
 
 def _best_glimpse(regression: Regression, candidate: Candidate, effect: type[AbstractEffect]) -> Candidate:
-    """The same with any words of its choices that may be the best: these have the name."""
+    """The candidate with the fall of χ² that a few steps of a fit reach, with those words of its choices that
+    are the best by that: these have the name."""
     words = (candidate._replace(otherwise=()), *candidate.otherwise)
     seen = [_glimpsed(regression, one, effect) for one in words]
-    best = max(seen, key=lambda c: c.drop - c.dof * np.log(regression.n))
+    best = max(seen, key=lambda c: c.schwarz(regression.n))
     return best._replace(otherwise=tuple(one for one in seen if one is not best))
 
 

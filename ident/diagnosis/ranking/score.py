@@ -57,11 +57,11 @@ def score(
     regression.scored.update(
         zip(new, at_once(lambda effect: _score_one(regression, effect), new, report, "scores"), strict=True)
     )
-    return _in_order([c for effect in missing if (c := regression.scored[effect]) is not None], regression.n)
+    return best_first([c for effect in missing if (c := regression.scored[effect]) is not None], regression.n)
 
 
 def score_beside(regressions: Sequence[Regression], library: Registry) -> list[list[Candidate]]:
-    """The same on several regressions of one fit that differ in what they absorb: the columns are the same."""
+    """Every candidate on several regressions of one fit that differ in what they absorb: the columns are the same."""
     effects = [effect for effect in library.values() if effect.name not in regressions[0].fit.model.names]
 
     def on_each(effect: type[AbstractEffect]) -> list[Candidate | None]:
@@ -70,11 +70,12 @@ def score_beside(regressions: Sequence[Regression], library: Registry) -> list[l
 
     by_effect = at_once(on_each, effects)
     found = [[c for c in of_one if c is not None] for of_one in zip(*by_effect, strict=True)]
-    return [_in_order(own, one.n) for own, one in zip(found, regressions, strict=True)]
+    return [best_first(own, one.n) for own, one in zip(found, regressions, strict=True)]
 
 
-def _in_order(found: Sequence[Candidate], n: int) -> list[Candidate]:
-    return sorted(found, key=lambda c: -(c.drop - c.dof * np.log(n)))
+def best_first(found: Sequence[Candidate], n: int) -> list[Candidate]:
+    """Candidates in the order of Schwarz's criterion, of n samples."""
+    return sorted(found, key=lambda c: -c.schwarz(n))
 
 
 def _score_one(regression: Regression, effect: type[AbstractEffect]) -> Candidate | None:

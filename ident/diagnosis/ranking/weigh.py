@@ -58,6 +58,10 @@ class Candidate(NamedTuple):
         own = self.drop if regression.instead_of is None else self.predicted_gain * regression.to_explain
         return max([own, *(other.promised(regression) for other in self.otherwise)])
 
+    def schwarz(self, n: int) -> float:
+        """By how much Schwarz's criterion falls with it if the noise is known, χ² + k ln n of n samples."""
+        return self.drop - self.dof * np.log(n)
+
 
 class Asked(NamedTuple):
     """What an effect, with some `words`, would add at the `points` of its grid, `sides` of which are that long.

@@ -18,8 +18,9 @@ from ...pulse import Report
 from ...threads import one_thread
 from ..linearised.regression import prepare
 from ..linearised.shorten import CRAWLS
-from ..ranking.confirm import confirm, is_possible, shapes_of, start_of, with_effect, with_one, without_unseen
+from ..ranking.confirm import confirm
 from ..ranking.score import score
+from ..ranking.starts import is_possible, shapes_of, start_of, with_effect, with_one, without_unseen
 
 _RACE = 12  # steps, after which the best of several shapes is known
 _FEW = 4  # steps after which the better of two starts is known
@@ -64,7 +65,7 @@ def remove(parent: Fit, name: str, report: Report = lambda _: None) -> Fit:
 
 
 def without(parent: Fit, names: Sequence[str]) -> Fit:
-    """The same of several effects, in as many steps as a refit that is only compared."""
+    """The parent's model without several effects, in as many steps as a refit that is only compared."""
     model = parent.model
     for name in reversed(names):
         model = model - name
@@ -73,8 +74,8 @@ def without(parent: Fit, names: Sequence[str]) -> Fit:
 
 @lru_cache(maxsize=8)  # asked whether a model needs an effect, what stands in its place, and what it is mistaken for
 def try_without(parent: Fit, name: str, start: Fit) -> Fit:
-    """The same for a comparison only: a model that lacks what it needs would crawl for long, and no number of it is
-    reported.
+    """The parent's model without one effect, only to compare: a model that lacks what it needs would crawl for long,
+    and no number of it is reported.
 
     `start`: the fit before any effect was added. An effect may have taken over the stiffness or the damping; from its
     linear parameters the model finds back. Where another effect would have to be what it cannot be (friction that

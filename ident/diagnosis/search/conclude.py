@@ -26,13 +26,13 @@ from ..ranking.confirm import accept, confirm
 from ..ranking.look import Look
 from ..ranking.refits import by_refits
 from ..ranking.score import score, significant
+from .as_step import step_with
 from .change import to_its_end, try_without
 from .constant import without_idle_constant
 from .lacking import lacking, leaves_no_structure, says_more_than_shapes
 from .own_zeros import with_zeros_anew
 from .parts import Parts
 from .prune import Pruned, prune
-from .rivals import rivals_of
 from .steps import Discovery, Ended, Step, Verdict
 from .ties import weighed_ties
 
@@ -164,15 +164,9 @@ def _replayed(start: Fit, needed: Pruned, look: Look, gains: Mapping[str, float]
         names.remove(name)
         found = confirm(regression, library[name], chosen)
         current = accept(found, current) if names else needed.fit
-        ties, tied = weighed_ties(regression, found, significant(candidates), library, [found])
-        predicted = found.candidate.predicted_gain
         role = role_of(found.model.effects[-1], regression, found.chi2, look.first)
-        steps.append(
-            Step(
-                name, predicted, found.gain, ties.names, role, current, ties.reasons, tied, regression,
-                rivals=rivals_of(name, significant(candidates), {} if steps else gains),
-            )
-        )  # fmt: skip
+        real, kept = significant(candidates), {} if steps else gains
+        steps.append(step_with(found, regression, real, library, role, current, tried=[found], gains=kept))
     return steps
 
 

@@ -29,6 +29,7 @@ from ..ranking.confirm import Confirmed, accept
 from ..ranking.look import Look, best_drop, first_look
 from ..ranking.score import kept_more_than_chance
 from ..side_by_side import at_once
+from .as_step import step_with
 from .constant import with_its_constant
 from .drive import edges_of, other_drive, smooth_instead
 from .fewer_modes import without_a_mode, without_its_mode
@@ -38,7 +39,6 @@ from .other_form import in_another_form, steps_in_another_form
 from .own_zeros import with_own_zeros, with_zeros_anew
 from .rivals import rivals_of
 from .steps import Ended, Step, Walked
-from .ties import weighed_ties
 from .together import both, hidden_by_each_other
 
 Keep = Callable[[Walked], None]
@@ -79,6 +79,13 @@ def _left(ended: Ended) -> Left:
     return Left(last.residual, last.numbers + edges_of(ended.walked.start.campaign).numbers)
 
 
+class _Again(NamedTuple):
+    """The first model with which a walk begins again, and how often it may still do so with another drive."""
+
+    start: Fit
+    revised: int
+
+
 def _walk(
     walked: Walked,
     library: Registry,
@@ -87,81 +94,113 @@ def _walk(
     look: Look | None = None,
     revised: int = _DRIVES,
 ) -> Ended:
-    """`revised`: how often it may still begin again with another drive between the samples."""
-    start = walked.start
-    look = look or first_look(start, library, report)
-    at_best, gains = look.regression, dict(walked.gains)
-    ranking = tuple(look.candidates) if look.worth_it else ()
+    """The loop, begun again as often as a better first model shows on the way; `revised`: how often this may be one
+    with another drive between the samples."""
+    gone = _gone(walked, look or first_look(walked.start, library, report), keep, revised)
+    while isinstance(gone, _Again):
+        gone = _gone(Walked(gone.start), first_look(gone.start, library, report), keep, gone.revised)
+    return gone
+
+
+def _gone(walked: Walked, look: Look, keep: Keep, revised: int) -> Ended | _Again:
+    """The loop from a first model, at which the `look` is, to its end, or until a better first model shows."""
+    start, report, at_best = walked.start, look.report, look.regression
+    gains, ranking = dict(walked.gains), tuple(look.candidates) if look.worth_it else ()
     steps, look = _gone_before(walked, look)
-    first = look.first
-
-    def once_more(start: Fit) -> Ended:
-        return _walk(Walked(start), library, report, keep, revised=revised - 1)
-
-    asked = revised and not steps and look.worth_it and look.real
-    if asked and (other := other_drive(start, look.regression, report, look)) is not None:
-        return once_more(begun_with(start, other))
-    if asked and (form := in_another_form(start, look.regression, library, report)) is not None:
-        return once_more(form.fit)
-    current, questioned = walked.final, None
-    ended = lambda look, anew=None: Ended(Walked(start, tuple(steps), gains), look, at_best, ranking, anew)
-    if (anew := with_own_zeros(current, look)) is not None:
-        return ended(look, anew)
-    while look.worth_it and look.real and len(steps) < _MOST_TERMS:
-        alone = not_worth_adding(look.regression, look.promise, first)
-        if alone and not hidden_by_each_other(look.regression, look.candidates, None, first, library):
+    walked = Walked(start, tuple(steps), gains)
+    if revised and not steps and (other := _begun_otherwise(start, look)) is not None:
+        return _Again(other, revised - 1)
+    questioned = None
+    if (anew := with_own_zeros(walked.final, look)) is not None:
+        return Ended(walked, look, at_best, ranking, anew)
+    while look.worth_it and look.real and len(walked.steps) < _MOST_TERMS:
+        if _nothing_is_worth_it(look):
             break
-        found = _best_step(current, look, gains if not steps else {})
+        found = _best_step(walked.final, look, {} if walked.steps else gains)
         refines = found is None or found[0][-1].role == "shape-refinement"
-        if refines and steps and steps[-1].role == "effect" and not steps[-1].moved:
-            lower = another_minimum(current, start, report)
-            if lower is not None:
-                current, look = lower, look.at(prepare(working(lower)))
-                first = look.first
-                steps[-1] = steps[-1]._replace(fit=current, moved=True)
-                keep(Walked(start, tuple(steps), gains))
-                continue
+        if refines and (lower := _at_another_minimum(walked, report)) is not None:
+            walked, look = lower, look.at(prepare(working(lower.final)))
+            keep(walked)
+            continue
         if found is None:
             break
         more, regression = found
-        if _starts_say_more(current, more[-1].fit):
+        if _starts_say_more(walked.final, more[-1].fit):
             names = " and ".join(step.added for step in more)
             report(f"another start says more than {names}: do the records begin as the campaign says?")
             break
         for step in more:
-            steps.append(step)
             report(f"added {step.added}: error over noise {step.fit.fitted.error_over_noise:.3g}")
-        current, regression = with_its_constant(steps[-1].fit, regression, library, report)
-        fewer = without_its_mode(current, start, [step.added for step in steps], first, report)
-        current, regression = fewer or _with_its_mode(current, regression, look)
-        # What was missing has bent the zeros: else a common one would have to straighten them.
-        if (zeros := with_zeros_anew(current, report)) is not current:
-            current, regression = zeros, prepare(working(zeros))
-        steps[-1] = steps[-1]._replace(fit=current)
-        steps, regression = steps_in_another_form(steps, regression, library, report)
-        current = steps[-1].fit
-        look = look.at(regression)
-        first = look.first
-        if revised and (other := drive_beside(more, current, look)) is not None:
-            return once_more(begun_with(start, other))
+        steps, regression = _with_settled_linear_side([*walked.steps, *more], regression, start, look)
+        walked, look = Walked(start, tuple(steps), gains), look.at(regression)
+        if revised and (other := drive_beside(more, walked.final, look)) is not None:
+            return _Again(begun_with(start, other), revised - 1)
         # What the first effect shows of the modes is asked before others are sought beside one that only mimics.
         if len(steps) == len(more):
-            questioned, fewer = current, without_a_mode(start, current, library, first, report)
-            if fewer is not None:
-                return _walk(Walked(fewer), library, report, keep, revised=revised)
-        keep(Walked(start, tuple(steps), gains))
-        if (anew := with_own_zeros(current, look)) is not None:
-            return ended(look, anew)
-    if revised and steps and (lower := lower_start(start, current, report)) is not None:
-        return once_more(lower)
-    asked = steps or not adequate(look.regression)
-    if (
-        asked
-        and current is not questioned
-        and (fewer := without_a_mode(start, current, library, first, report)) is not None
-    ):
-        return _walk(Walked(fewer), library, report, keep, revised=revised)
-    return ended(look)
+            questioned = walked.final
+            if (fewer := _of_fewer_modes(walked, look)) is not None:
+                return _Again(fewer, revised)
+        keep(walked)
+        if (anew := with_own_zeros(walked.final, look)) is not None:
+            return Ended(walked, look, at_best, ranking, anew)
+    if revised and walked.steps and (lower := lower_start(start, walked.final, report)) is not None:
+        return _Again(lower, revised - 1)
+    asked = (walked.steps or not adequate(look.regression)) and walked.final is not questioned
+    if asked and (fewer := _of_fewer_modes(walked, look)) is not None:
+        return _Again(fewer, revised)
+    return Ended(walked, look, at_best, ranking)
+
+
+def _begun_otherwise(start: Fit, look: Look) -> Fit | None:
+    """The first model with another drive between the samples, or one of its effects in another form, if the records ask
+    for it before any effect is added."""
+    if not (look.worth_it and look.real):
+        return None
+    other = other_drive(start, look.regression, look.report, look)
+    if other is not None:
+        return begun_with(start, other)
+    form = in_another_form(start, look.regression, look.library, look.report)
+    return None if form is None else form.fit
+
+
+def _nothing_is_worth_it(look: Look) -> bool:
+    """Whether neither one effect promises enough to be added, nor two that hide each other."""
+    if not not_worth_adding(look.regression, look.promise, look.first):
+        return False
+    return not hidden_by_each_other(look.regression, look.candidates, None, look.first, look.library)
+
+
+def _at_another_minimum(walked: Walked, report: Report) -> Walked | None:
+    """A walk whose laws have come to another minimum after its last step, an effect, unless they had before; None if
+    there is no better one."""
+    last = walked.steps[-1] if walked.steps else None
+    if last is None or last.role != "effect" or last.moved:
+        return None
+    lower = another_minimum(last.fit, walked.start, report)
+    if lower is None:
+        return None
+    return walked._replace(steps=(*walked.steps[:-1], last._replace(fit=lower, moved=True)))
+
+
+def _of_fewer_modes(walked: Walked, look: Look) -> Fit | None:
+    """The first model of a walk without a mode that its last one does not need."""
+    return without_a_mode(walked.start, walked.final, look.library, look.first, look.report)
+
+
+def _with_settled_linear_side(
+    steps: list[Step], regression: Regression, start: Fit, look: Look
+) -> tuple[list[Step], Regression]:
+    """The steps with what the linear side of the last fit needs by now, and the regression of that: a constant, a mode
+    less or more, the zeros of the records, another form of a part; `look`: before the last of them."""
+    library, report = look.library, look.report
+    current, regression = with_its_constant(steps[-1].fit, regression, library, report)
+    fewer = without_its_mode(current, start, [step.added for step in steps], look.first, report)
+    current, regression = fewer or _with_its_mode(current, regression, look)
+    # What was missing has bent the zeros: else a common one would have to straighten them.
+    if (zeros := with_zeros_anew(current, report)) is not current:
+        current, regression = zeros, prepare(working(zeros))
+    steps = [*steps[:-1], steps[-1]._replace(fit=current)]
+    return steps_in_another_form(steps, regression, library, report)
 
 
 def _with_its_mode(current: Fit, regression: Regression, look: Look) -> tuple[Fit, Regression]:
@@ -212,15 +251,8 @@ def _best_step(current: Fit, look: Look, gains: dict[str, float]) -> tuple[list[
             return [one._replace(rivals=rivals_of(one.added, look.real, kept)), other], left
     if best is None:
         return None
-    found = best.confirmed
-    name, predicted = found.candidate.name, found.candidate.predicted_gain
-    ties, tied = weighed_ties(regression, found, look.real, library, tried)
-    return [
-        Step(
-            name, predicted, found.gain, ties.names, best.role, best.fit, ties.reasons, tied, regression,
-            rivals=rivals_of(name, look.real, kept),
-        )
-    ], best.left  # fmt: skip
+    step = step_with(best.confirmed, regression, look.real, library, best.role, best.fit, tried=tried, gains=kept)
+    return [step], best.left
 
 
 class _Best(NamedTuple):

@@ -79,8 +79,8 @@ def one_law(look: Look, fitted: Fit, start: Regression, path: Path, report: Repo
 
 
 def in_their_place(found: Discovery, start: Regression, path: Path, report: Report) -> Written | None:
-    """The same after a walk whose names do not reach the noise: before it they, or pieces of the law, had promised to.
-    The law must not predict held-out records worse than they do.
+    """The answer with the law in the place of a walk's names, where these do not reach the noise: before it they, or
+    pieces of the law, had promised to. The law must not predict held-out records worse than they do.
 
     `start`: of the `working` excerpt of the fit with which the walk began.
     """

@@ -61,7 +61,15 @@ def steps_in_another_form(
         return steps, regression
     left = found.regression
     gain = 1.0 - (left.chi2 - left.n) / (regression.chi2 - regression.n)
-    own = Step(found.name, gain, gain, (found.name,), "effect", found.fit, regression=regression)
+    own = Step(
+        added=found.name,
+        predicted_gain=gain,
+        confirmed_gain=gain,
+        tie_set=(found.name,),
+        role="effect",
+        fit=found.fit,
+        regression=regression,
+    )
     if found.usual not in [step.added for step in steps]:
         return [*steps, own], left
     renamed = {"added": found.name, "tie_set": (found.name,), "reasons": (), "tied": ()}

@@ -88,8 +88,17 @@ def both(
                 return None
             found = tried[int(np.argmin(criteria(tried)))]
             before = accept(found, before)
-            added, predicted = found.candidate.name, found.candidate.predicted_gain
-            steps.append(Step(added, predicted, found.gain, (), "effect", before, regression=now))
+            steps.append(
+                Step(
+                    added=found.candidate.name,
+                    predicted_gain=found.candidate.predicted_gain,
+                    confirmed_gain=found.gain,
+                    tie_set=(),
+                    role="effect",
+                    fit=before,
+                    regression=now,
+                )
+            )
             now = prepare(working(before))
     except Diverged:
         return None

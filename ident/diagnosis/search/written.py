@@ -179,7 +179,8 @@ def ended(found: Fit) -> Fit:
 def step_of(beyond: Beyond, gain: float) -> Step:
     """What was written, as the step of a walk that removes a share `gain` of the excess over noise."""
     name = beyond.fit.model.names[-1]
-    return Step(name, beyond.unknown.share, gain, (name,), "effect", beyond.fit)
+    share = beyond.unknown.share
+    return Step(added=name, predicted_gain=share, confirmed_gain=gain, tie_set=(name,), role="effect", fit=beyond.fit)
 
 
 def nearly_explained(found: Discovery) -> bool:

@@ -19,10 +19,9 @@ from ...pulse import Report
 from ..evidence.criterion import behind
 from ..ranking.confirm import accept, confirm
 from ..ranking.look import Look, first_look
+from .as_step import step_with
 from .conclude import tied_at_the_end
-from .rivals import rivals_of
 from .steps import Discovery, Step, Walked
-from .ties import weighed_ties
 
 
 class Zero(NamedTuple):
@@ -76,10 +75,5 @@ def zero_of_the_sensor(walked: Walked, library: Registry, report: Report) -> Zer
     found = confirm(look.regression, constant, candidate)
     if not found.possible or behind(found, look.regression) >= 0:
         return None
-    ties, tied = weighed_ties(look.regression, found, look.real, library, [found])
-    name, predicted, rivals = constant.name, candidate.predicted_gain, rivals_of(constant.name, look.real, {})
-    with_it = accept(found, start)
-    step = Step(
-        name, predicted, found.gain, ties.names, "effect", with_it, ties.reasons, tied, look.regression, rivals=rivals
-    )
+    step = step_with(found, look.regression, look.real, library, "effect", accept(found, start), tried=[found])
     return Zero(start, step, look)
