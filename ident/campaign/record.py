@@ -7,7 +7,7 @@ A record is one file: a trace (time, drive, response) or a sweep (frequency, lev
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -47,6 +47,7 @@ class NoiseFloor:
     - `method`: how it was found, in words ("given in the campaign", "repeats of 12 periods", …).
     - `relative_error`: standard error of `sigma` divided by `sigma`; 0 where the user gave it.
     - `unseen`: share of the frequencies, from zero on, at which it was not seen: there it is extrapolated.
+    - `lines`: what of it stands at single frequencies, and was added to the rest (`noise.hum`).
     """
 
     sigma: float
@@ -54,6 +55,7 @@ class NoiseFloor:
     method: str = ""
     relative_error: float = 0.0
     unseen: float = 0.0
+    lines: tuple[str, ...] = field(default=(), repr=False)  # keys of chains were made without (`posterior.result`)
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from ..quality.gaps import missed_across
 from ..record import NoiseFloor
 from .autoregression import Autoregression, fit_autoregression, leverage_of
 from .flicker import or_flicker
-from .hum import HUM, told_apart, with_hum
+from .hum import HUM, HUMS, told_apart, with_hum
 from .signal_basis import Pole, beside, find_transient, harmonic_columns, orthonormal, transient_columns
 
 HARMONICS = 12  # of the drive, which are signal
@@ -26,6 +27,14 @@ _LOUD = 0.03  # of the response: a floor below is not asked whether the record's
 _SHORT = 200  # samples of a part at least: the series and the transient take some fifty numbers
 _FAR_BELOW = 0.5  # of the floor of the whole: parts that agree with it scatter by a tenth
 _CLIPPED_ERROR = 0.5  # relative, of the floor of a clipped record: found 1.0 to 2.5 times too high, once 8.5
+
+
+class _Found(NamedTuple):
+    """The noise of a record that is scaled to its size, the `method` by which it was found, and its `lines`."""
+
+    fit: Autoregression
+    method: str
+    lines: tuple[str, ...] = ()
 
 
 def noise_floor(
@@ -72,17 +81,17 @@ def noise_floor(
         found = _of_parts(response[-LONGEST:], period, mains, _short_period(response[-LONGEST:], period, mains))
     else:
         found = _repeats(response, period)
-    if np.ptp(drive) > 0 and found[0].relative_error > _SURER * EXTRAPOLATED:
+    if np.ptp(drive) > 0 and found.fit.relative_error > _SURER * EXTRAPOLATED:
         far_above = _free_frequencies(latest(drive), latest(response))
-        if _SURER * far_above[0].relative_error < found[0].relative_error:
+        if _SURER * far_above.fit.relative_error < found.fit.relative_error:
             found, free = far_above, True  # a motion beyond description adds to what is left, but hardly so high
-    fit, method = found
+    fit = found.fit
     quantum = _resolution(response)
     sigma = max(fit.sigma, quantum / math.sqrt(12.0), 1e-12)
     if sigma > fit.sigma:
         return NoiseFloor(sigma * size, method="the resolution of the response column", relative_error=0.5)
     unseen = float(np.argmax(fit.used > 0)) / len(fit.used) if free else 0.0
-    return NoiseFloor(float(sigma * size), fit.ar, method, float(fit.relative_error), unseen)
+    return NoiseFloor(float(sigma * size), fit.ar, found.method, float(fit.relative_error), unseen, found.lines)
 
 
 def _highest_harmonic(drive: np.ndarray, period: float) -> int:
@@ -109,9 +118,7 @@ class _Removed:
     residual: np.ndarray
 
 
-def _short_period(
-    response: np.ndarray, period: float | None, mains: tuple[float, ...], halvings: int = 2
-) -> tuple[Autoregression, str]:
+def _short_period(response: np.ndarray, period: float | None, mains: tuple[float, ...], halvings: int = 2) -> _Found:
     """Fourier series, transient and products removed; as many products as the data ask for."""
     n = len(response)
     rate = None if period is None else 2 * np.pi / period
@@ -124,31 +131,31 @@ def _short_period(
     first, middle, last = (float(np.mean(part)) for part in np.array_split(white, 3))
     if max(first, middle) > 1.5 * last and halvings and n >= 600:  # many columns bend to what comes first
         later = _short_period(response[n // 3 :], period, mains, halvings - 1)  # a transient beyond description dies
-        if later[0].sigma < removed.fit.sigma:
+        if later.fit.sigma < removed.fit.sigma:
             return later
     fit, share = with_hum(removed.residual, removed.basis, _apart(mains, rate, pole, n), removed.fit)
     beside = ["the Fourier series of the drive's period"] if period is not None else []
     beside += ["a transient"] if removed.level else []
-    words = "a decay" if period is None else f"{n / period:.0f} periods"
+    what = "a decay leaves" if period is None else f"{n / period:.0f} periods leave"
     numbers = f"{removed.basis.shape[1]} numbers fitted"
-    verb = "leaves" if words.startswith("a ") else "leave"
-    method = f"what {words} {verb} beside {' and '.join(beside) or 'a constant'} ({numbers})"
-    return fit, method + (f"; mains hum, {share:.0%} of its power, is part of it" if share > 0 else "")
+    method = f"what {what} beside {' and '.join(beside) or 'a constant'} ({numbers})"
+    if share > 0:
+        return _Found(fit, f"{method}; {HUMS}, {share:.0%} of its power, is part of it", (HUMS,))
+    return _Found(fit, method)
 
 
-def _of_parts(
-    response: np.ndarray, period: float, mains: tuple[float, ...], whole: tuple[Autoregression, str]
-) -> tuple[Autoregression, str]:
+def _of_parts(response: np.ndarray, period: float, mains: tuple[float, ...], whole: _Found) -> _Found:
     """The floor of a record's thirds, where theirs is far below that of the whole: lost samples, or a jump, spoil the
     series of the whole record, and would hide themselves behind the floor that they make."""
     third = len(response) // 3
-    if whole[0].sigma < _LOUD or third < max(2.5 * period, _SHORT):
+    if whole.fit.sigma < _LOUD or third < max(2.5 * period, _SHORT):
         return whole
     parts = [_short_period(response[k * third : (k + 1) * third], period, mains) for k in range(3)]
-    usual = sorted(parts, key=lambda part: part[0].sigma)[1]
-    if usual[0].sigma > _FAR_BELOW * whole[0].sigma:
+    usual = sorted(parts, key=lambda part: part.fit.sigma)[1]
+    if usual.fit.sigma > _FAR_BELOW * whole.fit.sigma:
         return whole
-    return usual[0], f"{usual[1]}, in a third of the record; over the whole of it the response does not stay in step"
+    where = "in a third of the record; over the whole of it the response does not stay in step"
+    return usual._replace(method=f"{usual.method}, {where}")
 
 
 def _apart(mains: tuple[float, ...], rate: float | None, pole: Pole | None, n: int) -> list[float]:
@@ -190,7 +197,7 @@ def _whitened_energy(residual: np.ndarray, fit: Autoregression) -> float:
     return 2.0 * float(np.sum(power / fit.spectrum))
 
 
-def _repeats(response: np.ndarray, period: float) -> tuple[Autoregression, str]:
+def _repeats(response: np.ndarray, period: float) -> _Found:
     """Few periods of a rich drive: noise is what differs between them, beside a transient that dies."""
     size = int(round(period))
     count = int(len(response) // period)
@@ -217,18 +224,19 @@ def _repeats(response: np.ndarray, period: float) -> tuple[Autoregression, str]:
     method = f"differences between {repeats} repeats of the drive's period"
     pole = find_transient(joined, None, 0)
     if pole is None or len(joined) > LONGEST:
-        return fit, method
+        return _Found(fit, method)
     columns, level_of = transient_columns(len(joined), None, pole, 4)
+    rings = False
     for highest in (1, 3, 4):
         basis, _ = orthonormal(deflated(columns[:, level_of <= highest]))
         rest = beside(basis, joined)
         better = fit_autoregression(rest, leverage + leverage_of(basis))
         gain = _whitened_energy(joined, better) - _whitened_energy(rest, better)
         if gain > 3.0 * basis.shape[1] + 20.0 and better.sigma < fit.sigma:
-            fit, method = better, f"differences between {repeats} repeats of the drive's period, beside a transient"
-    if "transient" in method:  # its products with the drive are not described
+            fit, rings = better, True
+    if rings:  # its products with the drive are not described
         fit = replace(fit, relative_error=max(fit.relative_error, 0.3 if repeats > 2 or dropped else 1.0))
-    return fit, method
+    return _Found(fit, f"{method}, beside a transient" if rings else method)
 
 
 def extrapolated(floor: NoiseFloor) -> bool:
@@ -252,7 +260,7 @@ def exciting(drive: np.ndarray) -> np.ndarray:
     return np.cumsum(np.abs(np.fft.rfft(windowed(drive))) ** 2)
 
 
-def _free_frequencies(drive: np.ndarray, response: np.ndarray) -> tuple[Autoregression, str]:
+def _free_frequencies(drive: np.ndarray, response: np.ndarray) -> _Found:
     """Frequencies above the drive's, from where the response no longer shows its products: an extrapolation."""
     n, reached = len(response), exciting(drive)
     top = int(np.searchsorted(reached, 0.999 * reached[-1])) + 2
@@ -272,13 +280,14 @@ def _free_frequencies(drive: np.ndarray, response: np.ndarray) -> tuple[Autoregr
         if np.mean(fit.spectrum[next_low:]) < 1.15 * np.mean(above.spectrum[next_low:]):
             error = min(1.0, float(np.hypot(1.5 * fit.relative_error, EXTRAPOLATED)))
             share = 1 - low / last
-            return replace(fit, relative_error=error), f"extrapolated from the upper {share:.0%} of the frequencies"
+            fit = replace(fit, relative_error=error)
+            return _Found(fit, f"extrapolated from the upper {share:.0%} of the frequencies")
     # No plateau: products of the drive, or a filter, reach up to the highest frequencies.
     if fits and last - fits[-1][0] > 50 and fits[-1][0] > 3 * top:
-        return replace(fits[-1][1], relative_error=0.5), "extrapolated from the highest frequencies"
+        return _Found(replace(fits[-1][1], relative_error=0.5), "extrapolated from the highest frequencies")
     low, high = min(int(1.03 * top), int(0.85 * last)), min(max(int(1.15 * top), int(1.03 * top) + 8), last)
     power = np.abs(np.fft.rfft(seen)) ** 2 / n
     sigma = math.sqrt(float(np.median(power[low:high])) / math.log(2.0))
     spectrum = np.full(last + 1, sigma**2)
     words = "the level just above the drive's band, taken as white (it holds distortion too, and may be filtered)"
-    return Autoregression(sigma, (), 0.5, spectrum, np.ones(last + 1)), words
+    return _Found(Autoregression(sigma, (), 0.5, spectrum, np.ones(last + 1)), words)

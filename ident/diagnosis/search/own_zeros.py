@@ -83,8 +83,7 @@ def _read_so(campaign: Campaign, found: Differing) -> Campaign:
     levels = {trace.name: _zero(trace) for trace in found.fit.campaign.traces}
     share = lambda trace: levels[trace.name] / _size(trace) if _size(trace) else 0.0
     read = tuple(read_apart(r, LEVEL, [share(r)]) if isinstance(r, Trace) else r for r in campaign.records)
-    notes = tuple(note for note in campaign.notes if not note.startswith(found.words.partition(":")[0]))
-    return replace(campaign, records=read, notes=(*notes, found.words))
+    return found.said_in(replace(campaign, records=read))
 
 
 def _zero(trace: Trace) -> float:
