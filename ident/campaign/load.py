@@ -184,7 +184,7 @@ def _trace(spec: RecordSpec, columns: Mapping[str, Column], device: Device, note
     level = rest_level(response if masked is None else across_gaps(response, masked)) if np.ptp(drive) == 0 else None
     level = level or 0.0
     period = find_period(drive)
-    check_sampling(spec.file, time, drive, period, notes)
+    check_sampling(spec.file, drive, period, notes)
     skip = _skip_samples(spec, time, every)
     if spec.noise is not None:
         noise = NoiseFloor(plausible_noise(spec, float(np.std(response))), method="given in the campaign")

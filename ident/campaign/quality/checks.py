@@ -11,6 +11,7 @@ from ident.errors import UserError
 from ident.units import format_quantity
 
 from ..device import Device, Oscillator
+from ..drive import drive_rate
 from ..record import LEAST
 from ..tables.table import Column
 from .clipping import CLIPPED, clipped_fraction
@@ -250,10 +251,8 @@ def check_drive(
             )
 
 
-def check_sampling(file: str, time: np.ndarray, drive: np.ndarray, period: float | None, notes: list[str]) -> None:
+def check_sampling(file: str, drive: np.ndarray, period: float | None, notes: list[str]) -> None:
     """Enough samples per period of the drive."""
-    from ..drive import drive_rate
-
     if np.ptp(drive) == 0:
         return
     per_period = 2 * math.pi / drive_rate(drive, period)
