@@ -12,7 +12,7 @@ from ...campaign.campaign import Campaign
 from ...fit import Fit, fit
 from ...fit.rebuild import values_without
 
-_MOVED = 0.3  # of its error bar: by so much a number is another one
+MOVED = 0.3  # of its error bar: by so much a number is another one
 _DRIVE = Told("drive", 100.0, "%", "does the force fall behind what it is called, or was a gain read wrongly?", 0.9,
               shared=True)  # fmt: skip
 
@@ -61,7 +61,7 @@ class Differing(NamedTuple):
 
     def moved(self, before: Differing) -> bool:
         """Whether a number has moved by more than is little beside its error."""
-        return bool(np.any(np.abs(self.sizes - before.sizes) > _MOVED * self.errors))
+        return bool(np.any(np.abs(self.sizes - before.sizes) > MOVED * self.errors))
 
     def begun(self, start: Fit) -> Fit:
         """The fit from which a walk had begun, with the records read so."""

@@ -28,10 +28,9 @@ from ..ranking.pairs import Pair, best_pair
 from ..ranking.score import score_beside, significant
 from ..ranking.weigh import Candidate
 from ..records.between import comparable, differing, rows_of
-from ..records.differing import OF_ZERO, Differing, numbers_of
+from ..records.differing import MOVED, OF_ZERO, Differing, numbers_of
 
 LEVEL = "level"
-_MOVED = 0.3  # of its error bar: by so much a zero is another one
 
 
 def with_own_zeros(current: Fit, look: Look) -> Campaign | None:
@@ -74,7 +73,7 @@ def with_zeros_anew(last: Fit, report: Report) -> Fit:
     told = _read_so(as_they_came, found)
     errors = dict(zip(found.names, found.errors[:, 0], strict=True))
     pairs = zip(last.campaign.traces, told.traces, strict=True)
-    moved = [abs(_zero(now) - _zero(before)) > _MOVED * errors[now.name] * _size(now) for before, now in pairs]
+    moved = [abs(_zero(now) - _zero(before)) > MOVED * errors[now.name] * _size(now) for before, now in pairs]
     return fit(last.model, told, initial=last.values) if any(moved) else last
 
 
