@@ -29,13 +29,12 @@ from ..linearised.regression import Regression, by_record, prepare, stack
 from ..linearised.trajectory import Diverged
 from .alternated import FEWEST, ROUNDS, alternated
 from .between_levels import differing_levels
-from .differing import OF_ZERO, Differing, numbers_of, without_common_zero
+from .differing import Differing, numbers_of, without_common_zero
 
 _STEPS = 20  # of the device's fit in each round: the next one goes on from there
 _SMALL = 1e-4  # change of a stiffness or a damping by which its derivative is taken
 
 KINDS = tuple(TOLD)
-_OF_TIME = ("delay", "clock")
 _OF_DEVICE = {"stiffness": (FREQUENCY, 1.0), "damping": (QUALITY, -1.0)}
 """Which parameter of the linear part such a number moves along, and whether up or down."""
 
@@ -48,7 +47,7 @@ def comparable(fitted: Fit) -> bool:
 
 def kinds_of(campaign: Campaign) -> Sequence[Kind]:
     """The kinds of numbers in which the records of a campaign may differ: a decay has nothing to be late to."""
-    return KINDS if all(trace.driven for trace in campaign.traces) else [k for k in KINDS if k not in _OF_TIME]
+    return KINDS if all(trace.driven for trace in campaign.traces) else [k for k in KINDS if not TOLD[k].of_time]
 
 
 def rows_of(regression: Regression, kind: Kind) -> np.ndarray:
@@ -63,7 +62,7 @@ def rows_of(regression: Regression, kind: Kind) -> np.ndarray:
         for row, own in zip(rows, regression.places, strict=True):
             row[own] = whole[0, own]
         return rows
-    late = kind in _OF_TIME
+    late = TOLD[kind].of_time
     along = lambda trace: _later(trace, trace.response, kind) if late else _slopes(fit, trace, trace, kind)
     return by_record(regression, _apart(regression, [along(trace) for trace in records]))
 
@@ -95,13 +94,14 @@ def differing(fitted: Fit, kinds: Sequence[Kind | Literal["drive"]] | None = Non
 
 
 def _found(fitted: Fit, kind: Kind) -> Differing | None:
-    fitted = without_common_zero(fitted) if kind in OF_ZERO else fitted
+    told = TOLD[kind]
+    fitted = without_common_zero(fitted) if told.of_zero else fitted
     campaign = fitted.campaign
     inside = np.array([i for i, trace in enumerate(campaign.traces) if not trace.holdout])
-    if len(inside) < (2 if kind in OF_ZERO else FEWEST):  # a zero that moves is no device's
+    if len(inside) < (2 if told.of_zero else FEWEST):  # a zero that moves is no device's
         return None
     shortest = min(len(trace.time) for trace in campaign.traces)
-    most = min(TOLD[kind].most, shortest / 10) if kind == "delay" else TOLD[kind].most
+    most = min(told.most, shortest / 10) if kind == "delay" else told.most
 
     def along(now: Fit) -> tuple[Regression, np.ndarray]:
         regression = prepare(now)
@@ -111,8 +111,8 @@ def _found(fitted: Fit, kind: Kind) -> Differing | None:
 
     read_by = lambda sizes: _with(campaign, kind, sizes)
     refit = lambda now, sizes: fit(fitted.model, read_by(sizes), initial=now.values, most=_STEPS)
-    start = np.zeros((len(campaign.traces), TOLD[kind].each))
-    settled = alternated(fitted, inside, start, along, refit, TOLD[kind].shared, most)
+    start = np.zeros((len(campaign.traces), told.each))
+    settled = alternated(fitted, inside, start, along, refit, told.shared, most)
     if settled is None:
         return None
     now, sizes, errors = settled
@@ -136,15 +136,14 @@ def _apart(regression: Regression, slopes: Sequence[np.ndarray]) -> np.ndarray:
 
 def _slopes(now: Fit, as_read: Trace, trace: Trace, kind: Kind) -> np.ndarray:
     """Change of the reading of a record, as it was read and as its numbers so far make it, with these, (q, n)."""
-    if kind in OF_ZERO:
+    if TOLD[kind].of_zero:
         return curves(as_read)[: TOLD[kind].each]
     here = read(now.model, now.values, [trace])[0]
     if kind == "sensitivity":
-        return here[None] / (1 + (trace.own[1][0] if trace.own else 0.0))
-    if kind in _OF_TIME:
+        return here[None] / (1 + trace.number(kind))
+    if TOLD[kind].of_time:
         return _later(trace, here, kind)
-    name = "stiffer" if kind == "stiffness" else "damped"
-    more = replace(trace, **{name: getattr(trace, name) + _SMALL})
+    more = read_apart(trace, kind, [trace.number(kind) + _SMALL])
     return (read(now.model, now.values, [more])[0] - here)[None] / _SMALL
 
 

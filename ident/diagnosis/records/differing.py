@@ -17,10 +17,6 @@ _DRIVE = Told("drive", 100.0, "%", "does the force fall behind what it is called
               shared=True)  # fmt: skip
 
 
-OF_ZERO = ("level", "baseline")
-"""Kinds of numbers that are zeros of the sensor: beside them it has no common one."""
-
-
 class Differing(NamedTuple):
     """Records or levels, by their `names`, that differ in one `kind` of numbers: `sizes` and `errors` (names, q),
     shares or (delays) samples, their mean zero over the fitted ones where the device has such a number too; the `fit`
@@ -65,7 +61,7 @@ class Differing(NamedTuple):
 
     def begun(self, start: Fit) -> Fit:
         """The fit from which a walk had begun, with the records read so."""
-        before = without_common_zero(start) if self.kind in OF_ZERO else start
+        before = without_common_zero(start) if self._told.of_zero else start
         return fit(before.model, self.said_in(self.fit.campaign), initial=before.values)
 
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...campaign.apart import as_it_came, curves, read_apart
+from ...campaign.apart import TOLD, as_it_came, curves, read_apart
 from ...campaign.campaign import Campaign
 from ...campaign.record import Trace
 from ...fit import Fit, fit
@@ -28,7 +28,7 @@ from ..ranking.pairs import Pair, best_pair
 from ..ranking.score import score_beside, significant
 from ..ranking.weigh import Candidate
 from ..records.between import comparable, differing, rows_of
-from ..records.differing import MOVED, OF_ZERO, Differing, numbers_of
+from ..records.differing import MOVED, Differing, numbers_of
 
 LEVEL = "level"
 
@@ -56,7 +56,7 @@ def with_own_zeros(current: Fit, look: Look) -> Campaign | None:
 
 def has_own_zeros(campaign: Campaign) -> bool:
     """Whether the records are read by zeros of their own, be they levels or baselines."""
-    return any(record.own is not None and record.own[0] in OF_ZERO for record in campaign.traces)
+    return any(record.own is not None and TOLD[record.own[0]].of_zero for record in campaign.traces)
 
 
 def with_zeros_anew(last: Fit, report: Report) -> Fit:
@@ -87,7 +87,7 @@ def _read_so(campaign: Campaign, found: Differing) -> Campaign:
 
 def _zero(trace: Trace) -> float:
     """The zero by which a record is read, in the unit of its response."""
-    return 0.0 if trace.own is None else trace.own[1][0] * _size(trace)
+    return trace.number(LEVEL) * _size(trace)
 
 
 def _size(trace: Trace) -> float:
