@@ -137,7 +137,7 @@ def rebuild(document: dict[str, Any], folder: Path) -> Fit:
 
 
 def rebuild_in(campaign: Campaign, document: dict[str, Any], folder: Path) -> Fit:
-    """The same in a campaign that was restored already."""
+    """The Fit of a `run.json` in a campaign that was restored already."""
     model, values = _model(document, campaign, folder)
     starts = [Start(_number(a), _number(b), steps, ok) for a, b, steps, ok in document["state"]["starts"]]
     return fit_at(

@@ -62,7 +62,7 @@ class Suspect:
 
     @property
     def left_out(self) -> str:
-        """The same of a record that is left out already."""
+        """What is wrong and what to do with a record that is left out already."""
         do = _UNPLACED if self.file == ALL else ADVICE[self.kind]
         return f"{self.file}: {self.says} ({100 * self.probability:.0f} %): {do}."
 
