@@ -14,7 +14,7 @@ from ident.units import NUMBER, base_unit, find_unit
 
 from .added_drive import with_drive
 from .channel import channel_of, own_units, plausible_noise
-from .device import Device
+from .device import NOMINAL_RESONANCE, Device
 from .drive import find_period
 from .guess import guess_kind, match_any
 from .lost_samples import times_of
@@ -47,7 +47,7 @@ from .tables.instruments import INSTRUMENT_READERS
 from .tables.table import Column, Table
 from .tables.text import read_text_table
 
-_PLATFORM_OMEGA = 2 * math.pi * 500.0  # rad/s, where a platform vibrates: what a velocity means as a displacement
+_PLATFORM_OMEGA = 2 * math.pi * NOMINAL_RESONANCE  # rad/s: what a velocity means as a displacement
 
 
 def read_table(path: Path, name: str, own_units: tuple[str, ...] = ()) -> Table:
