@@ -29,7 +29,7 @@ class UserError(Exception):
     - `do`: what the user can do about it.
     """
 
-    def __init__(self, what: str, *, where: str = "", do: str = ""):
+    def __init__(self, what: str, *, where: str = "", do: str):
         self.what, self.where, self.do = what, where, do
         place = f"{where}: " if where else ""
         advice = f" — {do}" if do else ""

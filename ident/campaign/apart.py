@@ -4,21 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from .late import in_time
-from .record import Sweep, Trace
-
-Kind = Literal["stiffness", "damping", "sensitivity", "delay", "clock", "level", "baseline"]
+from .record import Kind, Sweep, Trace
 
 
 class Told(NamedTuple):
     """How a kind of numbers is told to people: `what` each record has, numbers times `times` in `unit`, and `why`; how
     many `each` has, whether what all have is the device's own, and the `most` that a number can be: more says nothing
-    of this device."""
+    of this device.
+
+    `of_device`: the device itself is another one, of which a simulation takes account; `of_time`: it moves the samples
+    of the drive beside those of the response; `of_zero`: the sensor has this zero, and no common one beside it."""
 
     what: str
     times: float
@@ -27,18 +28,25 @@ class Told(NamedTuple):
     most: float
     each: int = 1
     shared: bool = False
+    of_device: bool = False
+    of_time: bool = False
+    of_zero: bool = False
 
 
 TOLD: dict[Kind, Told] = {
     # A resonance moves by half of what its spring does.
-    "stiffness": Told("resonance", 50.0, "%", "was the device warmer or otherwise loaded in some?", 0.5, shared=True),
-    "damping": Told("damping", 100.0, "%", "was the pressure another, or a clamp less tight?", 0.9, shared=True),
+    "stiffness": Told("resonance", 50.0, "%", "was the device warmer or otherwise loaded in some?", 0.5, shared=True,
+                      of_device=True),
+    "damping": Told("damping", 100.0, "%", "was the pressure another, or a clamp less tight?", 0.9, shared=True,
+                    of_device=True),
     "sensitivity": Told("sensitivity", 100.0, "%", "was the sensor moved?", 0.9, shared=True),
-    "delay": Told("delay", 1.0, "samples", "did each have a trigger of its own?", 100.0),
-    "clock": Told("clock", 1e6, "ppm", "do generator and recorder run by one clock?", 0.1),
-    "level": Told("zero", 100.0, "% of its signal", "was the sensor set anew, or is it AC coupled?", 100.0),
-    "baseline": Told("baseline", 100.0, "% of its signal", "does the sensor drift?", 100.0, each=3),
-}
+    "delay": Told("delay", 1.0, "samples", "did each have a trigger of its own?", 100.0, of_time=True),
+    "clock": Told("clock", 1e6, "ppm", "do generator and recorder run by one clock?", 0.1, of_time=True),
+    "level": Told("zero", 100.0, "% of its signal", "was the sensor set anew, or is it AC coupled?", 100.0,
+                  of_zero=True),
+    "baseline": Told("baseline", 100.0, "% of its signal", "does the sensor drift?", 100.0, each=3,
+                     of_zero=True),
+}  # fmt: skip
 
 
 def curves(trace: Trace) -> np.ndarray:
@@ -56,17 +64,15 @@ def read_apart(trace: Trace, kind: Kind, sizes: Iterable[float]) -> Trace:
     delay in samples or the curves of its baseline, time and drive from the share by which the recorder's clock is fast.
     """
     told = (kind, tuple(float(size) for size in sizes))
-    if kind == "stiffness":
-        return replace(trace, own=told, stiffer=told[1][0])
-    if kind == "damping":
-        return replace(trace, own=told, damped=told[1][0])
+    if TOLD[kind].of_device:
+        return replace(trace, own=told)
     if kind == "delay":
         return replace(in_time(trace, told[1][0]), own=told)
     if kind == "clock":
         index, ran = np.arange(len(trace.time)), 1 - told[1][0]
         drive = CubicSpline(index, trace.drive)(np.clip(index * ran, 0, index[-1]))
         return replace(trace, own=told, time=trace.time * ran, into=trace.into * ran, drive=drive)
-    if kind in ("level", "baseline"):
+    if TOLD[kind].of_zero:
         moved = np.asarray(told[1]) @ curves(trace)[: TOLD[kind].each]
         return replace(trace, own=told, response=trace.response - moved)
     times = 1 / (1 + told[1][0])
@@ -78,7 +84,7 @@ def as_it_came(record: Trace | Sweep) -> Trace | Sweep:
     """A record as it came, of a trace that was read by a level of its own: that does not change its size."""
     if not isinstance(record, Trace) or record.own is None or record.own[0] != "level":
         return record
-    return replace(record, own=None, response=record.response + record.own[1][0] * curves(record)[0])
+    return replace(record, own=None, response=record.response + record.number("level") * curves(record)[0])
 
 
 def size_of(trace: Trace) -> float:

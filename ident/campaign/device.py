@@ -36,6 +36,10 @@ class Platform:
     max_frequency: float = 2000.0
 
 
+NOMINAL_RESONANCE = 500.0
+"""Hz, near which a platform vibrates."""
+
+
 @dataclass(frozen=True)
 class Oscillator:
     """Any driven oscillator, z̈ + (ω0/Q) ż + ω0² z = g u, in whatever units its columns have."""

@@ -14,7 +14,7 @@ from ident.units import NUMBER, base_unit, find_unit
 
 from .added_drive import with_drive
 from .channel import channel_of, own_units, plausible_noise
-from .device import Device
+from .device import NOMINAL_RESONANCE, Device
 from .drive import find_period
 from .guess import guess_kind, match_any
 from .lost_samples import times_of
@@ -47,7 +47,7 @@ from .tables.instruments import INSTRUMENT_READERS
 from .tables.table import Column, Table
 from .tables.text import read_text_table
 
-_PLATFORM_OMEGA = 2 * math.pi * 500.0  # rad/s, where a platform vibrates: what a velocity means as a displacement
+_PLATFORM_OMEGA = 2 * math.pi * NOMINAL_RESONANCE  # rad/s: what a velocity means as a displacement
 
 
 def read_table(path: Path, name: str, own_units: tuple[str, ...] = ()) -> Table:
@@ -184,7 +184,7 @@ def _trace(spec: RecordSpec, columns: Mapping[str, Column], device: Device, note
     level = rest_level(response if masked is None else across_gaps(response, masked)) if np.ptp(drive) == 0 else None
     level = level or 0.0
     period = find_period(drive)
-    check_sampling(spec.file, time, drive, period, notes)
+    check_sampling(spec.file, drive, period, notes)
     skip = _skip_samples(spec, time, every)
     if spec.noise is not None:
         noise = NoiseFloor(plausible_noise(spec, float(np.std(response))), method="given in the campaign")

@@ -7,8 +7,8 @@ A record is one file: a trace (time, drive, response) or a sweep (frequency, lev
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
-from typing import Any, Literal, NamedTuple
+from dataclasses import dataclass, field, replace
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,8 @@ LEAST = 20
 Start = Literal["rest", "steady", "unknown"]
 Measures = Literal["displacement", "velocity", "acceleration"]
 Between = Literal["auto", "smooth", "hold"]
+Kind = Literal["stiffness", "damping", "sensitivity", "delay", "clock", "level", "baseline"]
+"""Of numbers by which a record differs from the others; `apart.TOLD` says what they are."""
 MEASURES: tuple[Measures, ...] = ("displacement", "velocity", "acceleration")
 """What a sensor reads, in the order of the derivatives of the displacement."""
 
@@ -47,6 +49,7 @@ class NoiseFloor:
     - `method`: how it was found, in words ("given in the campaign", "repeats of 12 periods", …).
     - `relative_error`: standard error of `sigma` divided by `sigma`; 0 where the user gave it.
     - `unseen`: share of the frequencies, from zero on, at which it was not seen: there it is extrapolated.
+    - `lines`: what of it stands at single frequencies, and was added to the rest (`noise.hum`).
     """
 
     sigma: float
@@ -54,6 +57,7 @@ class NoiseFloor:
     method: str = ""
     relative_error: float = 0.0
     unseen: float = 0.0
+    lines: tuple[str, ...] = field(default=(), repr=False)  # keys of chains were made without (`posterior.result`)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,8 +75,7 @@ class Trace:
     - `noise`: the noise floor; `period`: samples per period if the drive is periodic over the record, else None.
     - `outliers`: samples of the file that left the curve; in `response` the curve takes their place.
     - `masked`: (n,) whether a sample says nothing, as where the response sticks to the limit of a range; none if None.
-    - `own`: None, or the kind of numbers by which it differs from the others, and these (see `apart`); `stiffer`,
-      `damped`: the share by which the device's own spring or damper is so here, where that is the kind.
+    - `own`: None, or the kind of numbers by which it differs from the others, and these (see `apart`).
     - `stuck`: share of the samples that stick to a limit; others that say nothing are missing.
     - `measures`: what the response is; m stands for m/s or m/s² where it is no displacement.
     - `between`: what the campaign says of the drive between its samples; `edge`: None if it is a smooth curve, else it
@@ -100,9 +103,7 @@ class Trace:
     measures: Measures = "displacement"
     masked: np.ndarray | None = None
     stuck: float = 0.0
-    own: tuple[Any, tuple[float, ...]] | None = None
-    stiffer: float = 0.0
-    damped: float = 0.0
+    own: tuple[Kind, tuple[float, ...]] | None = None
     between: Between = "auto"
     edge: float | None = None
 
@@ -110,6 +111,20 @@ class Trace:
     def differs(self) -> bool:
         """Whether it is known to differ from the others."""
         return self.own is not None
+
+    def number(self, kind: Kind) -> float:
+        """The first of its own numbers, where they are of that kind; else 0."""
+        return self.own[1][0] if self.own is not None and self.own[0] == kind else 0.0
+
+    @property
+    def stiffer(self) -> float:
+        """Share by which the device's own spring is stiffer in it than in the others."""
+        return self.number("stiffness")
+
+    @property
+    def damped(self) -> float:
+        """Share by which the device's own damper is stronger in it than in the others."""
+        return self.number("damping")
 
     @property
     def counted(self) -> np.ndarray:

@@ -31,7 +31,7 @@ class Said:
 
     @classmethod
     def of(cls, specs: Sequence[RecordSpec], device: Device, model: Any, data: Sequence[str], folder: Path) -> Said:
-        """The same of what was read."""
+        """The fingerprints of what was read."""
         records = tuple((spec.name, fingerprint(_plain(spec, folder))) for spec in specs)
         return cls(records, fingerprint(_plain(device, folder)), fingerprint(model), tuple(data))
 

@@ -54,7 +54,7 @@ def decided_together(chosen: Mapping[Path, Chosen]) -> dict[Path, tuple[Roles, s
 
 
 def _agreed(alike: Mapping[Path, Chosen]) -> dict[Path, tuple[Roles, str]]:
-    """The same columns for files that say different ones: what speaks for each is summed over them."""
+    """One pair of columns for files that each say another one: what speaks for each is summed over them."""
     sized = not any(one.switches for one in alike.values())  # whoever switches is the drive, by how much or not
     says = {path: min(one.smoother, _MOST) if sized else float(one.switches) for path, one in alike.items()}
     names = list(dict.fromkeys(one.columns["drive"] for one in alike.values()))

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..campaign.apart import Kind
+from ..campaign.record import Kind
 from ..fit import Fit, fit
 from ..pulse import Report
 from .evidence.criterion import VERY_STRONG, Left, behind, criteria

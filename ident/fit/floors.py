@@ -43,10 +43,11 @@ def sharpened(found: Fit, complete: bool = True) -> Campaign | None:
     changed = [new for old, new in zip(found.campaign.records, records, strict=True) if new is not old]
     if not changed:
         return None
+    why = "it stands out of what a model leaves, whatever drives them"
     notes = [
-        f"{what} counts as noise in {', '.join(loud)}: it stands out of what a model leaves, whatever drives them."
-        for what, words in ((HUMS.capitalize(), HUMS), ("A line of the surroundings", SURROUNDINGS))
-        if (loud := [record.name for record in changed if words in record.noise.method])
+        f"{line.capitalize()} counts as noise in {', '.join(loud)}: {why}."
+        for line in (HUMS, SURROUNDINGS)
+        if (loud := [record.name for record in changed if line in record.noise.lines])
     ]
     return replace(found.campaign, records=tuple(records), notes=(*found.campaign.notes, *notes))
 
@@ -75,7 +76,7 @@ def _lowered(record: Trace, reading: np.ndarray) -> Trace:
     told, left = record.noise, record.response - reading
     if told.relative_error < VAGUE or not np.all(np.isfinite(left)):
         return record
-    if HUMS in told.method or SURROUNDINGS in told.method:  # raised by what a model left: else there were no end of it
+    if told.lines:  # raised by what a model left: else there were no end of it
         return record
     later = slice(record.skip, None)
     masked = None if record.masked is None else record.masked[later]
@@ -110,7 +111,7 @@ def _with_hum(found: Fit, traces: list[Trace], periods: float) -> list[Trace]:
             own = _hum_of(record, reading, found, common, apart=False) if common else {}
             rate_of = lambda hz, record=record: 2 * np.pi * hz * record.step
             lines = [hz for hz in common if hz in own and not knows(record.noise, own[hz], rate_of(hz))]
-            known = record.noise.sigma**2 if what in record.noise.method else 0.0
+            known = record.noise.sigma**2 if what in record.noise.lines else 0.0
             if lines and sum(own[hz] for hz in lines) > known:
                 floor = with_lines(record.noise, [own[hz] for hz in lines], [rate_of(hz) for hz in lines], what)
                 record = replace(record, noise=floor)

@@ -59,7 +59,7 @@ class Check:
         yield from ("\nWhat these records tell apart", *(f"  {sentence}" for sentence in self.tells_apart))
 
     def as_json(self) -> dict[str, Any]:
-        """The same as plain numbers (SI) and words."""
+        """What was judged of the data, as plain numbers (SI) and words."""
         return judgement_dict(self.campaign)
 
     def to_dataframe(self) -> DataFrame:

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..campaign import Campaign, NoiseFloor
 from ..campaign.apart import read_apart
+from ..campaign.noise.hum import HUMS, SURROUNDINGS
 from ..campaign.quality.suspect import Suspect, set_aside
 from ..campaign.record import Sweep, Trace
 from ..effects.registry import Registry, built_in, find, registry
@@ -72,7 +73,7 @@ def restore_campaign(document: dict[str, Any], folder: Path) -> Campaign:
     """The campaign of a `run.json`, with the effect files and noise floors of then; what it depends on is the same."""
     kept, campaign = document["state"], campaign_of(document, folder)
     campaign = set_aside(campaign, [Suspect(**one) for one in kept.get("left_out", ())])
-    floors = [NoiseFloor(**{**floor, "ar": tuple(floor["ar"])}) for floor in kept["noise"]]
+    floors = [_floor(told) for told in kept["noise"]]
     records = [replace(record, noise=noise) for record, noise in zip(campaign.records, floors, strict=True)]
     estimates, stronger = iter(kept.get("traces", ())), iter(kept.get("stronger", ()))
     for i, record in enumerate(records):
@@ -81,6 +82,12 @@ def restore_campaign(document: dict[str, Any], folder: Path) -> Campaign:
         if isinstance(record, Trace) and (told := next(estimates, None)) is not None:
             records[i] = as_it_was(record, told)
     return replace(campaign, records=tuple(records))
+
+
+def _floor(told: dict[str, Any]) -> NoiseFloor:
+    """A noise floor of a run; of its lines those of older versions tell in their words only."""
+    lines = told.get("lines", [line for line in (HUMS, SURROUNDINGS) if line in told["method"]])
+    return NoiseFloor(**{**told, "ar": tuple(told["ar"]), "lines": tuple(lines)})
 
 
 def as_it_was(record: Trace, told: Sequence[Any]) -> Trace:
@@ -130,7 +137,7 @@ def rebuild(document: dict[str, Any], folder: Path) -> Fit:
 
 
 def rebuild_in(campaign: Campaign, document: dict[str, Any], folder: Path) -> Fit:
-    """The same in a campaign that was restored already."""
+    """The Fit of a `run.json` in a campaign that was restored already."""
     model, values = _model(document, campaign, folder)
     starts = [Start(_number(a), _number(b), steps, ok) for a, b, steps, ok in document["state"]["starts"]]
     return fit_at(

@@ -13,6 +13,7 @@ from experiments.hidden_effects.generator import draw
 from experiments.hidden_noise import pink
 from ident.campaign.noise.autoregression import fit_autoregression, levinson, variance_of
 from ident.campaign.noise.floor import noise_floor
+from ident.campaign.noise.hum import HUMS
 from ident.campaign.noise.of_others import beside_others
 from ident.campaign.noise.one_sensor import of_one_sensor
 from ident.campaign.noise.pool import pooled
@@ -188,7 +189,7 @@ def test_mains_hum_is_noise():
     noise = coloured(rng, 2000, WHITE, 0.01) + 0.01 * np.sqrt(2) * np.sin(2 * np.pi * 50 * time)
     floor = _floor((time, drive, response), noise)
     assert floor.sigma == pytest.approx(0.01 * np.sqrt(2), rel=0.15)
-    assert "hum" in floor.method and floor.ar
+    assert "hum" in floor.method and floor.lines == (HUMS,) and floor.ar
 
 
 @pytest.mark.parametrize(("ar", "samples"), [((), 2000), ((0.5,), 2000), ((0.9,), 2000), ((), 6000)], ids=str)

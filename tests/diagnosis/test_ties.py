@@ -20,7 +20,7 @@ from ident.diagnosis.evidence.family import is_family_of
 from ident.diagnosis.linearised.regression import Regression, prepare
 from ident.diagnosis.ranking.score import score
 from ident.diagnosis.ranking.weigh import Candidate
-from ident.diagnosis.search.ties import independent_of, tie_set, unseen
+from ident.diagnosis.search.ties import independent_of, reproduced, tie_set, unseen
 from ident.effects import AbstractEffect, amplitude
 from ident.effects.likeness import SAME_LOSS, Likeness
 from ident.effects.registry import built_in
@@ -71,7 +71,7 @@ def test_what_explains_as_well_is_tied_and_what_explains_less_is_not(
     far = candidate(disturbed, "coulomb-friction", a + 0.7 * b)
     found = tie_set(disturbed, best, [best, near, far], LIBRARY)
     assert found.names == ("cubic-stiffness", "quadratic-damping")
-    assert found.ties[0].confusability > 0.99
+    assert reproduced(disturbed, best, near) > 0.99
 
 
 def test_a_misfit_of_the_laws_widens_the_set(regression: Regression, lines: tuple[np.ndarray, np.ndarray]) -> None:

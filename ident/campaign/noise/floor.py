@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from ..quality.gaps import missed_across
 from ..record import NoiseFloor
 from .autoregression import Autoregression, fit_autoregression, leverage_of
 from .flicker import or_flicker
-from .hum import HUM, told_apart, with_hum
+from .hum import HUM, HUMS, told_apart, with_hum
 from .signal_basis import Pole, beside, find_transient, harmonic_columns, orthonormal, transient_columns
 
 HARMONICS = 12  # of the drive, which are signal
@@ -25,7 +26,33 @@ NUMBERS = 2  # coefficients, at most, or the share of flicker noise: more carry 
 _LOUD = 0.03  # of the response: a floor below is not asked whether the record's parts agree
 _SHORT = 200  # samples of a part at least: the series and the transient take some fifty numbers
 _FAR_BELOW = 0.5  # of the floor of the whole: parts that agree with it scatter by a tenth
+_SETTLES = 1.5  # times the power of the last third: an earlier one with more is bent to by many columns
+_DIVIDED = 600  # samples at least of a record whose first third may be left out
+_PER_NUMBER = 1.5  # energy, in units of the noise, that a column of a higher level takes if there is nothing in it
+_BESIDES = 6.0  # that all of these together may take besides
+_ALIVE = 1.4  # times the energy of the later periods: the first has a transient that is worth leaving it out
+_RINGS = 3.0  # energy that each number of a transient between periods takes, where it is one
+_RINGS_BESIDES = 20.0  # that all of these together take besides
+_RINGING_ERROR = 0.3  # relative, of a floor beside a transient whose products with the drive are not described
+_MULTIPLES = (1.3, 2.2, 3.3, 5.0, 7.5, 11.0)
+"""Of the drive's highest frequency, from which on the response may be noise alone."""
+_HIGHEST = 0.8  # of all frequencies: above it there are too few
+_BEARS = 5.0  # times the noise that is seen, as a whole: more than an extrapolation can bear
+_UNBEARABLE_ERROR = 0.7  # relative, of a floor that is taken as white instead
+_PLATEAU = 1.15  # times what still higher frequencies say: by less than that the motion adds nothing
+_STOOD = 1.5  # times the error of a fit that was chosen because it stood on a plateau
+_MANY = 50  # frequencies at least that tell a floor without a plateau
+_FAR = 3  # times the drive's highest frequency, at least, where these begin
+_NO_PLATEAU_ERROR = 0.5  # relative, of a floor without a plateau
 _CLIPPED_ERROR = 0.5  # relative, of the floor of a clipped record: found 1.0 to 2.5 times too high, once 8.5
+
+
+class _Found(NamedTuple):
+    """The noise of a record that is scaled to its size, the `method` by which it was found, and its `lines`."""
+
+    fit: Autoregression
+    method: str
+    lines: tuple[str, ...] = ()
 
 
 def noise_floor(
@@ -72,17 +99,17 @@ def noise_floor(
         found = _of_parts(response[-LONGEST:], period, mains, _short_period(response[-LONGEST:], period, mains))
     else:
         found = _repeats(response, period)
-    if np.ptp(drive) > 0 and found[0].relative_error > _SURER * EXTRAPOLATED:
+    if np.ptp(drive) > 0 and found.fit.relative_error > _SURER * EXTRAPOLATED:
         far_above = _free_frequencies(latest(drive), latest(response))
-        if _SURER * far_above[0].relative_error < found[0].relative_error:
+        if _SURER * far_above.fit.relative_error < found.fit.relative_error:
             found, free = far_above, True  # a motion beyond description adds to what is left, but hardly so high
-    fit, method = found
+    fit = found.fit
     quantum = _resolution(response)
     sigma = max(fit.sigma, quantum / math.sqrt(12.0), 1e-12)
     if sigma > fit.sigma:
         return NoiseFloor(sigma * size, method="the resolution of the response column", relative_error=0.5)
     unseen = float(np.argmax(fit.used > 0)) / len(fit.used) if free else 0.0
-    return NoiseFloor(float(sigma * size), fit.ar, method, float(fit.relative_error), unseen)
+    return NoiseFloor(float(sigma * size), fit.ar, found.method, float(fit.relative_error), unseen, found.lines)
 
 
 def _highest_harmonic(drive: np.ndarray, period: float) -> int:
@@ -109,9 +136,7 @@ class _Removed:
     residual: np.ndarray
 
 
-def _short_period(
-    response: np.ndarray, period: float | None, mains: tuple[float, ...], halvings: int = 2
-) -> tuple[Autoregression, str]:
+def _short_period(response: np.ndarray, period: float | None, mains: tuple[float, ...], halvings: int = 2) -> _Found:
     """Fourier series, transient and products removed; as many products as the data ask for."""
     n = len(response)
     rate = None if period is None else 2 * np.pi / period
@@ -122,33 +147,33 @@ def _short_period(
         removed = _removed(response, harmonics, rate, pole, (3, 4))
     white = np.convolve(removed.residual, np.append(1.0, -np.array(removed.fit.ar)))[:n] ** 2
     first, middle, last = (float(np.mean(part)) for part in np.array_split(white, 3))
-    if max(first, middle) > 1.5 * last and halvings and n >= 600:  # many columns bend to what comes first
+    if max(first, middle) > _SETTLES * last and halvings and n >= _DIVIDED:  # many columns bend to what comes first
         later = _short_period(response[n // 3 :], period, mains, halvings - 1)  # a transient beyond description dies
-        if later[0].sigma < removed.fit.sigma:
+        if later.fit.sigma < removed.fit.sigma:
             return later
     fit, share = with_hum(removed.residual, removed.basis, _apart(mains, rate, pole, n), removed.fit)
     beside = ["the Fourier series of the drive's period"] if period is not None else []
     beside += ["a transient"] if removed.level else []
-    words = "a decay" if period is None else f"{n / period:.0f} periods"
+    what = "a decay leaves" if period is None else f"{n / period:.0f} periods leave"
     numbers = f"{removed.basis.shape[1]} numbers fitted"
-    verb = "leaves" if words.startswith("a ") else "leave"
-    method = f"what {words} {verb} beside {' and '.join(beside) or 'a constant'} ({numbers})"
-    return fit, method + (f"; mains hum, {share:.0%} of its power, is part of it" if share > 0 else "")
+    method = f"what {what} beside {' and '.join(beside) or 'a constant'} ({numbers})"
+    if share > 0:
+        return _Found(fit, f"{method}; {HUMS}, {share:.0%} of its power, is part of it", (HUMS,))
+    return _Found(fit, method)
 
 
-def _of_parts(
-    response: np.ndarray, period: float, mains: tuple[float, ...], whole: tuple[Autoregression, str]
-) -> tuple[Autoregression, str]:
+def _of_parts(response: np.ndarray, period: float, mains: tuple[float, ...], whole: _Found) -> _Found:
     """The floor of a record's thirds, where theirs is far below that of the whole: lost samples, or a jump, spoil the
     series of the whole record, and would hide themselves behind the floor that they make."""
     third = len(response) // 3
-    if whole[0].sigma < _LOUD or third < max(2.5 * period, _SHORT):
+    if whole.fit.sigma < _LOUD or third < max(2.5 * period, _SHORT):
         return whole
     parts = [_short_period(response[k * third : (k + 1) * third], period, mains) for k in range(3)]
-    usual = sorted(parts, key=lambda part: part[0].sigma)[1]
-    if usual[0].sigma > _FAR_BELOW * whole[0].sigma:
+    usual = sorted(parts, key=lambda part: part.fit.sigma)[1]
+    if usual.fit.sigma > _FAR_BELOW * whole.fit.sigma:
         return whole
-    return usual[0], f"{usual[1]}, in a third of the record; over the whole of it the response does not stay in step"
+    where = "in a third of the record; over the whole of it the response does not stay in step"
+    return usual._replace(method=f"{usual.method}, {where}")
 
 
 def _apart(mains: tuple[float, ...], rate: float | None, pole: Pole | None, n: int) -> list[float]:
@@ -179,7 +204,7 @@ def _removed(
     for level in levels[:-1]:
         inside = basis[:, : up_to[level]]
         rest = beside(inside, response)
-        if _whitened_energy(rest, fit) - least < 1.5 * (len(level_of) - up_to[level]) + 6.0:
+        if _whitened_energy(rest, fit) - least < _PER_NUMBER * (len(level_of) - up_to[level]) + _BESIDES:
             return _Removed(fit_autoregression(rest, leverage_of(inside)), inside, level, rest)
     return _Removed(fit, basis, highest, left)
 
@@ -190,7 +215,7 @@ def _whitened_energy(residual: np.ndarray, fit: Autoregression) -> float:
     return 2.0 * float(np.sum(power / fit.spectrum))
 
 
-def _repeats(response: np.ndarray, period: float) -> tuple[Autoregression, str]:
+def _repeats(response: np.ndarray, period: float) -> _Found:
     """Few periods of a rich drive: noise is what differs between them, beside a transient that dies."""
     size = int(round(period))
     count = int(len(response) // period)
@@ -200,7 +225,7 @@ def _repeats(response: np.ndarray, period: float) -> tuple[Autoregression, str]:
     while len(folded) > 2:  # periods in which the transient is alive are worth less than they cost
         energy = np.mean((folded - folded[1:].mean(axis=0)) ** 2, axis=1)
         later = float(np.mean(energy[1:])) * (len(folded) - 1) / max(len(folded) - 2, 1)
-        if energy[0] < 1.4 * later * (1 + 1 / (len(folded) - 1)):
+        if energy[0] < _ALIVE * later * (1 + 1 / (len(folded) - 1)):
             break
         folded, dropped = folded[1:], dropped + 1
     repeats = len(folded)
@@ -217,18 +242,19 @@ def _repeats(response: np.ndarray, period: float) -> tuple[Autoregression, str]:
     method = f"differences between {repeats} repeats of the drive's period"
     pole = find_transient(joined, None, 0)
     if pole is None or len(joined) > LONGEST:
-        return fit, method
+        return _Found(fit, method)
     columns, level_of = transient_columns(len(joined), None, pole, 4)
+    rings = False
     for highest in (1, 3, 4):
         basis, _ = orthonormal(deflated(columns[:, level_of <= highest]))
         rest = beside(basis, joined)
         better = fit_autoregression(rest, leverage + leverage_of(basis))
         gain = _whitened_energy(joined, better) - _whitened_energy(rest, better)
-        if gain > 3.0 * basis.shape[1] + 20.0 and better.sigma < fit.sigma:
-            fit, method = better, f"differences between {repeats} repeats of the drive's period, beside a transient"
-    if "transient" in method:  # its products with the drive are not described
-        fit = replace(fit, relative_error=max(fit.relative_error, 0.3 if repeats > 2 or dropped else 1.0))
-    return fit, method
+        if gain > _RINGS * basis.shape[1] + _RINGS_BESIDES and better.sigma < fit.sigma:
+            fit, rings = better, True
+    if rings:  # its products with the drive are not described
+        fit = replace(fit, relative_error=max(fit.relative_error, _RINGING_ERROR if repeats > 2 or dropped else 1.0))
+    return _Found(fit, f"{method}, beside a transient" if rings else method)
 
 
 def extrapolated(floor: NoiseFloor) -> bool:
@@ -252,33 +278,35 @@ def exciting(drive: np.ndarray) -> np.ndarray:
     return np.cumsum(np.abs(np.fft.rfft(windowed(drive))) ** 2)
 
 
-def _free_frequencies(drive: np.ndarray, response: np.ndarray) -> tuple[Autoregression, str]:
+def _free_frequencies(drive: np.ndarray, response: np.ndarray) -> _Found:
     """Frequencies above the drive's, from where the response no longer shows its products: an extrapolation."""
     n, reached = len(response), exciting(drive)
     top = int(np.searchsorted(reached, 0.999 * reached[-1])) + 2
     last = n // 2
     seen = windowed(response)
     fits: list[tuple[int, Autoregression]] = []
-    for multiple in (1.3, 2.2, 3.3, 5.0, 7.5, 11.0):
+    for multiple in _MULTIPLES:
         low = int(multiple * top)
-        if low > 0.8 * last:
+        if low > _HIGHEST * last:
             break
         fit = or_flicker(fit_autoregression(seen, None, NUMBERS, np.arange(last + 1) < low), seen)
-        if fit.sigma > 5.0 * float(np.sqrt(np.mean(fit.spectrum[low:]))):  # more than such an extrapolation can bear
+        if fit.sigma > _BEARS * float(np.sqrt(np.mean(fit.spectrum[low:]))):
             fit = fit_autoregression(seen, None, 0, np.arange(last + 1) < low)
-            fit = replace(fit, relative_error=0.7)
+            fit = replace(fit, relative_error=_UNBEARABLE_ERROR)
         fits.append((low, fit))
     for (low, fit), (next_low, above) in zip(fits, fits[1:], strict=False):
-        if np.mean(fit.spectrum[next_low:]) < 1.15 * np.mean(above.spectrum[next_low:]):
-            error = min(1.0, float(np.hypot(1.5 * fit.relative_error, EXTRAPOLATED)))
+        if np.mean(fit.spectrum[next_low:]) < _PLATEAU * np.mean(above.spectrum[next_low:]):
+            error = min(1.0, float(np.hypot(_STOOD * fit.relative_error, EXTRAPOLATED)))
             share = 1 - low / last
-            return replace(fit, relative_error=error), f"extrapolated from the upper {share:.0%} of the frequencies"
+            fit = replace(fit, relative_error=error)
+            return _Found(fit, f"extrapolated from the upper {share:.0%} of the frequencies")
     # No plateau: products of the drive, or a filter, reach up to the highest frequencies.
-    if fits and last - fits[-1][0] > 50 and fits[-1][0] > 3 * top:
-        return replace(fits[-1][1], relative_error=0.5), "extrapolated from the highest frequencies"
+    if fits and last - fits[-1][0] > _MANY and fits[-1][0] > _FAR * top:
+        highest = replace(fits[-1][1], relative_error=_NO_PLATEAU_ERROR)
+        return _Found(highest, "extrapolated from the highest frequencies")
     low, high = min(int(1.03 * top), int(0.85 * last)), min(max(int(1.15 * top), int(1.03 * top) + 8), last)
     power = np.abs(np.fft.rfft(seen)) ** 2 / n
     sigma = math.sqrt(float(np.median(power[low:high])) / math.log(2.0))
     spectrum = np.full(last + 1, sigma**2)
     words = "the level just above the drive's band, taken as white (it holds distortion too, and may be filtered)"
-    return Autoregression(sigma, (), 0.5, spectrum, np.ones(last + 1)), words
+    return _Found(Autoregression(sigma, (), _NO_PLATEAU_ERROR, spectrum, np.ones(last + 1)), words)

@@ -27,7 +27,7 @@ HUM = tuple(hz * order for hz in MAINS for order in (1, 2, 3))
 """Hz, with its overtones."""
 
 _STANDS = 16.0  # times the noise beside it: a line of noise alone has as much power once in 3000 times
-HUMS, SURROUNDINGS = "mains hum", "a line of the surroundings"  # in the words of a floor
+HUMS, SURROUNDINGS = "mains hum", "a line of the surroundings"  # the lines of a floor, in words
 PERIODS = 2.5  # that a record holds of a line, at least: of fewer it is a level that bends
 _ABOUT = 0.02 * np.pi  # rad per sample on either side of a line: so narrow is its peak in an autoregression
 _FINE = 4096  # frequencies from which covariances are read
@@ -125,4 +125,5 @@ def with_lines(noise: NoiseFloor, powers: Sequence[float], lines: Sequence[float
     share = sum(powers) / total
     method = f"{noise.method}; {what}, {share:.0%} of its power, is part of it".lstrip("; ")
     ar = tuple(float(a) for a in levinson(covariance, MAX_ORDER)[0])
-    return NoiseFloor(float(np.sqrt(total)), ar, method, noise.relative_error * (1 - share))
+    lines_in = tuple(dict.fromkeys([*noise.lines, what]))
+    return NoiseFloor(float(np.sqrt(total)), ar, method, noise.relative_error * (1 - share), lines=lines_in)

@@ -15,11 +15,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg.blas import dtrsm  # pyright: ignore[reportAttributeAccessIssue]  (missing from its stubs)
 
-LEVELS = 5
-"""How many sets of columns there are: no transient; the transient; with its products of second order; of third order;
-and all of these changing slowly, as an amplitude-dependent frequency makes them."""
-
-
 _LONG = 4096  # samples: of fewer a QR takes no time
 _INDEPENDENT = 1e-5
 """Of its length, what a column must have beside those before it: the square is then far above rounding."""
@@ -53,7 +48,9 @@ def harmonic_columns(n: int, drive_rate: float | None, count: int) -> np.ndarray
 def transient_columns(n: int, drive_rate: float | None, pole: Pole, highest: int) -> tuple[np.ndarray, np.ndarray]:
     """(n, M) decaying columns of a transient and its products with the drive's response, (M,) the level of each.
 
-    The columns of all levels up to `highest`, in the order of their levels.
+    The columns of all levels up to `highest`, in the order of their levels: 1 is the transient itself, 2 its products
+    of second order, 3 those of third order, and 4 all of these changing slowly, as an amplitude-dependent frequency
+    makes them.
     """
     time = np.arange(n)
     powers = [np.ones(n)]

@@ -10,7 +10,8 @@ import numpy as np
 from ident.errors import UserError
 from ident.units import format_quantity
 
-from ..device import Device, Oscillator
+from ..device import NOMINAL_RESONANCE, Device, Oscillator
+from ..drive import drive_rate
 from ..record import LEAST
 from ..tables.table import Column
 from .clipping import CLIPPED, clipped_fraction
@@ -145,7 +146,7 @@ def _resolution(column: Column) -> float:
     return 10.0 ** (math.floor(math.log10(largest)) + 1 - max(digits, 1)) if largest > 0 else 0.0
 
 
-PLATFORM_RATE = 1e3  # Hz: two samples to a period of the nominal resonance; with fewer none of its motion is recorded
+PLATFORM_RATE = 2 * NOMINAL_RESONANCE  # Hz: two samples to its period; with fewer none of its motion is recorded
 PLATFORM_TRAVEL = 1e-3  # m, more than any micro platform moves: beyond it a unit is wrong, or the device is another
 
 
@@ -193,10 +194,8 @@ def check_plausible(
     if not 1e-9 < step < 1.0:
         raise error(f"a sample every {step:.3g} s", "time", "ms")
     if not 1e-7 < step < 1e-3:
-        what = (
-            f"a sampling rate of {format_quantity(1 / step, 'Hz')} is unusual for a platform that vibrates near 500 Hz"
-        )
-        notes.append(f"{file}: {what}; is the unit of time right?")
+        rate, usual = format_quantity(1 / step, "Hz"), f"a platform that vibrates near {NOMINAL_RESONANCE:g} Hz"
+        notes.append(f"{file}: a sampling rate of {rate} is unusual for {usual}; is the unit of time right?")
 
 
 def check_response(column: Column, response: np.ndarray, notes: list[str]) -> None:
@@ -250,10 +249,8 @@ def check_drive(
             )
 
 
-def check_sampling(file: str, time: np.ndarray, drive: np.ndarray, period: float | None, notes: list[str]) -> None:
+def check_sampling(file: str, drive: np.ndarray, period: float | None, notes: list[str]) -> None:
     """Enough samples per period of the drive."""
-    from ..drive import drive_rate
-
     if np.ptp(drive) == 0:
         return
     per_period = 2 * math.pi / drive_rate(drive, period)

@@ -99,7 +99,7 @@ def _slip(x: np.ndarray, rough: np.ndarray, start: int, stop: int, side: int) ->
 
 
 def _elsewhere(x: np.ndarray, rough: np.ndarray, start: int, stop: int, side: int) -> Iterator[_Missed]:
-    """The same curves across gaps like it, at places near that are not rough."""
+    """Curves across gaps as long, at places near that are not rough: what they miss there."""
     for way in (-1, 1):
         count = 0
         for k in range(1, 6 * _PLACES):

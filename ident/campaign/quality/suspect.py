@@ -19,7 +19,7 @@ ALL = "all records"
 """In place of a file: what is wrong in the same way with all of them."""
 _UNPLACED = (
     "a lag that no record can place: of the trigger, a filter, the amplifier or the sensor? Correct the times if it "
-    "is the instrument's, or add drive-lag or sensor-lag"
+    "is the instrument's, or add a lag of the drive or of the sensor"
 )
 
 ADVICE: dict[Kind, str] = {
@@ -30,7 +30,7 @@ ADVICE: dict[Kind, str] = {
     "wrong-record": "does this file belong to this drive, device and load? Find the right one",
     "clipping": "measure again, in a wider range if it left its range",
     "spikes": "what the neighbours say took their place; look at the sensor if there are many",
-    "drift": "let it settle, or take the drift out before; a model would need sensor-drift",
+    "drift": "let it settle, or take the drift out before; a model would need a drift of the sensor",
     "duplicate": "list it once: twice makes error bars too small",
 }
 _KEPT: tuple[Kind, ...] = ("spikes", "drift", "duplicate")  # the record is of use as it is
@@ -62,7 +62,7 @@ class Suspect:
 
     @property
     def left_out(self) -> str:
-        """The same of a record that is left out already."""
+        """What is wrong and what to do with a record that is left out already."""
         do = _UNPLACED if self.file == ALL else ADVICE[self.kind]
         return f"{self.file}: {self.says} ({100 * self.probability:.0f} %): {do}."
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..record import Sweep
 
-_LEAST = 0.15
+LEAST = 0.15
 """Of the largest amplitude: what a jump changes at least; noise of 2 % reaches that once in a million steps."""
 _STANDS_OUT = 3.0
 """A jump, over the larger of the changes before and after it, over as many points. A resonance that is measured at
@@ -89,7 +89,7 @@ def _jumps_after(a: np.ndarray, response: np.ndarray, width: int) -> int | None:
     steps, change = np.abs(response[width:] - response[:-width]), a[width:] - a[:-width]
     padded = np.concatenate([np.zeros(width), steps, np.zeros(width)])
     beside = np.maximum(padded[: len(steps)], padded[2 * width :])
-    large = np.abs(change) > _LEAST * np.max(a)
+    large = np.abs(change) > LEAST * np.max(a)
     k = int(np.argmax(np.where(large, steps / np.maximum(beside, 1e-300), 0.0)))
     if not large[k] or steps[k] < _STANDS_OUT * beside[k]:
         return None

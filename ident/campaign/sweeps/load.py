@@ -71,7 +71,7 @@ def load_sweep(spec: RecordSpec, table: Table, device: Device) -> tuple[Sweep, l
         raise UserError(what, where=spec.file, do="write one row for each level and direction")
     sweep = replace(sweep, overtones=overtones_of(harmonics, told, sweep))
     sweep = _timed(spec, sweep, _dwell(spec, sweep, columns.get("time")))
-    sweep = with_overtone_noise(_with_noise(spec, _without_copies(sweep, notes), notes))
+    sweep = with_overtone_noise(_with_noise(spec, _without_copies(sweep, notes)))
     return sweep, notes
 
 
@@ -323,7 +323,7 @@ def _repeats_apart(sweep: Sweep) -> list[float]:
     return found
 
 
-def _with_noise(spec: RecordSpec, sweep: Sweep, notes: list[str]) -> Sweep:
+def _with_noise(spec: RecordSpec, sweep: Sweep) -> Sweep:
     if spec.noise is None:
         return sweep_noise(sweep)
     estimated = sweep_noise(sweep) if sweep.phase is not None else sweep

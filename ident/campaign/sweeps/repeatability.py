@@ -12,9 +12,9 @@ from dataclasses import replace
 import numpy as np
 
 from ..record import SAME_LEVEL, Run, Sweep
+from .jump import LEAST as OTHER_BRANCH
 
 _FEWEST = 8  # points on one branch, so that a median means something
-_OTHER_BRANCH = 0.15  # of the larger amplitude: the least that a jump changes, as in `jump`
 _USUAL = 0.9  # share of the points that counts: beside a fold a small drift makes a large difference
 _CLEAR = 2.0  # times the variance that the noise explains, beyond which passes are called different
 
@@ -57,7 +57,7 @@ def _excess(sweep: Sweep, run: Run, other: Sweep, back: Run) -> float | None:
     b = np.interp(f, other.frequency[there], other.amplitude[there])
     size = np.maximum(a, b)
     step = float(np.median(np.diff(f))) if len(f) > 1 else 0.0
-    apart = np.abs(a - b) > _OTHER_BRANCH * size
+    apart = np.abs(a - b) > OTHER_BRANCH * size
     apart = apart | np.append(apart[1:], False) | np.append(False, apart[:-1])  # one flank of a jump
     kept = ~apart & (nearest < 0.05 * step) & (size > 0)
     if np.sum(kept) < _FEWEST:

@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..record import SAME_LEVEL, Run, Sweep
+from .jump import LEAST as OTHER_BRANCH
 from .variances import Scatter, shares
 
-_OTHER_BRANCH = 0.15  # of the larger amplitude: the least that a jump changes, as in `jump`
 _USUAL = 0.455  # median of the square of a standard normal
 _CLEAR = 2.0  # times the variance of the neighbours, beyond which passes are called different, as in `repeatability`
 
@@ -41,7 +41,7 @@ def _differences(sweep: Sweep, up: Run, down: Run) -> Scatter | None:
     same = np.isclose(sweep.frequency[up.rows][:, None], sweep.frequency[down.rows], rtol=1e-6)
     here, there = up.rows[np.any(same, axis=1)], down.rows[np.argmax(same, axis=1)[np.any(same, axis=1)]]
     a, b = sweep.amplitude[here], sweep.amplitude[there]
-    apart = np.abs(a - b) > _OTHER_BRANCH * np.maximum(a, b)
+    apart = np.abs(a - b) > OTHER_BRANCH * np.maximum(a, b)
     apart |= np.append(apart[1:], False) | np.append(False, apart[:-1])  # one flank of a jump
     here, there, size = here[~apart], there[~apart], 0.5 * (a + b)[~apart]
     if not len(here) or not np.all(size > 0):

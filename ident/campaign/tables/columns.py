@@ -201,7 +201,7 @@ def match_columns(
                 fits = [c for c in fits if not _letter_of_motion(c, table)]
             if least == 0:  # no name helps: only the unit can tell
                 fits = [c for c in fits if c.unit is not None and not any(claim(c, r) >= 2 for r in roles)]
-                fits = fits if role.dimension not in (None, NUMBER) and _tells(role, roles, free) else []
+                fits = fits if role.dimension not in (None, NUMBER) and _tells(role, roles) else []
             if least == 0 and not fits and role.name in ("response", "drive"):
                 fits = _only_one_left(role, roles, chosen, free)
             if len(fits) > 1:
@@ -218,7 +218,7 @@ def _role(roles: tuple[Role, ...], name: str) -> Role:
     return next(role for role in roles if role.name == name)
 
 
-def _tells(role: Role, roles: tuple[Role, ...], free: list[Column]) -> bool:
+def _tells(role: Role, roles: tuple[Role, ...]) -> bool:
     """Whether the unit alone can tell the role: no other role that is still open takes the same unit."""
     return all(other is role or other.dimension != role.dimension or other.own_unit != role.own_unit for other in roles)
 

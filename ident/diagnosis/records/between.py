@@ -27,31 +27,27 @@ from ...model import FREQUENCY, QUALITY
 from ..evidence.criterion import VERY_STRONG, Left, behind, criteria
 from ..linearised.regression import Regression, by_record, prepare, stack
 from ..linearised.trajectory import Diverged
-from ..unknown.subsets import regress
+from .alternated import FEWEST, ROUNDS, alternated
 from .between_levels import differing_levels
-from .differing import OF_ZERO, Differing, numbers_of, without_common_zero
+from .differing import Differing, numbers_of, without_common_zero
 
-_ROUNDS = 6  # of the records' numbers and the device's in turn
 _STEPS = 20  # of the device's fit in each round: the next one goes on from there
-_SETTLED = 0.3  # of its error bar: a step that moves no number further ends them
 _SMALL = 1e-4  # change of a stiffness or a damping by which its derivative is taken
-_FEWEST = 3  # records: of two that disagree nobody knows which one is the device's
 
 KINDS = tuple(TOLD)
-_OF_TIME = ("delay", "clock")
 _OF_DEVICE = {"stiffness": (FREQUENCY, 1.0), "damping": (QUALITY, -1.0)}
 """Which parameter of the linear part such a number moves along, and whether up or down."""
 
 
 def comparable(fitted: Fit) -> bool:
     """Whether the records of a fit can be told apart by a number each."""
-    enough = len(fitted.campaign.fitted) >= _FEWEST and not fitted.campaign.fitted_sweeps
+    enough = len(fitted.campaign.fitted) >= FEWEST and not fitted.campaign.fitted_sweeps
     return enough and fitted.model.form == "oscillator"
 
 
 def kinds_of(campaign: Campaign) -> Sequence[Kind]:
     """The kinds of numbers in which the records of a campaign may differ: a decay has nothing to be late to."""
-    return KINDS if all(trace.driven for trace in campaign.traces) else [k for k in KINDS if k not in _OF_TIME]
+    return KINDS if all(trace.driven for trace in campaign.traces) else [k for k in KINDS if not TOLD[k].of_time]
 
 
 def rows_of(regression: Regression, kind: Kind) -> np.ndarray:
@@ -66,7 +62,7 @@ def rows_of(regression: Regression, kind: Kind) -> np.ndarray:
         for row, own in zip(rows, regression.places, strict=True):
             row[own] = whole[0, own]
         return rows
-    late = kind in _OF_TIME
+    late = TOLD[kind].of_time
     along = lambda trace: _later(trace, trace.response, kind) if late else _slopes(fit, trace, trace, kind)
     return by_record(regression, _apart(regression, [along(trace) for trace in records]))
 
@@ -98,35 +94,32 @@ def differing(fitted: Fit, kinds: Sequence[Kind | Literal["drive"]] | None = Non
 
 
 def _found(fitted: Fit, kind: Kind) -> Differing | None:
-    fitted = without_common_zero(fitted) if kind in OF_ZERO else fitted
-    campaign, now, q = fitted.campaign, fitted, TOLD[kind].each
-    inside = [i for i, trace in enumerate(campaign.traces) if not trace.holdout]
-    if len(inside) < (2 if kind in OF_ZERO else _FEWEST):  # a zero that moves is no device's
+    told = TOLD[kind]
+    fitted = without_common_zero(fitted) if told.of_zero else fitted
+    campaign = fitted.campaign
+    inside = np.array([i for i, trace in enumerate(campaign.traces) if not trace.holdout])
+    if len(inside) < (2 if told.of_zero else FEWEST):  # a zero that moves is no device's
         return None
     shortest = min(len(trace.time) for trace in campaign.traces)
-    most = min(TOLD[kind].most, shortest / 10) if kind == "delay" else TOLD[kind].most
-    sizes, errors = np.zeros((2, len(campaign.traces), q))
-    for _ in range(_ROUNDS):
+    most = min(told.most, shortest / 10) if kind == "delay" else told.most
+
+    def along(now: Fit) -> tuple[Regression, np.ndarray]:
         regression = prepare(now)
         pairs = zip(campaign.fitted, now.campaign.fitted, strict=True)
-        rows = _apart(regression, [_slopes(now, as_read, own, kind) for as_read, own in pairs])
-        whole = by_record(regression, rows)
-        whole = np.pad(whole, ((0, 0), (0, len(regression.residual) - whole.shape[1])))  # nothing to sweeps
-        solved = regress(regression.project(whole), regression.residual)
-        step, spread = solved.coefficients.reshape(-1, q), solved.spread.reshape(len(inside), q, -1)
-        if TOLD[kind].shared:
-            step, spread = step - np.mean(step, axis=0), spread - np.mean(spread, axis=0)
-        errors[inside] = np.linalg.norm(spread, axis=2) * np.sqrt(max(regression.chi2 / regression.n, 1.0))
-        sizes[inside] += step
-        if not np.all(np.abs(sizes) <= most):
-            return None
-        now = fit(fitted.model, _with(campaign, kind, sizes), initial=now.values, most=_STEPS)
-        if np.all(np.abs(step) < _SETTLED * errors[inside]):
-            break
+        rows = by_record(regression, _apart(regression, [_slopes(now, as_read, own, kind) for as_read, own in pairs]))
+        return regression, np.pad(rows, ((0, 0), (0, len(regression.residual) - rows.shape[1])))  # nothing to sweeps
+
+    read_by = lambda sizes: _with(campaign, kind, sizes)
+    refit = lambda now, sizes: fit(fitted.model, read_by(sizes), initial=now.values, most=_STEPS)
+    start = np.zeros((len(campaign.traces), told.each))
+    settled = alternated(fitted, inside, start, along, refit, told.shared, most)
+    if settled is None:
+        return None
+    now, sizes, errors = settled
     for i, trace in enumerate(campaign.traces):
         if trace.holdout:
             sizes[i], errors[i] = _by_itself(now, trace, kind, most)
-    now = fit(fitted.model, _with(campaign, kind, sizes), initial=now.values, most=1)
+    now = fit(fitted.model, read_by(sizes), initial=now.values, most=1)
     names = tuple(trace.name for trace in campaign.traces)
     found = Differing(kind, names, sizes, errors, now, numbers_of(now, kind))
     return found if np.all(np.isfinite(sizes)) else None
@@ -143,15 +136,14 @@ def _apart(regression: Regression, slopes: Sequence[np.ndarray]) -> np.ndarray:
 
 def _slopes(now: Fit, as_read: Trace, trace: Trace, kind: Kind) -> np.ndarray:
     """Change of the reading of a record, as it was read and as its numbers so far make it, with these, (q, n)."""
-    if kind in OF_ZERO:
+    if TOLD[kind].of_zero:
         return curves(as_read)[: TOLD[kind].each]
     here = read(now.model, now.values, [trace])[0]
     if kind == "sensitivity":
-        return here[None] / (1 + (trace.own[1][0] if trace.own else 0.0))
-    if kind in _OF_TIME:
+        return here[None] / (1 + trace.number(kind))
+    if TOLD[kind].of_time:
         return _later(trace, here, kind)
-    name = "stiffer" if kind == "stiffness" else "damped"
-    more = replace(trace, **{name: getattr(trace, name) + _SMALL})
+    more = read_apart(trace, kind, [trace.number(kind) + _SMALL])
     return (read(now.model, now.values, [more])[0] - here)[None] / _SMALL
 
 
@@ -163,7 +155,7 @@ def _later(trace: Trace, reading: np.ndarray, kind: Kind) -> np.ndarray:
 def _by_itself(now: Fit, trace: Trace, kind: Kind, most: float) -> tuple[np.ndarray, np.ndarray]:
     """The numbers of a held-out record and their errors, (q,), from what the model misses of it."""
     sizes = np.zeros(TOLD[kind].each)
-    for _ in range(_ROUNDS):
+    for _ in range(ROUNDS):
         own = read_apart(trace, kind, sizes)
         left = (own.response - read(now.model, now.values, [own])[0])[own.counted] / own.noise.sigma
         slopes = _slopes(now, trace, own, kind)[:, own.counted] / own.noise.sigma

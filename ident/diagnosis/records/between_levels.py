@@ -16,47 +16,38 @@ from ...fit import Fit, fit
 from ...fit.own_number import own_drive
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import working
-from ..unknown.subsets import Solution, regress
+from .alternated import FEWEST, alternated
 from .differing import Differing
-
-_FEWEST = 3  # levels: of two that disagree nobody knows which one is called what it is
-_ROUNDS = 6  # of the levels' numbers and the device's in turn
-_SETTLED = 0.3  # of its error bar: a step that moves no number further ends them
 
 
 def differing_levels(fitted: Fit) -> Differing | None:
     """The drives of all levels, held-out ones too, of a fit to sweeps; None where too few of them were fitted."""
-    levels, now = _Levels(fitted.campaign), fitted
+    levels = _Levels(fitted.campaign)
     inside = levels.inside
-    if len(inside) < _FEWEST:
+    if len(inside) < FEWEST:
         return None
-    logarithms, errors = np.zeros((2, levels.count))
-    for _ in range(_ROUNDS):
-        regression = prepare(working(now))
-        solved = _steps(regression, levels)
-        step, spread = solved.coefficients, solved.spread
-        step, spread = step - np.mean(step), spread - np.mean(spread, axis=0)  # what all share is the device's
-        errors[inside] = np.linalg.norm(spread, axis=1) * np.sqrt(max(regression.chi2 / regression.n, 1.0))
-        logarithms[inside] += step
-        now = fit(fitted.model, levels.driven(np.expm1(logarithms)), initial=now.values)
-        if np.all(np.abs(step) < _SETTLED * errors[inside]):
-            break
+    refit = lambda now, logarithms: fit(fitted.model, levels.driven(np.expm1(logarithms[:, 0])), initial=now.values)
+    along = lambda now: _along(prepare(working(now)), levels)
+    settled = alternated(fitted, inside, np.zeros((levels.count, 1)), along, refit, shared=True)
+    if settled is None:
+        return None
+    now, logarithms, errors = settled
     for k in np.setdiff1d(np.arange(levels.count), inside):
         logarithms[k], errors[k] = own_drive(now.model, now.values, levels.of(k))
     sizes = np.expm1(logarithms)
-    now = fit(fitted.model, levels.driven(sizes), initial=now.values, most=1)
-    found = Differing("drive", levels.names, sizes[:, None], errors[:, None], now, len(inside) - 1)
+    now = fit(fitted.model, levels.driven(sizes[:, 0]), initial=now.values, most=1)
+    found = Differing("drive", levels.names, sizes, errors, now, len(inside) - 1)
     return found if np.all(np.isfinite(sizes)) else None
 
 
-def _steps(regression: Regression, levels: _Levels) -> Solution:
-    """How the drives of the fitted levels should move, beside the parameters of the model."""
+def _along(regression: Regression, levels: _Levels) -> tuple[Regression, np.ndarray]:
+    """A regression, and what the logarithms of the drives of the fitted levels do to it, whitened, (levels, n)."""
     plane = regression.plane
     assert plane is not None  # there are sweeps
     curves = plane.curves
     own = np.concatenate([levels.which[s.name][kept] for s, kept in zip(curves.sweeps, curves.settled, strict=True)])
     rows = np.array([curves.rows((own == k).astype(complex)) for k in levels.inside])[:, plane.order]
-    return regress(regression.project(rows), regression.residual)
+    return regression, rows
 
 
 class _Levels:

@@ -8,16 +8,13 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ...campaign.apart import TOLD, Kind, Told, size_of
+from ...campaign.campaign import Campaign
 from ...fit import Fit, fit
 from ...fit.rebuild import values_without
 
-_MOVED = 0.3  # of its error bar: by so much a number is another one
+MOVED = 0.3  # of its error bar: by so much a number is another one
 _DRIVE = Told("drive", 100.0, "%", "does the force fall behind what it is called, or was a gain read wrongly?", 0.9,
               shared=True)  # fmt: skip
-
-
-OF_ZERO = ("level", "baseline")
-"""Kinds of numbers that are zeros of the sensor: beside them it has no common one."""
 
 
 class Differing(NamedTuple):
@@ -36,25 +33,36 @@ class Differing(NamedTuple):
     @property
     def words(self) -> str:
         """What differs, for people."""
-        levels = self.kind == "drive"
-        told = _DRIVE if self.kind == "drive" else TOLD[self.kind]
+        levels, told = self.kind == "drive", self._told
         shown = [told.times * s[0] for s in self.sizes] if levels else [size_of(t) for t in self.fit.campaign.traces]
         doubt = lambda error: f" ± {told.times * error[0]:.1g}" if len(error) == 1 and np.isfinite(error[0]) else ""
         each = ", ".join(f"{size:+.2g}{doubt(error)} {told.unit} {'at' if levels else 'in'} {name}"
                          for name, size, error in zip(self.names, shown, self.errors, strict=True))  # fmt: skip
-        said = f"The {'levels' if levels else 'records'} agree only if each has a {told.what} of its own: {each}."
-        return f"{said} They are read so, held-out ones too: {told.why}"
+        return f"{self._opening}: {each}. They are read so, held-out ones too: {told.why}"
+
+    @property
+    def _told(self) -> Told:
+        return _DRIVE if self.kind == "drive" else TOLD[self.kind]
+
+    @property
+    def _opening(self) -> str:
+        """What the words begin with, whatever the numbers are."""
+        which = "levels" if self.kind == "drive" else "records"
+        return f"The {which} agree only if each has a {self._told.what} of its own"
+
+    def said_in(self, campaign: Campaign) -> Campaign:
+        """The campaign with these words in its notes, in place of those that told other numbers of the kind."""
+        others = [note for note in campaign.notes if not note.startswith(self._opening)]
+        return replace(campaign, notes=(*others, self.words))
 
     def moved(self, before: Differing) -> bool:
         """Whether a number has moved by more than is little beside its error."""
-        return bool(np.any(np.abs(self.sizes - before.sizes) > _MOVED * self.errors))
+        return bool(np.any(np.abs(self.sizes - before.sizes) > MOVED * self.errors))
 
     def begun(self, start: Fit) -> Fit:
         """The fit from which a walk had begun, with the records read so."""
-        campaign = self.fit.campaign
-        told = replace(campaign, notes=(*campaign.notes, self.words))
-        before = without_common_zero(start) if self.kind in OF_ZERO else start
-        return fit(before.model, told, initial=before.values)
+        before = without_common_zero(start) if self._told.of_zero else start
+        return fit(before.model, self.said_in(self.fit.campaign), initial=before.values)
 
 
 def without_common_zero(fitted: Fit) -> Fit:

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...campaign.apart import as_it_came, curves, read_apart
+from ...campaign.apart import TOLD, as_it_came, curves, read_apart
 from ...campaign.campaign import Campaign
 from ...campaign.record import Trace
 from ...fit import Fit, fit
@@ -28,10 +28,9 @@ from ..ranking.pairs import Pair, best_pair
 from ..ranking.score import score_beside, significant
 from ..ranking.weigh import Candidate
 from ..records.between import comparable, differing, rows_of
-from ..records.differing import OF_ZERO, Differing, numbers_of
+from ..records.differing import MOVED, Differing, numbers_of
 
 LEVEL = "level"
-_MOVED = 0.3  # of its error bar: by so much a zero is another one
 
 
 def with_own_zeros(current: Fit, look: Look) -> Campaign | None:
@@ -57,7 +56,7 @@ def with_own_zeros(current: Fit, look: Look) -> Campaign | None:
 
 def has_own_zeros(campaign: Campaign) -> bool:
     """Whether the records are read by zeros of their own, be they levels or baselines."""
-    return any(record.own is not None and record.own[0] in OF_ZERO for record in campaign.traces)
+    return any(record.own is not None and TOLD[record.own[0]].of_zero for record in campaign.traces)
 
 
 def with_zeros_anew(last: Fit, report: Report) -> Fit:
@@ -74,7 +73,7 @@ def with_zeros_anew(last: Fit, report: Report) -> Fit:
     told = _read_so(as_they_came, found)
     errors = dict(zip(found.names, found.errors[:, 0], strict=True))
     pairs = zip(last.campaign.traces, told.traces, strict=True)
-    moved = [abs(_zero(now) - _zero(before)) > _MOVED * errors[now.name] * _size(now) for before, now in pairs]
+    moved = [abs(_zero(now) - _zero(before)) > MOVED * errors[now.name] * _size(now) for before, now in pairs]
     return fit(last.model, told, initial=last.values) if any(moved) else last
 
 
@@ -83,13 +82,12 @@ def _read_so(campaign: Campaign, found: Differing) -> Campaign:
     levels = {trace.name: _zero(trace) for trace in found.fit.campaign.traces}
     share = lambda trace: levels[trace.name] / _size(trace) if _size(trace) else 0.0
     read = tuple(read_apart(r, LEVEL, [share(r)]) if isinstance(r, Trace) else r for r in campaign.records)
-    notes = tuple(note for note in campaign.notes if not note.startswith(found.words.partition(":")[0]))
-    return replace(campaign, records=read, notes=(*notes, found.words))
+    return found.said_in(replace(campaign, records=read))
 
 
 def _zero(trace: Trace) -> float:
     """The zero by which a record is read, in the unit of its response."""
-    return 0.0 if trace.own is None else trace.own[1][0] * _size(trace)
+    return trace.number(LEVEL) * _size(trace)
 
 
 def _size(trace: Trace) -> float:

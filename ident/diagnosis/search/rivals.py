@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from types import MappingProxyType
 from typing import NamedTuple
 
 from ..ranking.weigh import Candidate
@@ -20,9 +19,7 @@ class Rival(NamedTuple):
     confirmed_gain: float | None = None
 
 
-def rivals_of(
-    added: str, candidates: Iterable[Candidate], gains: Mapping[str, float] = MappingProxyType({})
-) -> tuple[Rival, ...]:
+def rivals_of(added: str, candidates: Iterable[Candidate], gains: Mapping[str, float]) -> tuple[Rival, ...]:
     """The candidates that stood against the one that was added, refitted ones first, the best first; `gains`: of
     refits."""
     others = [Rival(c.name, c.predicted_gain, gains.get(c.name)) for c in candidates if c.name != added]

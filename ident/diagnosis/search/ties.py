@@ -38,13 +38,12 @@ _CHANCE = 0.05  # probability, below which the further numbers of a law that con
 class Tie(NamedTuple):
     """An effect that explains the misfit as well.
 
-    **Arguments:** `behind`: by how much its information criterion is worse than the best one's; `confusability`: share
-    of the best one's contribution that it reproduces, 0 to 1; `why`, `separate`: in words.
+    **Arguments:** `behind`: by how much its information criterion is worse than the best one's; `why`, `separate`: in
+    words.
     """
 
     name: str
     behind: float
-    confusability: float
     why: str
     separate: str
 
@@ -183,7 +182,7 @@ def _tie(best: Candidate, other: Candidate, behind: float, alike: float, library
         why = f"on these records it reproduces {100 * alike:.3g} % of the same trace"
     else:
         why = "it explains the misfit as well within the noise"
-    return Tie(other.name, behind, alike, why, what_separates(one, another))
+    return Tie(other.name, behind, why, what_separates(one, another))
 
 
 class Unseen(NamedTuple):

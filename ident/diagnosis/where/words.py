@@ -24,6 +24,12 @@ class Statement(NamedTuple):
 
 
 _MOST = 0.5  # share of the misfit below which a single place is not worth naming
+_PLACED = 0.3  # share of the misfit from which a place in the motion, in time or in the drive's phase is worth naming
+_OF_A_LEVEL = 0.8  # share of the misfit in the records of a level, from which that is worth naming
+_SAME_LEVEL = 0.02  # relative difference below which records have one level
+_OUTER, _INNER = 0.55, 0.45  # of the largest value: beyond the one a place is outer, within the other inner
+_IN_A_HARMONIC = 0.2  # share of the misfit from which a harmonic is worth naming
+_CLEAR, _CLEAR_LINE = 1.5, 3.0  # times the noise: what stands out in a bin of the motion, and of the many of a spectrum
 _ANOTHER_SIZE = 0.02  # relative difference from which two numbers for the error are explained
 _ORDINALS = (
     "in the constant part",
@@ -126,18 +132,18 @@ def _level(where: Where) -> Statement | None:
         ranked = sorted(fitted, key=key, reverse=True)
         for count in range(2, len(ranked)):
             inside, outside = ranked[:count], ranked[count:]
-            if key(ranked[count - 1]) - key(ranked[count]) < 0.02 * abs(key(ranked[count - 1])):
+            if key(ranked[count - 1]) - key(ranked[count]) < _SAME_LEVEL * abs(key(ranked[count - 1])):
                 continue  # records of the same level belong together
             clear = min(r.ratio**2 - 1 for r in inside) > 2 * max(max(r.ratio**2 - 1 for r in outside), 0.0)
             p = max(r.p_value for r in inside) * len(fitted)
             share = _share(inside, fitted)
             gain = share - count / len(fitted)
-            if clear and p < ALARMS and share > 0.8 and (best is None or gain > best[0]):
+            if clear and p < ALARMS and share > _OF_A_LEVEL and (best is None or gain > best[0]):
                 best = gain, Statement("level", f"{_percent(share)} is {words(inside[-1])}", share, p)
     return None if best is None else best[1]
 
 
-def _chosen(view: View | None, factor: float = 1.5) -> tuple[np.ndarray, float, float]:
+def _chosen(view: View | None, factor: float = _CLEAR) -> tuple[np.ndarray, float, float]:
     """Bins that stand out, the share of the misfit in them, and the largest of their probabilities."""
     if view is None:
         return np.zeros(0, bool), 0.0, 1.0
@@ -156,11 +162,11 @@ def _motion(where: Where) -> Statement | None:
     for view, names in both:
         chosen, share, p = _chosen(view)
         places = np.abs(view.centres[chosen]) / np.max(np.abs(view.edges))
-        if share < 0.3 or not len(places):
+        if share < _PLACED or not len(places):
             continue
         signs = np.sign(view.centres[chosen])
         side = 0 if len(set(signs)) > 1 else int(signs[0])
-        zone = "outer" if places.min() > 0.55 else "inner" if places.max() < 0.45 else "one side" if side else ""
+        zone = "outer" if places.min() > _OUTER else "inner" if places.max() < _INNER else "one side" if side else ""
         if zone and (zone, 0 if zone == "inner" else side) in names:
             axis: Axis = "displacement" if view is where.displacement else "velocity"
             found.append(Statement(axis, names[zone, 0 if zone == "inner" else side], share, p))
@@ -201,7 +207,7 @@ _FROM_PEAK = {
 
 def _time(where: Where) -> Statement | None:
     chosen, share, p = _chosen(where.time)
-    if share < 0.3 or not np.any(chosen):
+    if share < _PLACED or not np.any(chosen):
         return None
     bins = np.flatnonzero(chosen)
     if bins[-1] - bins[0] + 1 > len(bins) + 1 or len(bins) > len(chosen) // 2:
@@ -217,7 +223,7 @@ def _time(where: Where) -> Statement | None:
 def _phase(where: Where) -> Statement | None:
     view = where.phase
     chosen, share, p = _chosen(view)
-    if view is None or share < 0.3 or not np.any(chosen) or chosen.sum() > len(chosen) // 3:
+    if view is None or share < _PLACED or not np.any(chosen) or chosen.sum() > len(chosen) // 3:
         return None
     runs = int(np.sum(chosen & ~np.roll(chosen, 1)))
     if runs > 2:
@@ -238,11 +244,11 @@ def _tones(where: Where) -> list[Statement]:
     if view is not None:
         for k in np.argsort(-view.excess)[:2]:
             share = float(max(view.excess[k], 0.0) / max(where.misfit, view.excess[view.excess > 0].sum(), 1e-300))
-            if view.p_value[k] * len(view.excess) < ALARMS and share > 0.2:
+            if view.p_value[k] * len(view.excess) < ALARMS and share > _IN_A_HARMONIC:
                 found.append(Statement("harmonic", _ORDINALS[k], share, float(view.p_value[k])))
     if found or where.of_curves:
         return found
-    chosen, share, p = _chosen(where.spectrum, 3.0)
+    chosen, share, p = _chosen(where.spectrum, _CLEAR_LINE)
     bins = np.flatnonzero(chosen)
     if share < _MOST or not len(bins) or bins[-1] - bins[0] >= len(bins) + 1:
         return []

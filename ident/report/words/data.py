@@ -150,7 +150,7 @@ def remarks(record: Record, campaign: Campaign) -> tuple[str, ...]:
 
 
 def judgement_dict(campaign: Campaign) -> dict[str, Any]:
-    """The same as plain numbers (SI) and words."""
+    """What is said of the records of a campaign, as plain numbers (SI) and words."""
     return {
         "format": 1,
         "title": campaign.title,

@@ -40,7 +40,7 @@ def own_number_words(fit: Fit) -> list[str]:
 
 
 def own_numbers_dict(fit: Fit) -> list[dict[str, Any]]:
-    """The same as numbers."""
+    """What would explain records or levels that are held out, as numbers."""
     return [
         {
             "files": list(one.names),

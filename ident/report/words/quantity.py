@@ -136,7 +136,8 @@ def show(value: float, error: float | None, unit: str, device: Device) -> Shown:
 
 
 def show_in(value: float, error: float | None, chosen: Scale, digits: int = 4) -> Shown:
-    """The same in a unit chosen beforehand, for columns that share one; `digits` where there is no error."""
+    """An SI value with its standard error in a unit chosen beforehand, for columns that share one; `digits` where there
+    is no error."""
     value = value / chosen.factor
     if not math.isfinite(value):
         return Shown("–", "", chosen.unit)
@@ -151,6 +152,6 @@ def show_in(value: float, error: float | None, chosen: Scale, digits: int = 4) -
 
 
 def neat(value: float, digits: int = 4) -> str:
-    """The same without zeros behind the point: 317, not 317.0."""
+    """Significant digits of a number without zeros behind the point: 317, not 317.0."""
     text = significant(value, digits)
     return text.rstrip("0").rstrip(".") if "." in text and "e" not in text else text

@@ -103,7 +103,7 @@ def _differing(fit: Fit) -> str:
         )
     if not any(trace.differs for trace in traces):
         return ""
-    told, sizes = TOLD[next(trace.own[0] for trace in traces if trace.own)], [size_of(trace) for trace in traces]
+    told, sizes = next(TOLD[trace.own[0]] for trace in traces if trace.own), [size_of(trace) for trace in traces]
     return (
         f" Each record, held-out ones too, has a {told.what} of its own in this, up to {np.ptp(sizes):.2g} {told.unit} "
         "apart: one device for all of them does not reach so far."

@@ -103,7 +103,10 @@ def what_the_sweeps_tell(campaign: Campaign) -> tuple[str, ...]:
         found.append(
             "Not every level was swept both ways: between the two jumps only one of two possible motions was seen."
         )
-    held = "Curves hold the {} of settled motion: constant forces and offsets, drifts and electrostriction do not "
+    held = (
+        "Curves hold the {} of settled motion: constant forces and offsets, drifts and a force by the square of the "
+        "drive do not "
+    )
     if any(one.order == 2 for sweep in sweeps for one in sweep.overtones):
         found.append(
             f"{held.format('fundamental and harmonics')}show in them; an even force shows by its second harmonic."

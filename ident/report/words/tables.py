@@ -74,10 +74,10 @@ def record_sheet(fit: Fit) -> Sheet:
         Column("record", wraps=True), Column("use"), Column("samples", True), Column(f"rms error ({unit})", True, True),
         Column(f"noise floor ({unit})", True, True), Column("error/noise", True), Column("of signal", True),
     )  # fmt: skip
-    own = {r.name: (r.own[0], f"{size_of(r):+.3g}") for r in fit.campaign.traces if r.own is not None}
+    own = {r.name: f"{size_of(r):+.3g}" for r in fit.campaign.traces if r.own is not None}
     if own:
-        told = TOLD[next(iter(own.values()))[0]]
-        sizes = [own[s.name][1] if s.name in own else "" for s in ordered]
+        told = next(TOLD[r.own[0]] for r in fit.campaign.traces if r.own is not None)
+        sizes = [own.get(s.name, "") for s in ordered]
         rows = [(*row, size) for row, size in zip(rows, [*sizes, *("" for _ in totals)], strict=True)]
         columns = (*columns, Column(f"own {told.what} ({told.unit})", True, True))
     return Sheet("Error per record", columns, tuple(rows), tuple(marks), note)

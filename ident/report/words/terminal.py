@@ -29,7 +29,7 @@ def fit_view(fit: Fit) -> Group:
 
 
 def fit_text(fit: Fit, width: int = 96) -> str:
-    """The same as plain text."""
+    """What is told of a fit, as plain text."""
     return plain(fit_view(fit), width)
 
 
