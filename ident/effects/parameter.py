@@ -70,8 +70,8 @@ def amplitude(
     the campaign frees it; `refines`, if the law in its usual form has it at zero, so that records which do not ask for
     it need not tell it; `expected`, what is known beforehand, which a posterior takes as its prior (a fit does not).
     """
-    return Parameter("amplitude", unit, doc, default, positive, (0.0,) if refines else (), "one", fitted, None, one_sided,
-                     expected)  # fmt: skip
+    grid = (0.0,) if refines else ()
+    return Parameter("amplitude", unit, doc, default, positive, grid, "one", fitted, None, one_sided, expected)
 
 
 def shape(
