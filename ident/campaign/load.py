@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ident.errors import UserError
-from ident.units import NUMBER, base_unit, find_unit
+from ident.units import NUMBER, VOLTAGE, base_unit, find_unit
 
 from .added_drive import with_drive
 from .channel import channel_of, own_units, plausible_noise
@@ -95,12 +95,24 @@ def _signal(column: Column, base: str, scale: Scale | None, notes: list[str], ro
     return Channel(scale.unit, scale.size), values * read.factor * scale.factor
 
 
+def _plain_volts(spec: RecordSpec, table: Table, device: Device) -> bool:
+    """Whether a sensor whose output is in V reads a velocity or an acceleration, and no column says V/s or V/s²."""
+    volts, rate = signal_units(device)[1][1], signal_units(device, spec.measures)[1][1]
+    told = [*(column.unit for column in table.columns), spec.units.get("response")]
+    found = {unit.dimension for one in told if one is not None and (unit := find_unit(one)) is not None}
+    return spec.measures != "displacement" and volts == VOLTAGE and "response" not in spec.scale and rate not in found
+
+
 def _columns(spec: RecordSpec, table: Table, device: Device, notes: list[str]) -> dict[str, Column]:
     """The columns of a trace by their roles."""
     if spec.relative_noise:
         what = f"{spec.file} is a trace: its noise is no share of an amplitude"
         raise UserError(what, where=spec.where, do='write for example noise = "12 nm"')
     (_, drive_dimension), (_, response_dimension) = signal_units(device, spec.measures)
+    if _plain_volts(spec, table, device):
+        rate = signal_units(device, spec.measures)[1][0]
+        notes.append(f"{spec.file}: a sensor in V reads a {spec.measures}: its V are taken for {rate}.")
+        response_dimension = VOLTAGE
     roles = trace_roles(drive_dimension or NUMBER, response_dimension or NUMBER, own_units(device, spec.measures))
     roles = tuple(replace(r, dimension=spec.scale[r.name].dimension, own_unit="") if r.name in spec.scale else r
                   for r in roles)  # fmt: skip

@@ -65,3 +65,13 @@ def test_a_sensitivity_tells_the_units_that_a_device_leaves_open(tmp_path: Path,
     campaign = read_campaign(tmp_path)
     assert isinstance(campaign.device, Oscillator)
     assert (campaign.device.input, campaign.traces[0].response_channel.unit) == ("A", unit)
+
+
+@pytest.mark.parametrize(
+    ("header", "factor"), [("response (V)", 1.0), ("response (mV)", 1e-3), ("response (V/s)", 1.0)]
+)
+def test_volts_of_a_velocity_need_no_other_unit(tmp_path: Path, header: str, factor: float) -> None:
+    """A decoder's output is in V whatever it reads; only a unit of a rate says more."""
+    found = record(tmp_path, 'measures = "velocity"\nscale = { drive = "1 N/V" }', "V", f"t (s),drive (V),{header}")
+    np.testing.assert_allclose(found.response, factor * READ, rtol=1e-7)
+    assert any("taken for V/s" in note for note in read_campaign(tmp_path).notes) == ("/s" not in header)
