@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ..campaign.campaign import Campaign
 from ..campaign.held_drive import jumps
 from ..campaign.quality.suspect import ALL, Suspect
+from ..campaign.read import PathLike
 from ..campaign.trust import trust
 from ..effects.registry import Registry, registry
 from ..errors import UserError
@@ -103,7 +104,12 @@ class Diagnosis:
 
 @one_thread
 def discover(
-    data: Any, effects: Effects = None, *, report: Report = lambda _: None, effect_file: Path | None = None, **told: Any
+    data: Any,
+    effects: Effects = None,
+    *,
+    report: Report = lambda _: None,
+    effect_file: PathLike | None = None,
+    **told: Any,
 ) -> Diagnosis:
     """Fit, see where the model fails, add what explains it, until the noise floor; `.final` is the last model.
 
@@ -118,7 +124,7 @@ def diagnose(
     fitted: Fit | Walked,
     library: Registry | None = None,
     report: Report = lambda _: None,
-    effect_file: Path | None = None,
+    effect_file: PathLike | None = None,
     keeps_walk: bool = False,
     keep: Keep = lambda _: None,
 ) -> Diagnosis:
@@ -131,11 +137,12 @@ def diagnose(
 
     **Raises:** UserError if the `effect_file` exists.
     """
-    if effect_file is not None and effect_file.exists():
-        raise UserError("this file exists already", where=str(effect_file), do="choose another name, or move it away")
+    written = None if effect_file is None else Path(effect_file)
+    if written is not None and written.exists():
+        raise UserError("this file exists already", where=str(written), do="choose another name, or move it away")
     walked = fitted if isinstance(fitted, Walked) else Walked(fitted)
     library = registry(walked.start.campaign.effect_files) if library is None else library
-    said = _answered(_Asked(library, report, effect_file, keeps_walk, keep), walked)
+    said = _answered(_Asked(library, report, written, keeps_walk, keep), walked)
     if said.effect_file is not None:
         trust(said.effect_file)  # our own words
     aside = left_out(said.final)

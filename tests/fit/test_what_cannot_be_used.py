@@ -53,6 +53,10 @@ def test_a_complex_column_is_no_column_of_numbers():
 def test_paths_may_be_strings_and_fits_have_names(found, tmp_path: Path):
     with pytest.raises(UserError, match="no effect"):
         ident.attribute(found, chain_file=str(tmp_path / "chain.h5"))
+    law = tmp_path / "law.py"
+    law.write_text("")
+    with pytest.raises(UserError, match="this file exists already"):
+        ident.diagnose(found, effect_file=str(law))
     with pytest.raises(UserError, match="are not those of a"):
         ident.compare({"a": found, "b": ident.fit(CLEAN, ())})
     with pytest.raises(UserError, match="neither the name"):
