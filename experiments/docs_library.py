@@ -19,7 +19,8 @@ _HEAD = """\
 Made by `python -m experiments.docs_library` from what `ident effects --json` prints; `ident effects NAME` tells more.
 z is the displacement, ż the velocity, V the drive voltage, E = V/T_PZT the field, G and K_f the force per volt and per
 strain. (x)₊ is x where it is positive, else zero. Parameters in *italics* are shapes: without meaning while the effect
-is off, and searched on a grid. Parameters in (brackets) are held unless the campaign frees them.
+is off, and searched on a grid. Parameters in (brackets) are held unless the campaign frees them, or a
+walk does where they refine a law.
 """
 _SIDES = {"force": "Forces on the stage", "drive": "In the drive", "sensor": "In the sensor"}
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import difflib
 import importlib
 from collections.abc import Iterable
+from functools import partial
 from typing import Any
 
 
@@ -35,6 +36,10 @@ class UserError(Exception):
         advice = f" — {do}" if do else ""
         words = f"{place}{what}{advice}".split()
         super().__init__(visible(" ".join(word if len(word) <= _LONGEST else f"{word[:60]}…" for word in words)))
+
+    def __reduce__(self) -> tuple[Any, tuple[str]]:
+        """It passes between processes."""
+        return partial(UserError, where=self.where, do=self.do), (self.what,)
 
 
 _ALIKE = 0.5  # of `difflib`: from which on one word is taken for another

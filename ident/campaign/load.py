@@ -95,24 +95,12 @@ def _signal(column: Column, base: str, scale: Scale | None, notes: list[str], ro
     return Channel(scale.unit, scale.size), values * read.factor * scale.factor
 
 
-def _plain_volts(spec: RecordSpec, table: Table, device: Device) -> bool:
-    """Whether a sensor whose output is in V reads a velocity or an acceleration, and no column says V/s or V/s²."""
-    volts, rate = signal_units(device)[1][1], signal_units(device, spec.measures)[1][1]
-    told = [*(column.unit for column in table.columns), spec.units.get("response")]
-    found = {unit.dimension for one in told if one is not None and (unit := find_unit(one)) is not None}
-    return spec.measures != "displacement" and volts == VOLTAGE and "response" not in spec.scale and rate not in found
-
-
 def _columns(spec: RecordSpec, table: Table, device: Device, notes: list[str]) -> dict[str, Column]:
     """The columns of a trace by their roles."""
     if spec.relative_noise:
         what = f"{spec.file} is a trace: its noise is no share of an amplitude"
         raise UserError(what, where=spec.where, do='write for example noise = "12 nm"')
     (_, drive_dimension), (_, response_dimension) = signal_units(device, spec.measures)
-    if _plain_volts(spec, table, device):
-        rate = signal_units(device, spec.measures)[1][0]
-        notes.append(f"{spec.file}: a sensor in V reads a {spec.measures}: its V are taken for {rate}.")
-        response_dimension = VOLTAGE
     roles = trace_roles(drive_dimension or NUMBER, response_dimension or NUMBER, own_units(device, spec.measures))
     roles = tuple(replace(r, dimension=spec.scale[r.name].dimension, own_unit="") if r.name in spec.scale else r
                   for r in roles)  # fmt: skip
@@ -132,7 +120,17 @@ def _columns(spec: RecordSpec, table: Table, device: Device, notes: list[str]) -
     undriven = spec.undriven or (fewer and bool(match_any(table, without)))
     if undriven and not spec.undriven:
         notes.append(f"{spec.file}: there is no drive column; the record is taken as a free decay.")
-    columns = match_columns(table, without if undriven else roles, given, units, where=spec.where)
+    try:
+        columns = match_columns(table, without if undriven else roles, given, units, where=spec.where)
+    except UserError:
+        unit, usual = signal_units(device)[1]
+        if usual != VOLTAGE or spec.measures == "displacement" or "response" in spec.scale:
+            raise
+        # A sensor's output is in V whatever it reads.
+        roles = tuple(replace(r, dimension=VOLTAGE) if r.name == "response" else r for r in roles)
+        columns = match_columns(table, roles, given, units, where=spec.where)
+        notes.append(f"{spec.file}: a sensor in {unit} reads a {spec.measures}: its {unit} are taken for {unit}/s"
+                     f"{'^2' if spec.measures == 'acceleration' else ''}.")  # fmt: skip
     for column in columns.values():
         _no_peak_unit(column)
     return columns

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -66,9 +65,13 @@ def _left_of(skip: float | int, times: np.ndarray, column: Column) -> float | in
 
 
 def _shows(spec: RecordSpec, part: Mapping[str, Column], times: np.ndarray) -> bool:
-    step = float(np.median(np.diff(times))) / _unit_of(spec.skip, times, part["time"])
-    response = part["response"].numbers(missing=True)
-    return len(times) - math.ceil(spec.skip / step) >= LEAST and len(np.unique(response[~np.isnan(response)])) > 1
+    response, counted = part["response"].numbers(missing=True), len(times)
+    if isinstance(spec.skip, int):
+        counted -= spec.skip
+    else:
+        begin = times[0] + spec.skip * _unit_of(spec.skip, times, part["time"])
+        counted = np.count_nonzero(times >= begin - 1e-6 * np.median(np.diff(times)))
+    return counted >= LEAST and len(np.unique(response[~np.isnan(response)])) > 1
 
 
 def _unit_of(skip: float | int, times: np.ndarray, column: Column) -> float:
@@ -80,7 +83,11 @@ def _note_on(file: str, parts: Sequence[Mapping[str, Column]], shown: int) -> st
     """What was made of a record with outages, in words."""
     first = parts[1]["time"].place(0)
     less = len(parts) - shown
-    few = f" {less} of its {len(parts)} stretches {'show' if less > 1 else 'shows'} nothing." if less else ""
+    few = (
+        f" {less} of them {'are' if less > 1 else 'is'} left out: all is skipped there, or the response never changes."
+        if less
+        else ""
+    )
     return (
         f"{file}: the recorder stopped on the way (before {first}), and nobody knows what the drive did then: "
         f"its {len(parts)} stretches are records of their own; the later ones begin in motion.{few}"

@@ -28,7 +28,7 @@ class Parameter:
 
     An `amplitude` enters so that zero means absent. A `shape` (a gap, a time, a yield) is meaningless while the
     effect is off; its `grid` lists values to try and its `limits` where it keeps its meaning, in multiples of the
-    data's own `scale`. An amplitude that only refines has zero alone to try.
+    data's own `scale`. What `refines` a law is held at its usual value, until the records clearly choose another.
     """
 
     kind: Literal["amplitude", "shape"]
@@ -42,6 +42,7 @@ class Parameter:
     limits: tuple[float, float] | None = None
     one_sided: bool = False
     expected: Expected | None = None
+    refines: bool = False
     name: str = ""
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -67,11 +68,12 @@ def amplitude(
     **Arguments:** `unit` ("N/m^3"); `doc`, a few words for the help page; `default`, the value to start a fit from;
     `positive`, if a fit must keep it above zero; `one_sided`, if it may pass through zero on its way but means nothing
     below (a friction that drives): what ends there is not the effect that is missing; `fitted=False` holds it unless
-    the campaign frees it; `refines`, if the law in its usual form has it at zero, so that records which do not ask for
-    it need not tell it; `expected`, what is known beforehand, which a posterior takes as its prior (a fit does not).
+    the campaign frees it, and `refines` at the usual value of the law (zero) unless the campaign frees it or a walk
+    finds that the records clearly choose the law with it free; `expected`, what is known beforehand, which a posterior
+    takes as its prior (a fit does not).
     """
-    grid = (0.0,) if refines else ()
-    return Parameter("amplitude", unit, doc, default, positive, grid, "one", fitted, None, one_sided, expected)
+    fitted = fitted and not refines
+    return Parameter("amplitude", unit, doc, default, positive, (), "one", fitted, None, one_sided, expected, refines)
 
 
 def shape(
@@ -83,6 +85,7 @@ def shape(
     limits: tuple[float, float] | None = None,
     positive: bool = True,
     fitted: bool = True,
+    refines: bool = False,
     expected: Expected | None = None,
 ) -> Any:
     """Declare a parameter that says how an effect looks, not how large it is.
@@ -92,7 +95,8 @@ def shape(
     of a record; "one": SI as written);
     `limits`, where it keeps its meaning, so that a fit cannot turn one effect into another (default: a third of the
     smallest to three times the largest of the grid). A fit stays inside; one of a shape that may be negative does not,
-    but where it ends outside the effect is impossible, and there is no default. `expected`: as of an amplitude.
+    but where it ends outside the effect is impossible, and there is no default. `refines`, `expected`: as of an
+    amplitude.
     """
     if scale not in get_args(Scale):
         do = "write one of " + ", ".join(f'"{word}"' for word in get_args(Scale))
@@ -102,7 +106,8 @@ def shape(
     if limits is None and positive:
         limits = (min(grid) / 3, max(grid) * 3)
     default = grid[len(grid) // 2]
-    return Parameter("shape", unit, doc, default, positive, grid, scale, fitted, limits, expected=expected)
+    fitted = fitted and not refines
+    return Parameter("shape", unit, doc, default, positive, grid, scale, fitted, limits, False, expected, refines)
 
 
 @dataclass(frozen=True)

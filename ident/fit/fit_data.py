@@ -55,10 +55,11 @@ def fit_data(
     """
     until = time.monotonic() + seconds
     if sigma not in get_args(SigmaChoice):
-        raise UserError(f"sigma = {sigma!r} is none", do=f"choose one of {', '.join(get_args(SigmaChoice))}")
-    if starts < 0:
+        raise UserError(f"sigma = {sigma!r} is no such choice", do=f"choose one of {', '.join(get_args(SigmaChoice))}")
+    if not isinstance(starts, int) or starts < 0:
         raise UserError(
-            f"starts = {starts} is negative", do="give how many random starts there shall be beside the others"
+            f"starts = {starts!r} is no number of starts",
+            do="give how many random starts there shall be beside the others",
         )
     campaign = with_drives(read_campaign(data, **told))
     model = model_for(campaign, effects, report)
@@ -74,9 +75,13 @@ def fit_data(
 
 def _initial(initial: Any, model: Model) -> np.ndarray:
     """(m,) SI, where a search shall begin. **Raises:** UserError if it is no value of each parameter."""
-    values, names = np.asarray(initial, dtype=float), [p.name for p in model.parameters]
+    names = [p.name for p in model.parameters]
+    try:
+        values = np.zeros(0) if np.iscomplexobj(initial) else np.asarray(initial, dtype=float)
+    except (TypeError, ValueError):
+        values = np.zeros(0)
     if values.shape != (len(names),) or not np.all(np.isfinite(values)):
-        what = f"initial has the shape {values.shape}, or holds what is no number"
+        what = "initial is no value of each parameter"
         raise UserError(what, do=f"give {len(names)} finite numbers, SI: {', '.join(names)}")
     return values
 
@@ -90,6 +95,7 @@ def model_for(campaign: Campaign, effects: Effects, report: Report = lambda _: N
         if effects is None or isinstance(effects, Iterable) and not isinstance(effects, (str, type))
         else (effects,)
     )
+    asked = None if asked is None else tuple(asked)
     names = None if asked is None else [one for one in asked if isinstance(one, str)]
     model = start_model(campaign, names, report)
     for own in () if asked is None else asked:

@@ -32,7 +32,7 @@ def test_what_is_skipped_goes_on_in_the_second_stretch(tmp_path, skip):
     campaign = _campaign(tmp_path, f"skip = {skip}")
     (second,) = campaign.traces
     assert second.name == "a.csv, stretch 2" and second.skip == 20
-    assert any("1 of its 2 stretches shows nothing" in note for note in campaign.notes)
+    assert any("1 of them is left out" in note for note in campaign.notes)
 
 
 def test_a_stretch_in_which_the_sensor_was_off_shows_nothing(tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -30,9 +31,11 @@ def found():
     ("given", "says"),
     [
         ({"sigma": "fited"}, "choose one of known, scaled, fitted"),
-        ({"starts": -1}, "is negative"),
+        ({"starts": -1}, "is no number of starts"),
         ({"initial": [1.0, 2.0]}, "give 3 finite numbers, SI: platform.frequency"),
-        ({"initial": [np.nan] * 3}, "holds what is no number"),
+        ({"starts": 1.5}, "is no number of starts"),
+        ({"initial": "none"}, "is no value of each parameter"),
+        ({"initial": [np.nan] * 3}, "is no value of each parameter"),
         ({"effects": (3,)}, "3 is neither the name of an effect nor a class of one"),
         ({"effects": 3}, "3 is neither the name of an effect nor a class of one"),
         ({"effects": (int,)}, "is neither the name of an effect nor a class of one"),
@@ -67,3 +70,8 @@ def test_an_offset_that_the_model_lacks_counts_in_a_fitted_noise():
     """The noise is then what is left, root mean square: by that the error over noise is one."""
     biased = ident.fit(_sine(BIASED), (), sigma="fitted", start="rest")
     assert biased.fitted.error_over_noise == pytest.approx(1.0, abs=0.02)
+
+
+def test_a_sentence_passes_between_processes():
+    told = pickle.loads(pickle.dumps(UserError("it is wrong", where="a.csv", do="mend it")))
+    assert str(told) == "a.csv: it is wrong — mend it"

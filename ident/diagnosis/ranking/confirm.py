@@ -15,13 +15,15 @@ from ...fit.fit import minimise
 from ...fit.problem import WORST
 from ...fit.rebuild import fit_at
 from ...model import Model
-from ..evidence.criterion import behind
+from ..evidence.criterion import behind, clearly_better
 from ..evidence.enough import worth_a_name
 from ..linearised.regression import Regression
 from ..linearised.shorten import CRAWLS, is_long
 from ..linearised.whiten import whiten
+from .score import score
 from .splits import split_starts, takes_over
 from .starts import (
+    all_free,
     base_of,
     begins_as_it_may,
     is_possible,
@@ -88,8 +90,24 @@ def confirm(
             if found.possible and worth_a_name(more, regression):
                 again = _refitted(regression, effect, other, most, base)
                 found = again if again.possible and behind(again, found) < 0 else found
+        found = _refined(regression, found, most)
         regression.refitted[asked] = found
     return regression.refitted[asked]
+
+
+def _refined(regression: Regression, found: Confirmed, most: int) -> Confirmed:
+    """A refit with what refines its law free, where it leaves more than noise and the records clearly choose that."""
+    model, effect = found.model, found.model.effects[-1]
+    names = {f"{effect.name}.{p.name}" for p in effect.declared() if p.refines}
+    if not names or not found.possible or not _LEAVES * regression.n < found.chi2 < np.inf:
+        return found
+    freer = replace(model, freed=model.freed | names)
+    scored = score(regression, {effect.name: all_free(type(effect))})
+    first = scored[0] if scored else found.candidate
+    own = [start_of(freer, first._replace(values=one), regression.fit.scales) for one in (first.values, *first.near)]
+    starts = [found.values, *(np.concatenate([found.values[: -len(one)], one]) for one in own)]
+    again = weigh(regression, freer, found.candidate, starts, most)
+    return again if again.possible and clearly_better(again, found) else found
 
 
 def _refitted(

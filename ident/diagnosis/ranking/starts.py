@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -133,3 +134,10 @@ def is_possible(model: Model, values: np.ndarray, effect: AbstractEffect, scales
         return False
     sizes = [own[f"{effect.name}.{p.name}"] for p in effect.declared() if p.one_sided]
     return not sizes or min(sizes) >= -_ABSENT * max(map(abs, sizes))
+
+
+@lru_cache
+def all_free(effect: type[AbstractEffect]) -> type[AbstractEffect]:
+    """An effect with what refines its law free, to be scored with it."""
+    own = {p.name: replace(p, fitted=True) for p in effect.parameters if p.refines}
+    return type(effect.__name__, (effect,), {"__module__": effect.__module__, "__doc__": effect.__doc__, **own})

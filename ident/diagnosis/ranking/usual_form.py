@@ -53,11 +53,8 @@ def numbers_told(regression: Regression, model: Model, found: Minimum, left: np.
 
 
 def _has_usual(parameter: ModelParameter) -> bool:
-    """Whether a law has a value for a number before any record is seen: it is measured in nothing, and says how the law
-    looks, or refines it."""
-    return bool(parameter.grid) and (
-        parameter.kind == "amplitude" or (parameter.unit == "1" and parameter.scale == "one")
-    )
+    """Whether a law has a value for a number before any record is seen: it is no amplitude, and measured in nothing."""
+    return parameter.kind == "shape" and parameter.unit == "1" and parameter.scale == "one" and bool(parameter.grid)
 
 
 def _away(parameter: ModelParameter, value: float) -> float:

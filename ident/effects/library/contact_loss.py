@@ -22,7 +22,7 @@ class ContactLoss(AbstractEffect):
     has_kink = True
 
     damping = amplitude("N*s/m", "damping at a penetration of one gap, c", one_sided=True)
-    exponent = shape("1", "exponent of the penetration, p", grid=(0.3, 1.0, 1.5), limits=(0.1, 2.0))
+    exponent = shape("1", "exponent of the penetration, p", grid=(0.3, 1.5, 1.0), limits=(0.1, 2.0))
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         stop = self.partner
