@@ -71,7 +71,7 @@ def _shows(spec: RecordSpec, part: Mapping[str, Column], times: np.ndarray) -> b
     else:
         begin = times[0] + spec.skip * _unit_of(spec.skip, times, part["time"])
         counted = np.count_nonzero(times >= begin - 1e-6 * np.median(np.diff(times)))
-    return counted >= LEAST and len(np.unique(response[~np.isnan(response)])) > 1
+    return bool(counted >= LEAST and len(np.unique(response[~np.isnan(response)])) > 1)
 
 
 def _unit_of(skip: float | int, times: np.ndarray, column: Column) -> float:

@@ -16,7 +16,15 @@ from ident.model import Model
 
 F, Q, STEP, N, FINE, NOISE = 31.0, 26.0, 1 / 1250.0, 4000, 4, 2e-3
 STIFF, TIME, SPREAD = 0.55, 0.0052, 14.0
-BESIDE = (31.14, 9.88, 1.0, 11150.0, 0.0188, 1.81)  # where a race left the search: one time, and damping for the other
+BESIDE = (
+    31.14,
+    9.88,
+    1.0,
+    11150.0,
+    0.0188,
+    1.81,
+    0.5,
+)  # where a race left the search: one time, and damping for the other
 ONE = Channel("V", 1.0)
 
 

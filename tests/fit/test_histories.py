@@ -60,7 +60,7 @@ def campaign(*records: Trace) -> Campaign:
 
 def test_a_relaxation_that_began_before_its_record_is_predicted_to_the_noise():
     model = Model(Oscillator()) + LIBRARY["viscoelastic-support"]()
-    values = np.array([FREQUENCY, QUALITY, GAIN, SOFT, TIME, 1.0])
+    values = np.array([FREQUENCY, QUALITY, GAIN, SOFT, TIME, 1.0, 0.5])
     cut = record(3, 0.07)
     found = fit_at(model, campaign(cut), values)
     assert found.fitted.error_over_noise < 1.05

@@ -44,7 +44,10 @@ def campaign() -> Campaign:
 def test_no_history_is_many_times_the_drive(campaign: Campaign) -> None:
     model = Model(campaign.device, (built_in()["prandtl-ishlinskii"](),))
     found = minimise(
-        model, campaign, initial=[np.array([300.0, 0.7, 1.4 * (600 * np.pi) ** 2, 0.3, 0.0, 0.8])], most=60
+        model,
+        campaign,
+        initial=[np.array([300.0, 0.7, 1.4 * (600 * np.pi) ** 2, 0.3, 0.0, *np.zeros(4), 0.8])],
+        most=60,
     )
     assert found.error > 30  # the bend
     assert np.max(np.abs(found.best.unknowns.starts[:, 2:])) < 1.5  # times the drive; 4.5 where noise alone held them

@@ -126,7 +126,7 @@ def _of_its_family(
     """The fit with a family in the place of its member, its regression and its name, if that is better."""
     mine = next(effect for effect in full.model.effects if effect.name == part)
     families = {n: e for n, e in simple.items() if n not in full.model.names and is_family_of(e, mine)}
-    if not families or full.model.carries(part):
+    if not families or full.model.carries(part) or regression.fit_chi2 <= regression.n:  # it leaves noise alone
         return None
     try:
         without = prepare(try_without(full, part, start))
@@ -141,12 +141,13 @@ def _of_its_family(
 
 
 def _or_its_member(regression: Regression, best: Candidate, simple: Registry) -> Confirmed:
-    """The refit of the best candidate, or of a member of its family that does as well."""
+    """The refit of the best candidate, or of a member of its family that does as well, or leaves noise alone."""
     found = confirm(regression, simple[best.name], best)
     for member in score(regression, {n: e for n, e in simple.items() if is_family_of(simple[best.name], e())}):
         other = confirm(regression, simple[member.name], member)
         law = other.model.effects[-1]
-        if other.possible and is_that_member(simple[best.name], law, found.chi2, other.chi2, regression.excess):
+        as_well = is_that_member(simple[best.name], law, found.chi2, other.chi2, regression.excess)
+        if other.possible and (as_well or other.chi2 <= regression.n):
             return other
     return found
 

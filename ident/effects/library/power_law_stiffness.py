@@ -25,7 +25,7 @@ class PowerLawStiffness(AbstractEffect):
     has_kink = True
 
     stiffness = amplitude("N/m", "growth of F/z with ln z at the reference displacement, k")
-    exponent = shape("1", "power of the displacement, n", grid=(4.5, 0.6, 1.4, 2.0, 3.0), limits=(0.3, 5.0))
+    exponent = shape("1", "power of the displacement, n", grid=(0.6, 4.5, 1.4, 2.0), limits=(0.3, 5.0))
     displacement = shape("m", "reference displacement, z₀", grid=(1.0,), scale="displacement", fitted=False)
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
