@@ -46,6 +46,6 @@ def test_the_words_whose_refit_says_more_are_taken(
     monkeypatch.setattr(confirming, "_refitted", refitted)
     REGRESSION.refitted.clear()
     asked = candidate("usual", 2500.0, candidate("other", promised))
-    found = confirm(REGRESSION, type("Stress", (), {}), asked)  # pyright: ignore[reportArgumentType]
+    found = confirm(REGRESSION, type("Stress", (), {"parameters": ()}), asked)  # pyright: ignore[reportArgumentType]
     assert found.candidate.words["closure"] == wanted
     assert asked.promised(REGRESSION) == promised  # pyright: ignore[reportArgumentType]

@@ -90,19 +90,18 @@ def confirm(
             if found.possible and worth_a_name(more, regression):
                 again = _refitted(regression, effect, other, most, base)
                 found = again if again.possible and behind(again, found) < 0 else found
-        found = _refined(regression, found, most)
+        found = _refined(regression, effect, found, most)
         regression.refitted[asked] = found
     return regression.refitted[asked]
 
 
-def _refined(regression: Regression, found: Confirmed, most: int) -> Confirmed:
+def _refined(regression: Regression, effect: type[AbstractEffect], found: Confirmed, most: int) -> Confirmed:
     """A refit with what refines its law free, where it leaves more than noise and the records clearly choose that."""
-    model, effect = found.model, found.model.effects[-1]
-    names = {f"{effect.name}.{p.name}" for p in effect.declared() if p.refines}
+    names = {f"{effect.name}.{p.name}" for p in effect.parameters if p.refines}
     if not names or not found.possible or not _LEAVES * regression.n < found.chi2 < np.inf:
         return found
-    freer = replace(model, freed=model.freed | names)
-    scored = score(regression, {effect.name: all_free(type(effect))})
+    freer = replace(found.model, freed=found.model.freed | names)
+    scored = score(regression, {effect.name: all_free(effect)})
     first = scored[0] if scored else found.candidate
     own = [start_of(freer, first._replace(values=one), regression.fit.scales) for one in (first.values, *first.near)]
     starts = [found.values, *(np.concatenate([found.values[: -len(one)], one]) for one in own)]
