@@ -42,7 +42,7 @@ from .spec import RecordSpec, signal_units
 from .sweeps.load import load_sweep
 from .tables.amplitude_unit import is_amplitude_unit
 from .tables.binary import READERS
-from .tables.columns import match_columns, trace_roles, without_reference
+from .tables.columns import Role, match_columns, trace_roles, without_reference
 from .tables.instruments import INSTRUMENT_READERS
 from .tables.table import Column, Table
 from .tables.text import read_text_table
@@ -104,7 +104,7 @@ def _columns(spec: RecordSpec, table: Table, device: Device, notes: list[str]) -
     roles = trace_roles(drive_dimension or NUMBER, response_dimension or NUMBER, own_units(device, spec.measures))
     roles = tuple(replace(r, dimension=spec.scale[r.name].dimension, own_unit="") if r.name in spec.scale else r
                   for r in roles)  # fmt: skip
-    given, units = dict(spec.columns), spec.units
+    given = dict(spec.columns)
     if "reference" in given:
         table = without_reference(table, given.pop("reference"), spec.where)
         notes.append(
@@ -115,25 +115,31 @@ def _columns(spec: RecordSpec, table: Table, device: Device, notes: list[str]) -
         roles = roles[1:]
         if "time" in given:
             raise UserError("both rate and a time column are given", where=spec.where, do="remove one of them")
+    try:
+        columns = _matched(spec, table, roles, given, notes)
+    except UserError:
+        if spec.measures == "displacement" or "response" in spec.scale or signal_units(device)[1][1] != VOLTAGE:
+            raise
+        # A sensor's output is in V whatever it reads.
+        roles = tuple(replace(r, dimension=VOLTAGE) if r.name == "response" else r for r in roles)
+        columns = _matched(spec, table, roles, given, notes)
+        rate = signal_units(device, spec.measures)[1][0]
+        notes.append(f"{spec.file}: a sensor in V reads a {spec.measures}: its V are taken for {rate}.")
+    for column in columns.values():
+        _no_peak_unit(column)
+    return columns
+
+
+def _matched(
+    spec: RecordSpec, table: Table, roles: tuple[Role, ...], given: Mapping[str, str | int], notes: list[str]
+) -> dict[str, Column]:
+    """The columns that play these roles; none a drive's, where nothing drives."""
     without = tuple(role for role in roles if role.name != "drive")
     fewer = "drive" not in given and len(table.columns) < len(roles)
     undriven = spec.undriven or (fewer and bool(match_any(table, without)))
     if undriven and not spec.undriven:
         notes.append(f"{spec.file}: there is no drive column; the record is taken as a free decay.")
-    try:
-        columns = match_columns(table, without if undriven else roles, given, units, where=spec.where)
-    except UserError:
-        unit, usual = signal_units(device)[1]
-        if usual != VOLTAGE or spec.measures == "displacement" or "response" in spec.scale:
-            raise
-        # A sensor's output is in V whatever it reads.
-        roles = tuple(replace(r, dimension=VOLTAGE) if r.name == "response" else r for r in roles)
-        columns = match_columns(table, roles, given, units, where=spec.where)
-        notes.append(f"{spec.file}: a sensor in {unit} reads a {spec.measures}: its {unit} are taken for {unit}/s"
-                     f"{'^2' if spec.measures == 'acceleration' else ''}.")  # fmt: skip
-    for column in columns.values():
-        _no_peak_unit(column)
-    return columns
+    return match_columns(table, without if undriven else roles, given, spec.units, where=spec.where)
 
 
 def _trace(spec: RecordSpec, columns: Mapping[str, Column], device: Device, notes: list[str]) -> Trace:

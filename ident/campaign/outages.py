@@ -48,13 +48,12 @@ def of_use(
     if len(parts) == 1:
         return [(spec, parts[0])], []
     since = [part["time"].numbers() - parts[0]["time"].numbers()[0] for part in parts]
-    said = [spec] + [
-        replace(spec, part=k, skip=_left_of(spec.skip, times, part["time"]), start="unknown")
-        for k, (times, part) in enumerate(zip(since, parts, strict=True), 1)
-        if k > 1
-    ]
-    shown = [pair for pair, times in zip(zip(said, parts, strict=True), since, strict=True) if _shows(*pair, times)]
-    shown = shown or list(zip(said, parts, strict=True))
+    said = [spec]
+    for k in range(1, len(parts)):
+        left = _left_of(spec.skip, since[k], parts[k]["time"])
+        said.append(replace(spec, part=k + 1, skip=left, start="unknown"))
+    every = list(zip(said, parts, strict=True))
+    shown = [pair for pair, times in zip(every, since, strict=True) if _shows(*pair, times)] or every
     return shown, [_note_on(spec.file, parts, len(shown))]
 
 

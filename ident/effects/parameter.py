@@ -60,7 +60,6 @@ def amplitude(
     positive: bool = False,
     one_sided: bool = False,
     fitted: bool = True,
-    refines: bool = False,
     expected: Expected | None = None,
 ) -> Any:
     """Declare a parameter that switches the effect off when it is zero.
@@ -68,12 +67,9 @@ def amplitude(
     **Arguments:** `unit` ("N/m^3"); `doc`, a few words for the help page; `default`, the value to start a fit from;
     `positive`, if a fit must keep it above zero; `one_sided`, if it may pass through zero on its way but means nothing
     below (a friction that drives): what ends there is not the effect that is missing; `fitted=False` holds it unless
-    the campaign frees it, and `refines` at the usual value of the law (zero) unless the campaign frees it or a walk
-    finds that the records clearly choose the law with it free; `expected`, what is known beforehand, which a posterior
-    takes as its prior (a fit does not).
+    the campaign frees it; `expected`, what is known beforehand, which a posterior takes as its prior (a fit does not).
     """
-    fitted = fitted and not refines
-    return Parameter("amplitude", unit, doc, default, positive, (), "one", fitted, None, one_sided, expected, refines)
+    return Parameter("amplitude", unit, doc, default, positive, (), "one", fitted, None, one_sided, expected)
 
 
 def shape(
@@ -95,8 +91,9 @@ def shape(
     of a record; "one": SI as written);
     `limits`, where it keeps its meaning, so that a fit cannot turn one effect into another (default: a third of the
     smallest to three times the largest of the grid). A fit stays inside; one of a shape that may be negative does not,
-    but where it ends outside the effect is impossible, and there is no default. `refines`, `expected`: as of an
-    amplitude.
+    but where it ends outside the effect is impossible, and there is no default. `refines` holds it at the
+    middle of the grid, the usual value of the law, unless the campaign frees it or a walk finds that the records
+    clearly choose the law with it free. `expected`: as of an amplitude.
     """
     if scale not in get_args(Scale):
         do = "write one of " + ", ".join(f'"{word}"' for word in get_args(Scale))

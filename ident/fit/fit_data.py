@@ -90,12 +90,8 @@ def model_for(campaign: Campaign, effects: Effects, report: Report = lambda _: N
     """The model of a fit: as it is, or with the linear part that the records choose and these effects."""
     if isinstance(effects, Model):
         return effects
-    asked = (
-        effects
-        if effects is None or isinstance(effects, Iterable) and not isinstance(effects, (str, type))
-        else (effects,)
-    )
-    asked = None if asked is None else tuple(asked)
+    several = isinstance(effects, Iterable) and not isinstance(effects, (str, type))
+    asked = None if effects is None else tuple(effects) if several else (effects,)
     names = None if asked is None else [one for one in asked if isinstance(one, str)]
     model = start_model(campaign, names, report)
     for own in () if asked is None else asked:

@@ -75,3 +75,12 @@ def test_volts_of_a_velocity_need_no_other_unit(tmp_path: Path, header: str, fac
     found = record(tmp_path, 'measures = "velocity"\nscale = { drive = "1 N/V" }', "V", f"t (s),drive (V),{header}")
     np.testing.assert_allclose(found.response, factor * READ, rtol=1e-7)
     assert any("taken for V/s" in note for note in read_campaign(tmp_path).notes) == ("/s" not in header)
+
+
+def test_a_decay_of_a_velocity_in_volts_needs_no_drive(tmp_path: Path) -> None:
+    np.savetxt(tmp_path / "a.csv", np.stack([T, READ], 1), "%.9g", ",", header="t (s),response (V)", comments="")
+    device = 'device = { kind = "oscillator", output = "V", input = "V" }'
+    (tmp_path / "campaign.toml").write_text(f'{device}\n[[record]]\nfile = "a.csv"\nmeasures = "velocity"\n')
+    (found,) = read_campaign(tmp_path).traces
+    assert not found.driven
+    np.testing.assert_allclose(np.diff(found.response), np.diff(READ), atol=1e-9)  # whatever level it rests on

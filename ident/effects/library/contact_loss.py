@@ -22,6 +22,7 @@ class ContactLoss(AbstractEffect):
     has_kink = True
 
     damping = amplitude("N*s/m", "damping at a penetration of one gap, c", one_sided=True)
+    # What stands in the middle of a grid is the value that is held where nobody fits it.
     exponent = shape("1", "exponent of the penetration, p", grid=(0.3, 1.5, 1.0), limits=(0.1, 2.0))
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:

@@ -25,6 +25,7 @@ class PowerLawStiffness(AbstractEffect):
     has_kink = True
 
     stiffness = amplitude("N/m", "growth of F/z with ln z at the reference displacement, k")
+    # What stands in the middle of a grid is the value that is held where nobody fits it.
     exponent = shape("1", "power of the displacement, n", grid=(0.6, 4.5, 1.4, 2.0), limits=(0.3, 5.0))
     displacement = shape("m", "reference displacement, z₀", grid=(1.0,), scale="displacement", fitted=False)
 

@@ -11,9 +11,8 @@ class ViscoelasticSupport(AbstractEffect):
     As of glue or polymer in the support: stiffer by k_v above 1/τ, with a loss around ωτ = 1 that is the wider the
     larger s; s near 1 is the Zener (standard linear) solid. w is the share of the slow element, usually ½. Real
     polymers relax over decades of time, and two elements follow about one and a half. Typical: k_v 0.1-10 % of the
-    suspension.
-    With τ far from 1/ω it is absorbed by damping (short) or by stiffness (long), and only records at several
-    frequencies show it.
+    suspension. With τ far from 1/ω it is absorbed by damping (short) or by stiffness (long), and only records at
+    several frequencies show it.
     """
 
     name = "viscoelastic-support"
