@@ -60,6 +60,7 @@ def amplitude(
     positive: bool = False,
     one_sided: bool = False,
     fitted: bool = True,
+    refines: bool = False,
     expected: Expected | None = None,
 ) -> Any:
     """Declare a parameter that switches the effect off when it is zero.
@@ -67,9 +68,12 @@ def amplitude(
     **Arguments:** `unit` ("N/m^3"); `doc`, a few words for the help page; `default`, the value to start a fit from;
     `positive`, if a fit must keep it above zero; `one_sided`, if it may pass through zero on its way but means nothing
     below (a friction that drives): what ends there is not the effect that is missing; `fitted=False` holds it unless
-    the campaign frees it; `expected`, what is known beforehand, which a posterior takes as its prior (a fit does not).
+    the campaign frees it, and `refines` at the usual value of the law (zero) unless the campaign frees it or a walk
+    finds that the records clearly choose the law with it free; `expected`, what is known beforehand, which a posterior
+    takes as its prior (a fit does not).
     """
-    return Parameter("amplitude", unit, doc, default, positive, (), "one", fitted, None, one_sided, expected)
+    fitted = fitted and not refines
+    return Parameter("amplitude", unit, doc, default, positive, (), "one", fitted, None, one_sided, expected, refines)
 
 
 def shape(

@@ -68,7 +68,7 @@ def test_a_fit_to_excerpts_that_crawls_is_left_as_refits_are(monkeypatch: pytest
     monkeypatch.setattr(shorten, "_KEPT", 800)
     campaign = Campaign("stage", (stage(10.0, 0), stage(25.0, 1)), Oscillator())
     model = Model(campaign.device, (built_in()["prandtl-ishlinskii"](),))
-    values = np.array([300.0, 0.7, 1.4 * (600 * np.pi) ** 2, 0.3, 0.0, 0.8])
+    values = np.array([300.0, 0.7, 1.4 * (600 * np.pi) ** 2, 0.3, 0.0, *np.zeros(4), 0.8])
     assert working(fit_at(model, campaign, values)).starts[0].steps <= CRAWLS  # 400 without
 
 

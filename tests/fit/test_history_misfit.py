@@ -46,7 +46,7 @@ def test_no_history_is_many_times_the_drive(campaign: Campaign) -> None:
     found = minimise(
         model,
         campaign,
-        initial=[np.array([300.0, 0.7, 1.4 * (600 * np.pi) ** 2, 0.3, 0.0, 0.8])],
+        initial=[np.array([300.0, 0.7, 1.4 * (600 * np.pi) ** 2, 0.3, 0.0, *np.zeros(4), 0.8])],
         most=60,
     )
     assert found.error > 30  # the bend

@@ -63,7 +63,7 @@ def find_suspects(
     """The suspect records of a fit's campaign: what the data alone tell, and what the records tell of one another, long
     ones by a stretch of each; `look`: what the library says of a fit, if it is asked; `two_do`: whether two effects
     bring all records to their noise."""
-    alone = suspects_by_data(fitted.campaign)
+    alone = told_by_data(fitted)
     if not _disagree(fitted):
         return alone
     report("do the records agree with one another?")
@@ -79,6 +79,17 @@ def find_suspects(
         others = [replace(one, says=f"{one.says}, in a stretch of each record") for one in others]
     said = {(one.file, one.kind) for one in others}
     return (*(one for one in alone if (one.file, one.kind) not in said), *others)
+
+
+def told_by_data(fitted: Fit) -> tuple[Suspect, ...]:
+    """What the data of each record alone tell, but for a drift that the model follows to the noise: that is the
+    device's own, as one without a spring wanders, or has a name."""
+    return tuple(one for one in suspects_by_data(fitted.campaign) if _stays(one, fitted))
+
+
+def _stays(suspect: Suspect, fitted: Fit) -> bool:
+    errors = {score.name: score.error_over_noise for score in fitted.trace_scores}
+    return suspect.kind != "drift" or errors.get(suspect.file, np.inf) > _FLOOR
 
 
 @lru_cache(maxsize=8)  # the terminal and the page ask
@@ -122,14 +133,11 @@ def _disagree(fitted: Fit) -> bool:
 
 def judged_again(suspects: tuple[Suspect, ...], final: Fit, report: Report) -> tuple[Suspect, ...]:
     """The suspects beside the model that a walk has ended with: what looked so may have been the shape of what had
-    been missing, and what that hid may show now. What the data of a record alone tell stays, but for a drift that the
-    model follows to the noise: that is the device's own, as one without a spring wanders, or has a name."""
-    followed = {one.name for one in final.trace_scores if one.error_over_noise <= _FLOOR}
-    stays = lambda one: not (one.kind == "drift" and one.file in followed)
-    alone = tuple(one for one in suspects if one.kind not in BY_OTHERS and stays(one))
+    been missing, and what that hid may show now. What the data of a record alone tell stays."""
+    alone = tuple(one for one in suspects if one.kind not in BY_OTHERS and _stays(one, final))
     names = {one.file for one in alone}
     again = find_suspects(final, lambda one: first_look(one, {}, lambda _: None), report)
-    return alone + tuple(one for one in again if one.file not in names and stays(one))
+    return alone + tuple(one for one in again if one.file not in names)
 
 
 class _Explained(NamedTuple):
@@ -225,7 +233,8 @@ def _most_likely(
     """The fault that explains the records better than physics does, if one does; one that leaves something is not
     asked for beside an effect where `two_do` as well."""
     left, sound = _left(fitted), _with_physics(fitted, look)
-    if sound.worst <= _FLOOR:
+    agree = sound.worst <= _FLOOR
+    if agree and not _could_be_shorter(sound, fitted):
         return None  # so told all records agree
     faults = likeliest(fitted, inside, lambda fault: _beyond_an_effect(fault, fitted))
     if all(fault.worst > _FLOOR for fault in faults):
@@ -240,6 +249,8 @@ def _most_likely(
     shapes = ANOTHER_LAW * own.n / sum(s.n for s in scores) * max(own.error_over_noise**2 - 1.0, 1e-9)
     if best.worst <= _FLOOR:
         shapes = 0.0  # what brings all records to their noise is no law of another shape
+    elif agree:
+        return None
     if not sound.excess > shapes or (best.worst > _FLOOR and two_do()):
         return None  # nothing is left to explain
     read_so = fit(fitted.model, best.campaign, initial=best.values)
@@ -264,10 +275,19 @@ def _most_likely(
 
 
 def _better(faulty: _Explained, sound: _Explained, shapes: float) -> bool:
-    """Whether a fault is clearly the better answer, takes away most of what physics leaves, and more than `shapes`."""
+    """Whether a fault is clearly the better answer, and takes away most of what physics leaves and more than `shapes`;
+    or says the same with fewer numbers, where both bring all records to their noise."""
     weights = criteria([sound, _beside(sound.left, faulty.left, faulty.numbers)])
     most = faulty.excess < MOST_OF_IT * sound.excess and sound.excess - faulty.excess > shapes
-    return most and weights[0] - weights[1] > VERY_STRONG
+    shorter = max(sound.worst, faulty.worst) <= _FLOOR and faulty.excess <= sound.excess
+    return (most or shorter) and weights[0] - weights[1] > VERY_STRONG
+
+
+def _could_be_shorter(sound: _Explained, fitted: Fit) -> bool:
+    """Whether a fault, which is one number, could be clearly better than physics that brings all records to their
+    noise: by the numbers of a law that bends to anything, or by what that leaves."""
+    noise = sound.left / max(rms(sound.left, 1.0), 1.0)
+    return behind(sound, Left(noise, fitted.freedom + 1)) > VERY_STRONG
 
 
 def _beside(left: np.ndarray, other: np.ndarray, numbers: float) -> Left:

@@ -10,11 +10,10 @@ import numpy as np
 from ...campaign.apart import TOLD, size_of
 from ...campaign.device import Platform
 from ...campaign.drive import drive_frequency
-from ...campaign.quality.suspect import suspects_by_data
 from ...campaign.record import VAGUE
 from ...diagnosis.evidence.enough import FAR
 from ...diagnosis.faulty.aside import left_out
-from ...diagnosis.faulty.suspects import alone_off
+from ...diagnosis.faulty.suspects import alone_off, told_by_data
 from ...effects.registry import built_in
 from ...fit.carry_over import expected_error
 from ...fit.judge import GOOD
@@ -133,7 +132,7 @@ def _heldout(fit: Fit) -> str:
 
 def sentences(fit: Fit) -> tuple[Sentence, ...]:
     """What must be known before a number of this fit is used, warnings first."""
-    found = (*suspects_by_data(fit.campaign), *alone_off(fit))
+    found = (*told_by_data(fit), *alone_off(fit))
     suspects = [Sentence(f"Left out as suspect: {one.left_out}", True) for one in left_out(fit)]
     suspects += [Sentence(f"Suspect record {one.sentence}", True) for one in found]
     starts = [*_starts(fit), *_off_orbit(fit)]
