@@ -70,6 +70,7 @@ def confirm(
     candidate: Candidate,
     most: int = CRAWLS,
     base: np.ndarray | None = None,
+    refining: bool = True,
 ) -> Confirmed:
     """Refit with the candidate on, in at most so many steps.
 
@@ -80,25 +81,42 @@ def confirm(
     differ by, they are refitted too, and the best of all is taken; not in the place of usual ones that end in what
     cannot be.
 
-    `base`: values of the other parameters to start from, if not those of the regression's fit.
+    `base`: values of the other parameters to start from, if not those of the regression's fit; `refining`: whether what
+    refines its law is asked for, where it leaves more than noise.
     """
     asked = (effect, *candidate.words.items(), *candidate.values.items(), most, None if base is None else tuple(base))
-    if asked not in regression.refitted:
-        found = _refitted(regression, effect, candidate, most, base)
-        for other in candidate.otherwise:
-            more = other.promised(regression) - (regression.best_chi2 - found.chi2)
-            if found.possible and worth_a_name(more, regression):
-                again = _refitted(regression, effect, other, most, base)
-                found = again if again.possible and behind(again, found) < 0 else found
-        found = _refined(regression, effect, found, most)
-        regression.refitted[asked] = found
-    return regression.refitted[asked]
+    known = regression.refitted
+    if asked not in known:
+        known[asked] = _best_of_words(regression, effect, candidate, most, base)
+    found = known[asked]
+    if not refining or not found.possible or leaves_noise(found, regression):
+        return found
+    if (finer := (*asked, "finer")) not in known:
+        known[finer] = _refined(regression, effect, found, most)
+    return known[finer]
+
+
+def _best_of_words(
+    regression: Regression, effect: type[AbstractEffect], candidate: Candidate, most: int, base: np.ndarray | None
+) -> Confirmed:
+    found = _refitted(regression, effect, candidate, most, base)
+    for other in candidate.otherwise:
+        more = other.promised(regression) - (regression.best_chi2 - found.chi2)
+        if found.possible and worth_a_name(more, regression):
+            again = _refitted(regression, effect, other, most, base)
+            found = again if again.possible and behind(again, found) < 0 else found
+    return found
+
+
+def leaves_noise(found: Confirmed, regression: Regression) -> bool:
+    """Whether a refit leaves about noise: then nothing is missing from its law."""
+    return found.possible and found.chi2 <= _LEAVES * regression.n
 
 
 def _refined(regression: Regression, effect: type[AbstractEffect], found: Confirmed, most: int) -> Confirmed:
-    """A refit with what refines its law free, where it leaves more than noise and the records clearly choose that."""
+    """A refit with what refines its law free, where the records clearly choose that."""
     names = {f"{effect.name}.{p.name}" for p in effect.parameters if p.refines}
-    if not names or not found.possible or not _LEAVES * regression.n < found.chi2 < np.inf:
+    if not names or not np.isfinite(found.chi2):
         return found
     freer = replace(found.model, freed=found.model.freed | names)
     scored = score(regression, {effect.name: all_free(effect)})

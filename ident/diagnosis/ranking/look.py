@@ -18,7 +18,7 @@ from ..evidence.criterion import VERY_STRONG
 from ..evidence.enough import another_law, worth_a_name
 from ..linearised.anchor import prepare_at_best
 from ..linearised.regression import Regression
-from .confirm import Confirmed, confirm
+from .confirm import Confirmed, confirm, leaves_noise
 from .pairs import Pair, best_pair
 from .refits import bent_readings, by_refits
 from .score import score, significant
@@ -129,7 +129,9 @@ class Look:
                 break
             candidate = rest.pop(0)
             self.report(f"confirming {candidate.name}")
-            tried.append(confirm(self.regression, self.library[candidate.name], candidate))
+            # Beside an effect that leaves noise no finer law of another is worth its numbers.
+            refining = not any(leaves_noise(found, self.regression) for found in tried)
+            tried.append(confirm(self.regression, self.library[candidate.name], candidate, refining=refining))
         return tried
 
     def _may_be_best(self, candidate: Candidate, real: list[Candidate], tried: list[Confirmed]) -> bool:

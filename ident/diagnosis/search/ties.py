@@ -18,7 +18,7 @@ from ..evidence.equivalences import equivalence, exact_partners, what_separates
 from ..evidence.family import is_that_member
 from ..evidence.held_out import behind_held_out
 from ..linearised.regression import Regression
-from ..ranking.confirm import Confirmed, confirm
+from ..ranking.confirm import Confirmed, confirm, leaves_noise
 from ..ranking.look import possible
 from ..ranking.score import lacks_a_smooth_drive
 from ..ranking.weigh import Candidate
@@ -218,7 +218,9 @@ def weighed_ties(
     known = {one.candidate.name for one in tried}
     scored = [tie.name for tie in ties.ties if tie.name not in known][:_REFITTED]
     if scored:
-        more = at_once(lambda c: confirm(regression, library[c.name], c), [c for c in rivals if c.name in scored])
+        finer = not leaves_noise(found, regression)
+        refit = lambda one: confirm(regression, library[one.name], one, refining=finer)
+        more = at_once(refit, [c for c in rivals if c.name in scored])
         tried = [*tried, *more]
         rivals = possible(real, tried)
         ties = tie_set(regression, found.candidate, rivals, library, tried)

@@ -1,14 +1,23 @@
 """Quadratic stiffness: the spring is stiffer on one side."""
 
-from ..effect import AbstractEffect, Drive, Scalar, State, amplitude
+import jax.numpy as jnp
+
+from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
 from ..likeness import BENT_RESONANCE, EVEN_HARMONICS, QUADRATIC_FORCE, SAME_HARMONICS, SECOND_ORDER
+
+_CLOSEST = 0.05  # of the distance: a trial simulation may come nearer, and must stay finite there
 
 
 class QuadraticStiffness(AbstractEffect):
-    """A restoring force that is not odd, as of a curved beam: F = −k2 z². Shifts the mean and makes even harmonics."""
+    """A restoring force that is not odd, as of a curved beam: F = −k2 z² (1 + 2 u z/3)/(1 + u z)².
+
+    It shifts the mean and makes even harmonics. u, which refines the law, is 0 for a plain square; an attraction or
+    repulsion by the inverse square of a distance g above the stage, of a magnet or an electrode at a constant voltage,
+    is u = −1/g, and below it u = 1/g: (g²/2)[1/(1 + z/g)² − 1] + g z, without its linear part.
+    """
 
     name = "quadratic-stiffness"
-    equation = "F = −k2 z²"
+    equation = "F = −k2 z² (1 + 2 u z/3)/(1 + u z)²"
     source = "Nayfeh & Mook, Nonlinear Oscillations, 1979, §4.2"
     mistaken_for = (
         "residual-stress", "arch-force", "voltage-stiffness", "electrostriction", "electrostatic-force", "end-stop",
@@ -17,6 +26,8 @@ class QuadraticStiffness(AbstractEffect):
     alike = (QUADRATIC_FORCE, BENT_RESONANCE, EVEN_HARMONICS, SECOND_ORDER, SAME_HARMONICS)
 
     k2 = amplitude("N/m^2", "quadratic stiffness")
+    nearness = shape("1/m", "inverse distance of what acts, u", grid=(0.0,), positive=False, refines=True)
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
-        return -self.k2 * state.z**2
+        near = self.nearness * state.z
+        return -self.k2 * state.z**2 * (1.0 + 2.0 / 3.0 * near) / jnp.maximum(1.0 + near, _CLOSEST) ** 2
