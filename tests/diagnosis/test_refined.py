@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
 from scipy.signal import lsim
 
 import ident
@@ -19,6 +21,13 @@ TIME = np.arange(2400) / 20e3
 OMEGA, QUALITY, GAIN, NOISE = 2 * np.pi * 500.0, 30.0, 2.0, 2e-9
 
 
+def _refitted(records, name, noise):
+    fitted = ident.fit(records, (), start="rest", noise=noise)
+    regression, effect = prepare(fitted), built_in()[name]
+    (candidate, *_) = score(regression, {name: effect})
+    return regression, confirm(regression, effect, candidate)
+
+
 def _confirmed(widths, weights):
     """Of a linear oscillator by SciPy behind exact plays of own widths and weights."""
     rng, records = np.random.default_rng(3), {}
@@ -28,10 +37,7 @@ def _confirmed(widths, weights):
         system = ([GAIN * 1e-8 * OMEGA**2], [1.0, OMEGA / QUALITY, OMEGA**2])
         moved = lsim(system, bent, TIME)[1] + NOISE * rng.standard_normal(len(TIME))
         records[f"{tone:.0f}"] = {"time (s)": TIME, "drive (V)": drive, "z (m)": moved}
-    fitted = ident.fit(records, (), start="rest", noise="2 nm")
-    regression, effect = prepare(fitted), built_in()[NAME]
-    (candidate, *_) = score(regression, {NAME: effect})
-    return regression, confirm(regression, effect, candidate)
+    return _refitted(records, NAME, "2 nm")
 
 
 def test_weights_that_no_straight_line_follows_are_free():
@@ -45,6 +51,70 @@ def test_equal_weights_need_no_refinement():
     assert not found.model.freed & ORDERS
     names = [p.name for p in found.model.parameters]
     assert all(found.values[names.index(name)] == 0.0 for name in ORDERS)
+
+
+# An oscillator of 1.3 Hz in m: acceleration by (z, v, V, hidden), and the rate of what is hidden.
+W, DAMPED = 2 * np.pi * 1.3, 2 * np.pi * 1.3 / 6.0
+
+
+def _magnet(z, v, u, h):
+    """A magnet at 0.2 m below: the linear part of its force is the spring itself."""
+    return 2.0 * u - DAMPED * v - W**2 * 0.1 * ((1 + z / 0.2) ** -2 - 1) * -1.0, 0.0
+
+
+def _coil(z, v, u, h):
+    """A coil off the middle of its gap, which brakes by its own voltage."""
+    own = 1 + 2.5 * z - 120 * z**2
+    return 2.0 * own * u - 0.4 * DAMPED * v - 0.6 * DAMPED * own**2 * v - W**2 * z, 0.0
+
+
+def _guide(z, v, u, h):
+    """A guide that rubs half as much again upwards as it does downwards."""
+    return 2.0 * u - DAMPED * v - W**2 * z - 0.25 * (1 + 0.2 * np.tanh(v / 0.01)) * np.tanh(v / 0.01), 0.0
+
+
+def _presliding(z, v, u, h):
+    """The LuGre law, h the mean deflection of its bristles."""
+    level = 0.2 + 0.1 * np.exp(-((v / 0.02) ** 2))
+    rate = v - 250.0 * np.abs(v) / level * h
+    return 2.0 * u - DAMPED * v - W**2 * z - 250.0 * h - 4.0 * rate, rate
+
+
+def _drive(t, level, tone):
+    return level * (np.sin(2 * np.pi * tone * t) + 0.7 * np.sin(2 * np.pi * 2.13 * tone * t + 1.0))
+
+
+def _measured(law, levels):
+    rng, time, records = np.random.default_rng(5), np.arange(1500) / 60.0, {}
+    for level, tone in zip(levels, (0.9, 1.25, 0.6), strict=True):
+
+        def rate(t, y, level=level, tone=tone):
+            acceleration, hidden = law(y[0], y[1], _drive(t, level, tone), y[2])
+            return [y[1], acceleration, hidden]
+
+        moved = solve_ivp(rate, (0, time[-1]), [0.0] * 3, "LSODA", time, rtol=1e-8, atol=1e-10, max_step=0.02).y[0]
+        told = {"time (s)": time, "drive (V)": _drive(time, level, tone)}
+        records[f"{tone}"] = {**told, "z (m)": moved + 1e-4 * rng.standard_normal(len(time))}
+    return records
+
+
+@pytest.mark.parametrize(
+    ("law", "levels", "name", "told"),
+    [
+        (_magnet, (0.7, 0.35, 0.5), "quadratic-stiffness", {"nearness": 5.0}),
+        (_coil, (1.0, 0.6, 1.2), "force-factor", {}),
+        (_guide, (0.5, 0.5, 1.0), "coulomb-friction", {"asymmetry": 0.2}),
+        pytest.param(_presliding, (0.5, 0.5, 1.0), "bouc-wen", {"damping": 4.0, "sliding": 2 / 3},
+                     marks=pytest.mark.slow),
+    ],
+)  # fmt: skip
+def test_a_law_covers_its_family_by_what_refines_it(law, levels, name, told):
+    regression, found = _refitted(_measured(law, levels), name, "0.1 mm")
+    assert found.model.freed
+    assert found.chi2 < 1.2 * regression.n
+    values = dict(zip((p.name for p in found.model.parameters), found.values, strict=True))
+    for parameter, value in told.items():
+        assert values[f"{name}.{parameter}"] == pytest.approx(value, rel=0.05)
 
 
 def test_an_effect_is_scored_with_what_refines_it():
