@@ -100,8 +100,9 @@ class Look:
         if not self.broken:
             return tried
         known = {found.candidate.name for found in tried}
-        rest = [candidate for candidate in self.real if candidate.name not in known]
-        return self._confirmed(tried, by_refits(self.regression, rest, self.library, self.report), lambda _: False)
+        rest = [candidate for candidate in self.candidates if candidate.name not in known]
+        refitted = significant(by_refits(self.regression, rest, self.library, self.report))
+        return self._confirmed(tried, refitted, lambda _: False)
 
     @property
     def broken(self) -> bool:

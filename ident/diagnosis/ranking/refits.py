@@ -12,6 +12,7 @@ from ...effects.effect import AbstractEffect
 from ...effects.registry import Registry
 from ...fit.curves import BENT
 from ...pulse import Report
+from ..evidence.enough import MOST_OF_IT
 from ..linearised.regression import Regression
 from ..side_by_side import at_once
 from .confirm import weigh
@@ -21,7 +22,7 @@ from .weigh import Candidate
 
 FEW = 15  # steps of least squares: enough to tell who gains much
 _SMALL = 0.1  # of the size that the score predicts
-_REFITTED = 12  # of the candidates, by their scores: those further down have never gained much
+_REFITTED = 12  # of the candidates, by their scores: others are asked if none of these explains most of the misfit
 
 
 def by_refits(
@@ -33,10 +34,15 @@ def by_refits(
     becomes a low quality factor), and what a candidate gains once they are free to bend back is not to be seen from
     the slope at the fit.
     """
-    report(f"scores cannot be believed here: refitting {min(len(candidates), _REFITTED)} effects instead")
-    few = candidates[:_REFITTED]
-    found = at_once(lambda one: _best_glimpse(regression, one, library[one.name]), few, report, "refits")
-    return [*best_first(found, regression.n), *candidates[_REFITTED:]]
+    first, rest = candidates[:_REFITTED], candidates[_REFITTED:]
+    report(f"scores cannot be believed here: refitting {len(first)} effects instead")
+    glimpse = lambda one: _best_glimpse(regression, one, library[one.name])
+    found = at_once(glimpse, first, report, "refits")
+    if rest and not any(one.predicted_gain > MOST_OF_IT for one in found):
+        # A friction that rules a slide had the last place by its score, and explained 88 %.
+        report(f"none of them explains most of it: refitting {len(rest)} more")
+        found, rest = [*found, *at_once(glimpse, rest, report, "refits")], []
+    return [*best_first(found, regression.n), *rest]
 
 
 def bent_readings(regression: Regression, candidates: Sequence[Candidate], library: Registry) -> list[Candidate]:
@@ -95,5 +101,7 @@ def _glimpsed(regression: Regression, candidate: Candidate, effect: type[Abstrac
     if not np.isfinite(found.chi2):
         return candidate._replace(drop=0.0, predicted_gain=0.0)
     return candidate._replace(
-        drop=max(regression.best_chi2 - found.chi2, 0.0), predicted_gain=float(np.clip(found.gain, 0, 1))
+        drop=max(regression.best_chi2 - found.chi2, 0.0),
+        predicted_gain=float(np.clip(found.gain, 0, 1)),
+        p_value=refit_chance(candidate, found.chi2, regression),
     )
