@@ -6,9 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from ident.errors import UserError
-from ident.units import NUMBER, VOLTAGE, find_unit
-
+from ..errors import UserError
+from ..units import NUMBER, VOLTAGE, find_unit
 from .added_drive import with_drive
 from .channel import own_units
 from .device import Device

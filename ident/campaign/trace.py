@@ -9,9 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ident.errors import UserError
-from ident.units import base_unit
-
+from ..errors import UserError
+from ..units import base_unit
 from .channel import channel_of, plausible_noise
 from .device import NOMINAL_RESONANCE, Device
 from .drive import find_period
