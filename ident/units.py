@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from ident.errors import UserError
+from .errors import UserError
 
 Dimension = tuple[int, int, int, int, int, int, int]
 """Exponents of m, kg, s, A, K, mol, cd."""

@@ -128,7 +128,7 @@ def fits(case: Setting, repeats: int, count: int = 5) -> list[Line]:
         static, data = case.assembled(start)
 
         def search(static: Any = static, data: Any = data) -> solve.Solution:
-            return solve.least_squares(static, data, begin(data, static))[1]
+            return solve.least_squares(static, data, begin(data, static), solve.How())[1]
 
         def peer(move: np.ndarray = move) -> Any:
             return peers.fit_numba(case.theta * move, *case.peer, case.response, SIGMA)

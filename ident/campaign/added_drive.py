@@ -9,9 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ident.errors import UserError
-from ident.units import FREQUENCY, Dimension, factor_of, parse_quantity
-
+from ..errors import UserError
+from ..units import FREQUENCY, Dimension, factor_of, parse_quantity
 from .guess import time_column
 from .spec import RecordSpec
 from .tables.amplitude_unit import TO_PEAK, split_convention

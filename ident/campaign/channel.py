@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from ident.errors import UserError
-from ident.units import factor_of
-
+from ..errors import UserError
+from ..units import factor_of
 from .device import Device
 from .record import Channel, Measures
 from .spec import RecordSpec, signal_units

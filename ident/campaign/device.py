@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from ident.units import kept_unit
+from ..units import kept_unit
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
-from ident.errors import UserError
-from ident.units import (
+from ..errors import UserError
+from ..units import (
     FREQUENCY,
     LENGTH,
     MASS,
@@ -20,7 +20,6 @@ from ident.units import (
     kept_unit,
     parse_quantity,
 )
-
 from .device import Device, Oscillator, Platform
 from .document import Section, read_document, shown
 from .record import Measures

@@ -9,9 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ident.errors import UserError, nearest
-from ident.units import Dimension, parse_quantity
-
+from ..errors import UserError, nearest
+from ..units import Dimension, parse_quantity
 from .tables.opening import read_bytes
 from .tables.text import decode
 

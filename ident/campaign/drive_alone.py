@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ident.units import NUMBER, factor_of
-
+from ..units import NUMBER, factor_of
 from .device import Device
 from .drive import find_period
 from .quality.checks import on_grid, uniform_time

@@ -8,9 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ident.errors import UserError
-from ident.units import CURRENT, LENGTH, NUMBER, VOLTAGE, Dimension, base_unit, factor_of, find_unit, kept_unit
-
+from ..errors import UserError
+from ..units import CURRENT, LENGTH, NUMBER, VOLTAGE, Dimension, base_unit, factor_of, find_unit, kept_unit
 from .device import Device, Oscillator, Platform
 from .drive import drive_rate
 from .quality.checks import PLATFORM_RATE, PLATFORM_TRAVEL, travel_of

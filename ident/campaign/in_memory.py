@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ident.errors import UserError, nearest
-
+from ..errors import UserError, nearest
 from .tables.table import Column, Table, split_header
 
 _DO = 'give a DataFrame, or a mapping of columns: {"time (s)": t, "drive (V)": u, "displacement (um)": y}'

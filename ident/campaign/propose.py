@@ -10,9 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ident.errors import UserError
-from ident.units import LENGTH, VOLTAGE
-
+from ..errors import UserError
+from ..units import LENGTH, VOLTAGE
 from .added_drive import with_drive
 from .device import Oscillator, Platform
 from .drive import drive_frequency

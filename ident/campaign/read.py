@@ -14,10 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from ident.errors import UserError
-from ident.units import looks_like_quantity, parse_quantity, to_si
-
+from ..errors import UserError
 from ..threads import one_thread
+from ..units import looks_like_quantity, parse_quantity, to_si
 from .campaign import MOST_MODES, Campaign, Prior
 from .device import Device, Oscillator, Platform
 from .device_file import of_displacement, read_device

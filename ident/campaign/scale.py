@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
-from ident.errors import UserError
-from ident.units import Dimension, Unit, base_unit, find_unit
+from ..errors import UserError
+from ..units import Dimension, Unit, base_unit, find_unit
 
 _SENSITIVITY = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*([^\d\s(].*?)\s*/\s*(\([^()]+\)|[^/()]+)\s*")
 _GRAVITY = Unit("g_n", 9.80665, (1, 0, -2, 0, 0, 0, 0))  # of an accelerometer's mV/g; a gram else

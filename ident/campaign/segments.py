@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ident.errors import UserError
-
+from ..errors import UserError
 from .guess import time_column
 from .record import LEAST
 from .spec import RecordSpec

@@ -8,9 +8,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal, get_args
 
-from ident.errors import UserError
-from ident.units import FREQUENCY, LENGTH, MASS, TIME, VOLTAGE, Dimension, find_unit, parse_quantity, to_si
-
+from ..errors import UserError
+from ..units import FREQUENCY, LENGTH, MASS, TIME, VOLTAGE, Dimension, find_unit, parse_quantity, to_si
 from .device import Device, Oscillator
 from .document import Section, shown
 from .record import MEASURES, Between, Measures

@@ -10,8 +10,7 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from ident.errors import UserError
-
+from ..errors import UserError
 from .tables.opening import read_bytes
 
 _session: set[str] = set()  # where the folder cannot be written, this process still knows

@@ -24,8 +24,7 @@ def command(run: str, as_json: bool) -> None:
     """
     from pathlib import Path
 
-    from ident.report.run_folder import load_run, read_run, renew_report, write_json
-
+    from ..report.run_folder import load_run, read_run, renew_report, write_json
     from .output import progress, say, say_json, say_sheet
 
     folder = Path(run)
@@ -33,8 +32,8 @@ def command(run: str, as_json: bool) -> None:
     progress("reading the run")
     fit = load_run(folder)
 
-    from ident.diagnosis.judged import attribute
-    from ident.report.attribution_view import attribution_dict, attribution_section, attribution_sheet
+    from ..diagnosis.judged import attribute
+    from ..report.attribution_view import attribution_dict, attribution_section, attribution_sheet
 
     progress("switching mechanisms on and off at draws of the posterior, and asking the library what is missing")
     document = attribution_dict(attribute(fit, chain_file=folder / "chain.h5"), fit.model.device)

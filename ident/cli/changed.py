@@ -11,8 +11,8 @@ from .output import progress, say_fit, say_folder, say_json, say_sheet
 
 def change(run: str, effect: str, output: str | None, *, adding: bool, force: bool, as_json: bool) -> None:
     """Load the run, change its model, refit, write the new run and print what it brought."""
-    from ident.campaign.trust import trust
-    from ident.report.run_folder import check_target, load_run, read_lineage, read_run, write_run
+    from ..campaign.trust import trust
+    from ..report.run_folder import check_target, load_run, read_lineage, read_run, write_run
 
     name = Path(effect).stem.replace("_", "-") if effect.endswith(".py") else effect
     folder = Path(output) if output else Path(f"{run.rstrip('/')}{'+' if adding else '-'}{name}")
@@ -21,10 +21,10 @@ def change(run: str, effect: str, output: str | None, *, adding: bool, force: bo
     progress("reading the parent run")
     parent = load_run(run)
 
-    from ident.diagnosis.document import lineage_entry
-    from ident.diagnosis.search.change import add, remove
-    from ident.effects.registry import registry
-    from ident.report.story import change_sheet
+    from ..diagnosis.document import lineage_entry
+    from ..diagnosis.search.change import add, remove
+    from ..effects.registry import registry
+    from ..report.story import change_sheet
 
     if adding and effect.endswith(".py"):
         trust(effect)  # named at the command line: that is to ask for it

@@ -22,7 +22,7 @@ def command(campaign: tuple[str, ...], columns: dict[str, str | int], as_json: b
     Example:
       ident check data/platform_317hz
     """
-    from ident.report.check import check
+    from ..report.check import check
 
     found = check(list(campaign), columns)
     if as_json:

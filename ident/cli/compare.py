@@ -24,9 +24,8 @@ def command(runs: tuple[str, ...], output: str | None, force: bool, as_json: boo
     """
     from pathlib import Path
 
-    from ident.errors import UserError
-    from ident.report.run_folder import load_run, read_run, write_json
-
+    from ..errors import UserError
+    from ..report.run_folder import load_run, read_run, write_json
     from .output import progress, say, say_json, say_sheet
 
     if len(runs) < 2:
@@ -41,9 +40,9 @@ def command(runs: tuple[str, ...], output: str | None, force: bool, as_json: boo
         progress(f"reading {run}")
         fits.append((run, load_run(run)))
 
-    from ident.diagnosis.judged import compare
-    from ident.report.compare_view import compare_dict, compare_figure, compare_sheet, headline
-    from ident.report.figures.picture import draw
+    from ..diagnosis.judged import compare
+    from ..report.compare_view import compare_dict, compare_figure, compare_sheet, headline
+    from ..report.figures.picture import draw
 
     progress("evidence, left-out and held-out scores")
     document = compare_dict(compare(fits))

@@ -25,18 +25,16 @@ def command(run: str, target: str | None, as_json: bool) -> None:
     """
     from pathlib import Path
 
-    from ident.report.run_folder import load_run, read_run, renew_report, write_json
-
+    from ..report.run_folder import load_run, read_run, renew_report, write_json
     from .output import progress, say, say_json
 
     read_run(run)
     progress("reading the run")
     fitted = load_run(run)
 
-    from ident.diagnosis.diagnose import diagnose
-    from ident.diagnosis.document import diagnosis_dict
-    from ident.report.diagnosis_view import advice, sections, why_not_written
-
+    from ..diagnosis.diagnose import diagnose
+    from ..diagnosis.document import diagnosis_dict
+    from ..report.diagnosis_view import advice, sections, why_not_written
     from .walk import tell
 
     found = diagnose(fitted, None, progress, None if target is None else Path(target))

@@ -49,9 +49,8 @@ def command(
     Example:
       ident discover data/mystery_platform -o runs/mystery
     """
-    from ident.campaign import read_campaign
-    from ident.report.run_folder import check_target
-
+    from ..campaign import read_campaign
+    from ..report.run_folder import check_target
     from .fit import default_folder
     from .output import progress
     from .resume import check_resumed
@@ -63,10 +62,9 @@ def command(
     else:
         check_target(folder, force)
 
-    from ident.diagnosis.search.steps import Walked
-    from ident.fit.fit_data import fit_data, model_for
-    from ident.report.walk_json import read_walk
-
+    from ..diagnosis.search.steps import Walked
+    from ..fit.fit_data import fit_data, model_for
+    from ..report.walk_json import read_walk
     from .limit import Limit
     from .walk import walk
 

@@ -10,8 +10,8 @@ import click
 from .output import say, say_json, say_sheet
 
 if TYPE_CHECKING:
-    from ident.effects import AbstractEffect
-    from ident.effects.registry import Registry
+    from ..effects import AbstractEffect
+    from ..effects.registry import Registry
 
 
 @click.command("effects", short_help="List the effects, or explain one.")
@@ -26,9 +26,9 @@ def command(name: str | None, files: tuple[str, ...], as_json: bool) -> None:
     Example:
       ident effects cubic-stiffness
     """
-    from ident.campaign.trust import trust
-    from ident.effects.registry import find, registry
-    from ident.errors import UserError
+    from ..campaign.trust import trust
+    from ..effects.registry import find, registry
+    from ..errors import UserError
 
     if name and name.endswith(".py"):
         what, do = "a file of effects is no name of one", f"write `ident effects --file {name}`"
@@ -48,7 +48,7 @@ _SIDES = {"force": "force on the stage", "drive": "drive", "sensor": "sensor"}
 
 
 def _list(known: Registry) -> None:
-    from ident.report.words.sheet import Column, Sheet
+    from ..report.words.sheet import Column, Sheet
 
     columns = (Column("effect"), Column("acts on"), Column("equation", wraps=True), Column("parameters", wraps=True))
     ordered = sorted(known.values(), key=lambda effect: (list(_SIDES).index(effect.acts_on), effect.name))
@@ -63,7 +63,7 @@ def _list(known: Registry) -> None:
 def _explain(effect: type[AbstractEffect], known: Registry) -> None:
     import inspect
 
-    from ident.report.words.sheet import Column, Sheet
+    from ..report.words.sheet import Column, Sheet
 
     say(f"{effect.name}   {effect.equation}\n")
     say(inspect.cleandoc(effect.__doc__ or "") + "\n")

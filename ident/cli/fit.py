@@ -65,10 +65,9 @@ def command(
     Example:
       ident fit data/platform_317hz --effects residual-stress,pzt-hysteresis -o runs/first
     """
-    from ident.campaign import read_campaign
-    from ident.errors import UserError
-    from ident.report.run_folder import check_target, load_state, read_lineage, read_run, write_run
-
+    from ..campaign import read_campaign
+    from ..errors import UserError
+    from ..report.run_folder import check_target, load_state, read_lineage, read_run, write_run
     from .resume import check_resumed
 
     data = read_campaign(campaign)
@@ -86,8 +85,8 @@ def command(
     sigma = sigma or "known"
     seconds = math.inf if minutes is None else 60 * minutes
 
-    from ident.fit.fit_data import fit_data, model_for
-    from ident.fit.profile import check_profiled, profile
+    from ..fit.fit_data import fit_data, model_for
+    from ..fit.profile import check_profiled, profile
 
     if resume:
         model, data, initial = load_state(folder)

@@ -20,7 +20,7 @@ from contextlib import suppress
 
 import click
 
-from ident.errors import UserError, nearest, visible
+from ..errors import UserError, nearest, visible
 
 COMMANDS = (
     "new",

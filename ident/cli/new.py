@@ -31,8 +31,8 @@ def command(folder: str, files: tuple[str, ...], columns: dict[str, str | int], 
       ident new mine scope.csv --columns time=TIME,drive=CH1,response=CH2
       ident new mine
     """
-    from ident.campaign.tables.opening import exists
-    from ident.errors import UserError
+    from ..campaign.tables.opening import exists
+    from ..errors import UserError
 
     target = Path(folder)
     theirs = (target / "campaign.toml") if files and target.is_dir() else target
@@ -51,9 +51,9 @@ def command(folder: str, files: tuple[str, ...], columns: dict[str, str | int], 
 
 
 def _from_files(target: Path, files: tuple[str, ...], columns: dict[str, str | int], as_json: bool) -> None:
-    from ident.campaign.propose import LEFT_OUT, propose
-    from ident.errors import visible
-    from ident.report.new_folder import write_whole
+    from ..campaign.propose import LEFT_OUT, propose
+    from ..errors import visible
+    from ..report.new_folder import write_whole
 
     progress(f"reading {len(files)} file{'s' if len(files) > 1 else ''}")
     text = propose([Path(file) for file in files], target, columns)

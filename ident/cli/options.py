@@ -20,7 +20,7 @@ json_option: Decorator = click.option(
 
 def _trust(_: click.Context, __: click.Parameter, asked: bool) -> None:
     if asked or "ident.campaign.trust" in sys.modules:
-        from ident.campaign.trust import trust_what_runs
+        from ..campaign.trust import trust_what_runs
 
         trust_what_runs(asked)
 
@@ -43,7 +43,7 @@ resume_option: Decorator = click.option("--resume", is_flag=True, help="Go on wi
 
 def _figures(context: click.Context, _: click.Parameter, value: str | None) -> None:
     if value is not None:
-        from ident.report.figures.picture import FORMATS, drawn_as
+        from ..report.figures.picture import FORMATS, drawn_as
 
         asked = tuple(dict.fromkeys(part.strip().lower() for part in value.split(",")))
         if unknown := [one for one in asked if one not in FORMATS]:

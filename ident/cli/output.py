@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ident.errors import visible
+from ..errors import visible
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from ident.fit import Fit
-    from ident.report.words.sheet import Sheet
+    from ..fit import Fit
+    from ..report.words.sheet import Sheet
 
 
 def progress(text: str) -> None:
@@ -30,7 +30,7 @@ def say(text: str = "") -> None:
 
 def say_json(document: Mapping[str, Any]) -> None:
     """A JSON document as the result of a command."""
-    from ident.report.run_folder import json_text
+    from ..report.run_folder import json_text
 
     click.echo(json_text(document), nl=False)
 
@@ -42,7 +42,7 @@ def width() -> int:
 
 def say_sheet(sheet: Sheet) -> None:
     """A table."""
-    from ident.report.words.sheet import rich_sheet, sheet_text
+    from ..report.words.sheet import rich_sheet, sheet_text
 
     if sys.stdout.isatty():
         from rich.console import Console
@@ -60,7 +60,7 @@ def say_folder(folder: Path) -> None:
 
 def say_fit(fit: Fit) -> None:
     """What was assumed about the data, and every table of a fit."""
-    from ident.report.words.terminal import fit_text, fit_view
+    from ..report.words.terminal import fit_text, fit_view
 
     for note in fit.campaign.notes:
         click.echo(visible(f"note: {note}"))

@@ -20,7 +20,7 @@ def command(run: str, as_json: bool) -> None:
     Example:
       ident report runs/first
     """
-    from ident.report.run_folder import lacking_formats, load_run, read_run, renew_report
+    from ..report.run_folder import lacking_formats, load_run, read_run, renew_report
 
     read_run(run)  # a wrong folder is answered before anything is compiled
     progress("reading the campaign and compiling the model")

@@ -6,16 +6,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ident.errors import UserError
+from ..errors import UserError
 
 if TYPE_CHECKING:
-    from ident.campaign import Campaign
+    from ..campaign import Campaign
 
 
 def check_resumed(folder: Path, campaign: Campaign, effects: Sequence[str] | None) -> None:
     """**Raises:** UserError if the folder holds no run of this campaign, or if the run is asked for other effects."""
-    from ident.campaign.tables.opening import exists
-    from ident.report.run_folder import read_run
+    from ..campaign.tables.opening import exists
+    from ..report.run_folder import read_run
 
     if not exists(folder / "run.json"):
         raise UserError("there is no run here that could go on", where=str(folder), do="leave --resume out")

@@ -38,11 +38,10 @@ def command(run: str, resume: bool, minutes: float | None, seed: int, force: boo
     """
     from pathlib import Path
 
-    from ident.errors import UserError
-    from ident.posterior.chain_file import need_h5py, read_chain
-    from ident.posterior.container import need_arviz_base, write_container
-    from ident.report.run_folder import load_run, read_run, renew_report, write_json
-
+    from ..errors import UserError
+    from ..posterior.chain_file import need_h5py, read_chain
+    from ..posterior.container import need_arviz_base, write_container
+    from ..report.run_folder import load_run, read_run, renew_report, write_json
     from .output import progress, say, say_json, say_sheet
 
     folder = Path(run)
@@ -58,9 +57,9 @@ def command(run: str, resume: bool, minutes: float | None, seed: int, force: boo
     progress("reading the run")
     fit = load_run(folder)
 
-    from ident.diagnosis.judged import sample
-    from ident.report.posterior_json import posterior_dict
-    from ident.report.posterior_view import (
+    from ..diagnosis.judged import sample
+    from ..report.posterior_json import posterior_dict
+    from ..report.posterior_view import (
         evidence_words,
         posterior_section,
         posterior_sheet,
@@ -91,8 +90,7 @@ def command(run: str, resume: bool, minutes: float | None, seed: int, force: boo
 
 
 def _tell(now: object) -> None:
-    from ident.posterior.sampler import Progress
-
+    from ..posterior.sampler import Progress
     from .output import progress
 
     assert isinstance(now, Progress)

@@ -43,20 +43,20 @@ def command(
     Example:
       ident simulate runs/first --set "platform.quality=40" -o what_if.csv
     """
-    from ident.errors import UserError
+    from ..errors import UserError
 
     if Path(output).exists() and not force:
         raise UserError("this exists already", where=output, do="choose another name, or --force to replace it")
     changes = dict(_setting(text) for text in settings)
 
-    from ident.fit.simulate import simulate, simulate_state
-    from ident.report.model_csv import write_model_csv
+    from ..fit.simulate import simulate, simulate_state
+    from ..report.model_csv import write_model_csv
 
     if len(source) == 1 and (Path(source[0]) / "run.json").is_file():
         if effects is not None:
             do = "name the campaign instead of the run"
             raise UserError("a run has its effects already", where="--effects", do=do)
-        from ident.report.run_folder import load_state
+        from ..report.run_folder import load_state
 
         found = simulate_state(load_state(source[0]), changes, wanted, progress)
     else:
@@ -67,7 +67,7 @@ def command(
         told = {"effects": list(found.model.names), "parameters": found.parameters, "records": names}
         say_json({"format": 1, "file": output, **told})
         return
-    from ident.report.words.quantity import show
+    from ..report.words.quantity import show
 
     for parameter in found.model.parameters:
         value = found.parameters[parameter.name]
@@ -77,7 +77,7 @@ def command(
 
 def _setting(text: str) -> tuple[str, str]:
     """Name and value of one `--set NAME=VALUE`."""
-    from ident.errors import UserError
+    from ..errors import UserError
 
     name, equals, value = (part.strip() for part in text.partition("="))
     if not equals:

@@ -67,7 +67,7 @@ _TRUTH = {"platform.quality": 35.0, "platform.d31": 30e-12, "gas-drag.c": 4e-3}
 
 def write_starter(folder: Path) -> tuple[Path, ...]:
     """Write the starter campaign into a folder, and return the files."""
-    from ident.campaign.trust import trust
+    from ..campaign.trust import trust
 
     tables = _tables()
     folder.mkdir(parents=True, exist_ok=True)
@@ -83,11 +83,11 @@ def _tables() -> dict[str, str]:
 
     import numpy as np
 
-    from ident.campaign import Channel, NoiseFloor, Platform, Trace
-    from ident.campaign.trust import trust
-    from ident.effects.registry import registry
-    from ident.fit.reading import read
-    from ident.model import Model
+    from ..campaign import Channel, NoiseFloor, Platform, Trace
+    from ..campaign.trust import trust
+    from ..effects.registry import registry
+    from ..fit.reading import read
+    from ..model import Model
 
     with tempfile.TemporaryDirectory() as folder:  # the file that the user gets is the one that makes the records
         file = Path(folder) / "my_effect.py"

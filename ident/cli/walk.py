@@ -11,9 +11,9 @@ from .limit import Limit, OutOfTime
 from .output import progress, say, say_fit, say_folder, say_json, say_sheet
 
 if TYPE_CHECKING:
-    from ident.diagnosis.diagnose import Diagnosis
-    from ident.diagnosis.search.steps import Walked
-    from ident.fit import Fit
+    from ..diagnosis.diagnose import Diagnosis
+    from ..diagnosis.search.steps import Walked
+    from ..fit import Fit
 
 
 def walk(walked: Walked, folder: Path, *, force: bool, as_json: bool, limit: Limit) -> None:
@@ -21,11 +21,11 @@ def walk(walked: Walked, folder: Path, *, force: bool, as_json: bool, limit: Lim
 
     The folder is written after every step, so that a walk that is stopped leaves what it found.
     """
-    from ident.diagnosis.diagnose import diagnose
-    from ident.diagnosis.document import diagnosis_dict, lineage_of
-    from ident.report.diagnosis_view import advice, sections
-    from ident.report.parts import parts_dict
-    from ident.report.run_folder import write_run
+    from ..diagnosis.diagnose import diagnose
+    from ..diagnosis.document import diagnosis_dict, lineage_of
+    from ..report.diagnosis_view import advice, sections
+    from ..report.parts import parts_dict
+    from ..report.run_folder import write_run
 
     kept = _Kept(folder, force)
     try:
@@ -64,9 +64,9 @@ class _Kept:
 
     def keep(self, walked: Walked) -> None:
         """Write the last fit and the steps so far."""
-        from ident.diagnosis.document import lineage_of, unfinished_dict
-        from ident.report.run_folder import write_run
-        from ident.report.walk_json import FILE, walk_dict
+        from ..diagnosis.document import lineage_of, unfinished_dict
+        from ..report.run_folder import write_run
+        from ..report.walk_json import FILE, walk_dict
 
         self._fit = walked.final
         self._document = unfinished_dict(walked)
@@ -107,10 +107,10 @@ def _free_file(folder: Path) -> Path:
 
 def tell(found: Diagnosis) -> None:
     """The diagnosis on the terminal."""
-    from ident.diagnosis.document import lineage_of
-    from ident.report.candidates_view import later_sheet, ranking_sheet
-    from ident.report.diagnosis_view import advice, verdict_words
-    from ident.report.story import change_sheet
+    from ..diagnosis.document import lineage_of
+    from ..report.candidates_view import later_sheet, ranking_sheet
+    from ..report.diagnosis_view import advice, verdict_words
+    from ..report.story import change_sheet
 
     say(f"Where the first model fails: {found.summary}")
     say()

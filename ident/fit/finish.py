@@ -35,7 +35,7 @@ class Minimum(NamedTuple):
     def error(self) -> float:
         """Error over noise of the best solution."""
         cost = self.best.cost
-        return float(np.sqrt(cost / self.data.count)) if np.isfinite(cost) else np.inf
+        return self.data.error_of(cost) if np.isfinite(cost) else np.inf
 
     @property
     def values(self) -> np.ndarray:

@@ -76,6 +76,10 @@ class Data(NamedTuple):
         squares = float(found.residuals @ found.residuals) / max(self.count, 1)
         return max(math.sqrt(squares), 1.0) if math.isfinite(squares) else self.misfit
 
+    def error_of(self, cost: float) -> float:
+        """Error over noise of a Σ r²."""
+        return float(np.sqrt(cost / self.count))
+
     @property
     def count(self) -> int:
         """How many numbers are fitted."""

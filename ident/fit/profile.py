@@ -197,7 +197,7 @@ def _fit_held(
         cost = float(found.residuals @ found.residuals)
         return _Point(at, cost, start, bool(np.isfinite(cost)))
     begun = at_values(data, static, start), begin(data, static)
-    _, solution = solve.least_squares(static, *begun, robust)
+    _, solution = solve.least_squares(static, *begun, solve.How(robust))
     end = solution.found.values
     usable = solution.converged and bool(np.all(np.isfinite(end)))
     return _Point(at, solution.cost if usable else np.nan, end if usable else start, usable)

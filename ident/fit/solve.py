@@ -51,6 +51,19 @@ _FARTHEST = 0.5  # in ln p, for positive parameters in one step
 _SIZES = (8, 16, 32)  # of the normal equations as they are solved: one program for all that have fewer unknowns
 
 
+class How(NamedTuple):
+    """How a search goes.
+
+    **Arguments:** `robust`: large residuals count linearly; `most` steps, from one start; `until`: the
+    `time.monotonic()` after which no step is begun; `compared`: whether the cost is only compared with another model's.
+    """
+
+    robust: bool = False
+    most: int = MAX_STEPS
+    until: float = np.inf
+    compared: bool = False
+
+
 class Solution(NamedTuple):
     """Where one start ended: `unknowns`, the `cost` Σ r² and the model there, the number of `steps`, and whether it
     `converged`."""
@@ -205,22 +218,10 @@ def _limits(data: Data, given: Data) -> _Limits:
 
 
 class Search:
-    """A search from one starting point that can be left and gone on with.
+    """A search from one starting point that can be left and gone on with; `begun`: the model there, if it is known."""
 
-    **Arguments:** `begun`: the model at the start, if it is known; `compared`: whether the cost is only compared with
-    another model's.
-    """
-
-    def __init__(
-        self,
-        static: Static,
-        data: Data,
-        start: Unknowns,
-        robust: bool = False,
-        begun: Evaluation | None = None,
-        compared: bool = False,
-    ):
-        self.static, self._robust, self._compared = static, robust, compared
+    def __init__(self, static: Static, data: Data, start: Unknowns, how: How, begun: Evaluation | None = None):
+        self.static, self._how = static, how
         curves, steady = data.curves, None if begun is None else begun.steady
         self._given = data = data._replace(curves=curves and curves.apart(static.equation, steady))
         opened = in_ranges(
@@ -230,7 +231,7 @@ class Search:
         self._known = self._responses()
         self._limits = _limits(self._data, data)
         self._at = pack(self._start, self._data)
-        self._point = normal_equations(static, self._data, self._at, self._best, robust)
+        self._point = normal_equations(static, self._data, self._at, self._best, how.robust)
         units = np.sqrt(np.diagonal(self._point.matrix))
         self._next = np.zeros_like(self._at)
         self._turn = _Turn(True, units, self._next, np.array(_FIRST_STEP))
@@ -250,13 +251,12 @@ class Search:
         data, unknowns = in_ranges(self.static, self._data, there, self._given.lower, self._given.upper)
         return data, Solution(unknowns, self.cost, self.steps, self.converged, self._best)
 
-    def go_on(self, most: int, watch: Callable[[float], None] = lambda _: None, until: float = np.inf) -> None:
-        """Go on until it ends or has taken `most` steps in all; `watch`: called with Σ r² after every step; `until`:
-        the `time.monotonic()` after which no step is begun."""
+    def go_on(self, most: int, watch: Callable[[float], None] = lambda _: None) -> None:
+        """Go on until it ends or has taken `most` steps in all; `watch`: called with Σ r² after every step."""
         while self.steps < most and not self.ended:
             self._step()
             watch(self.cost)
-            if time.monotonic() > until:
+            if time.monotonic() > self._how.until:
                 return
 
     def _responses(self) -> Known | None:
@@ -267,13 +267,13 @@ class Search:
         """The fall of the cost ½χ² that is worth a step."""
         # What a model lacks is no noise: a hundred of its samples may say one thing.
         each = max(self.cost / independent_samples(self._best.residuals), 1.0)
-        return (_COMPARED if self._compared else _SMALL_GAIN) * each
+        return (_COMPARED if self._how.compared else _SMALL_GAIN) * each
 
     def _step(self) -> None:
         change, found, trial = self._next, self._best, self._point
         if self.steps:
             found = evaluate(self.static, self._data, unpack(self._at + change, self._start, self._data))
-            trial = normal_equations(self.static, self._data, self._at + change, found, self._robust)
+            trial = normal_equations(self.static, self._data, self._at + change, found, self._how.robust)
         self.steps += 1
         self._turn = self._taken(change, found, trial)
         if self._turn.accepted:
@@ -304,7 +304,7 @@ class Search:
         next move."""
         units, secant, point = self._turn.units, self._secant, self._point
         if self.steps > 1:
-            pull = pulls(found.residuals, self._robust)
+            pull = pulls(found.residuals, self._how.robust)
             now, before = (slope_by(self.static, self._data, one, pull) for one in (found, self._best))
             self._secant = secant.learn(change, point, trial, now - before, self._gained < _CRAWL * self._costs[-1])
         bend = lambda normal: self._secant.bend(normal, units)
@@ -316,15 +316,11 @@ def least_squares(
     static: Static,
     data: Data,
     start: Unknowns,
-    robust: bool = False,
-    most: int = MAX_STEPS,
+    how: How,
     begun: Evaluation | None = None,
     watch: Callable[[float], None] = lambda _: None,
-    compared: bool = False,
-    until: float = np.inf,
 ) -> tuple[Data, Solution]:
-    """Minimise from one starting point in at most so many steps; the data as rescaled there, and the solution.
-    Arguments as of `Search`."""
-    search = Search(static, data, start, robust, begun, compared)
-    search.go_on(most, watch, until)
+    """Minimise from one starting point; the data as rescaled there, and the solution. Arguments as of `Search`."""
+    search = Search(static, data, start, how, begun)
+    search.go_on(how.most, watch)
     return search.found

@@ -11,7 +11,8 @@ from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor
 from ident.diagnosis.faulty.faults import Fault, residual_of, rings_by_itself
 from ident.diagnosis.faulty.nuisance import Nuisance
-from ident.fit.fit import minimise
+from ident.fit.minimise import minimise
+from ident.fit.solve import How
 from ident.model import build_model
 
 _NOISE = 0.002
@@ -35,7 +36,7 @@ def _device(size: float) -> Trace:
 
 def _fault(records: tuple[Trace, ...], start: tuple[float, float, float]) -> Fault:
     campaign = Campaign("test", records, Oscillator("m", "N"), linear="oscillator")
-    found = minimise(build_model(campaign), campaign, initial=np.array(start), most=60)
+    found = minimise(build_model(campaign), campaign, How(most=60), initial=np.array(start))
     left, worst = residual_of(found, campaign)
     told = Nuisance("time-scale", 2.0, "1", worst)
     return Fault(2, told, campaign, found.values, left, 4, worst)

@@ -32,13 +32,13 @@ def test_other_shapes_are_tried_where_a_kink_stopped_the_search(
     start = ended(model, [1.0, 10.0, 1.0, 0.2, 1e-4], 101.0, False)
     tried: list[np.ndarray] = []
 
-    def race(*_: Any, initial: list[np.ndarray], **__: Any) -> Any:
+    def race(_: Any, __: Any, initial: list[np.ndarray], *___: Any) -> Any:
         tried.extend(initial)
         return SimpleNamespace(values=initial[1])
 
     fits = iter([ended(model, [1.0, 10.0, 1.0, 0.2, 1e-4], 100.0, False), ended(model, [1.0] * 5, again, False)])
     monkeypatch.setattr(change, "fit", lambda *_, **__: next(fits))
-    monkeypatch.setattr(change, "minimise", race)
+    monkeypatch.setattr(change, "refit", race)
     assert change.to_its_end(start).fitted.chi2 == best
     grid = 2.0 * np.array(model.parameters[-1].grid)
     np.testing.assert_allclose([one[-1] for one in tried], [1e-4, *grid])
@@ -50,7 +50,7 @@ def test_smooth_laws_and_ends_that_were_reached_are_left_alone(monkeypatch: pyte
         model = Model(Oscillator(), (effect,))
         last = ended(model, [1.0] * len(model.parameters), 100.0, converged)
         monkeypatch.setattr(change, "fit", lambda *_, last=last, **__: last)
-        monkeypatch.setattr(change, "minimise", None)
+        monkeypatch.setattr(change, "refit", None)
         assert change.to_its_end(last) is last
 
 
@@ -61,7 +61,7 @@ def test_without_an_effect_the_others_stay_what_they_can_be(monkeypatch: pytest.
     parent = ended(model, [1.0, 10.0, 1.0, 5.0, 0.2, 1e-4], 100.0, True)
     for friction, kept in ((-0.2, 0.2), (0.3, 0.3)):
         found = SimpleNamespace(values=np.array([1.0, 10.0, 1.0, friction, 1e-4]))
-        monkeypatch.setattr(change, "minimise", lambda *_, found=found, **__: found)
+        monkeypatch.setattr(change, "refit", lambda *_, found=found, **__: found)
         monkeypatch.setattr(change, "fit_at", lambda model, _, values, **__: ended(model, list(values), 200.0, False))
         without = change.try_without.__wrapped__(parent, "cubic-stiffness", parent)
         assert without.model.names == ("coulomb-friction",) and without.values[3] == kept

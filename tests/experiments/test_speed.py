@@ -23,7 +23,7 @@ def test_one_simulation_is_the_same_on_both_sides(case) -> None:
 def test_both_searches_end_at_one_minimum(case) -> None:
     move = case.starts(3)[2]
     static, data = case.assembled(case.from_start(move))
-    ours = solve.least_squares(static, data, begin(data, static))[1]
+    ours = solve.least_squares(static, data, begin(data, static), solve.How())[1]
     theirs = peers.fit_numba(case.theta * move, *case.peer, case.response, speed.SIGMA)
     assert ours.converged
     assert ours.cost == pytest.approx(2 * theirs.cost, rel=1e-3)

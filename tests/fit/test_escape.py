@@ -10,7 +10,8 @@ from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.effects.registry import built_in
-from ident.fit.fit import minimise
+from ident.fit.minimise import minimise
+from ident.fit.solve import How
 from ident.model import Model
 
 VALUES = np.array([100.0, 20.0, 4e4])  # frequency, quality, gain
@@ -33,8 +34,8 @@ def test_a_softening_spring_lets_go():
     escapes, stays = np.append(VALUES, -1e9), np.append(VALUES, 0.0)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        lost = minimise(softening, campaign, initial=escapes, most=5)
-        found = minimise(softening, campaign, initial=[escapes, stays], most=20)
+        lost = minimise(softening, campaign, How(most=5), initial=escapes)
+        found = minimise(softening, campaign, How(most=20), initial=[escapes, stays])
     assert not lost.best.cost < 1e12
     assert found.best.cost < 1e3
     assert abs(found.values[0] / VALUES[0] - 1) < 0.01

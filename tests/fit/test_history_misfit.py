@@ -9,7 +9,8 @@ from ident.campaign.campaign import Campaign
 from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.effects.registry import built_in
-from ident.fit.fit import minimise
+from ident.fit.minimise import minimise
+from ident.fit.solve import How
 from ident.model import Model
 
 SIGMA, STEP = 1e-4, 5e-4
@@ -46,8 +47,8 @@ def test_no_history_is_many_times_the_drive(campaign: Campaign) -> None:
     found = minimise(
         model,
         campaign,
+        How(most=60),
         initial=[np.array([300.0, 0.7, 1.4 * (600 * np.pi) ** 2, 0.3, 0.0, *np.zeros(4), 0.8])],
-        most=60,
     )
     assert found.error > 30  # the bend
     assert np.max(np.abs(found.best.unknowns.starts[:, 2:])) < 1.5  # times the drive; 4.5 where noise alone held them

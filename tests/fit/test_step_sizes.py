@@ -7,9 +7,10 @@ import numpy as np
 from ident.campaign import Campaign, Channel, NoiseFloor, Oscillator, Trace
 from ident.effects.registry import built_in
 from ident.fit import fit
-from ident.fit.fit import minimise
 from ident.fit.linear.independent import independent_samples
+from ident.fit.minimise import minimise, refit
 from ident.fit.reading import read
+from ident.fit.solve import MAX_STEPS, How
 from ident.model import Model
 from ident.response import steps_of
 
@@ -46,8 +47,8 @@ def test_a_fit_ends_in_short_steps_at_the_true_frequency():
 def test_a_comparison_ends_by_its_independent_samples():
     """Far above the noise a fall of the cost counts in what is left, which is as smooth as the motion."""
     records = campaign(cubic=2e7)
-    compared = minimise(Model(Oscillator()), records, compared=True)
-    ended = minimise(Model(Oscillator()), records)
+    compared = refit(Model(Oscillator()), records, None, MAX_STEPS)
+    ended = minimise(Model(Oscillator()), records, How())
     left = compared.best.found.residuals
     assert independent_samples(left) < 0.1 * SAMPLES
     assert compared.best.steps <= ended.best.steps

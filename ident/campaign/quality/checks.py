@@ -7,9 +7,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ident.errors import UserError
-from ident.units import format_quantity
-
+from ...errors import UserError
+from ...units import format_quantity
 from ..device import NOMINAL_RESONANCE, Device, Oscillator
 from ..drive import drive_rate
 from ..record import LEAST

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ident.errors import UserError
-
+from ...errors import UserError
 from ..record import same_level
 from ..spec import RecordSpec
 from ..tables.table import Column

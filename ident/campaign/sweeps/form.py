@@ -11,8 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ident.errors import UserError
-
+from ...errors import UserError
 from ..tables.amplitude_unit import is_amplitude_unit, split_convention
 from ..tables.table import Column, Table, is_number
 

@@ -8,9 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ident.errors import UserError
-from ident.units import NUMBER, find_unit, parse_quantity
-
+from ...errors import UserError
+from ...units import NUMBER, find_unit, parse_quantity
 from ..channel import channel_of, own_units, plausible_noise
 from ..device import Device, Oscillator
 from ..quality.checks import PLATFORM_TRAVEL

@@ -12,9 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ident.errors import UserError
-from ident.units import factor_of, find_unit
-
+from ...errors import UserError
+from ...units import factor_of, find_unit
 from ..record import Overtone, Sweep
 from ..tables.amplitude_unit import TO_PEAK, amplitude_unit, split_convention
 from ..tables.table import Column, Table

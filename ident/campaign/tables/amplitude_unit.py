@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ident.units import find_unit
+from ...units import find_unit
 
 _SUFFIX = re.compile(
     r"(?P<unit>.*?)\s*[_\-. ]?\s*\(?"

@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ident.errors import UserError, need
-
+from ...errors import UserError, need
 from .opening import check_unfolded
 from .preamble import Told, step_of
 from .sampling import with_time, without_counter, without_repeats

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ident.errors import UserError
-
+from ...errors import UserError
 from .header import is_comment, split_line
 from .row_format import RowFormat, stands_for_number
 

@@ -10,9 +10,8 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from ident.errors import UserError
-from ident.units import CURRENT, FREQUENCY, LENGTH, NUMBER, TIME, VOLTAGE, Dimension, base_unit, find_unit
-
+from ...errors import UserError
+from ...units import CURRENT, FREQUENCY, LENGTH, NUMBER, TIME, VOLTAGE, Dimension, base_unit, find_unit
 from .amplitude_unit import AmplitudeUnit, amplitude_unit, split_convention
 from .table import Column, Table, signal_unit
 

@@ -9,7 +9,7 @@ import os
 import stat
 from pathlib import Path
 
-from ident.errors import UserError
+from ...errors import UserError
 
 MOST_DATA = 1 << 29
 """Bytes of one data file, and of the numbers it unfolds to: 2·10⁶ samples of ten columns take a third of it."""

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from ident.units import plain_micro
+from ...units import plain_micro
 
 _NUMBER = re.compile(r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\s\d,;]*)")
 _KEY_AND_VALUE = re.compile(r"\s*([^\W\d][^=:]*?)\s*[=:]\s*(\S.*?)\s*")

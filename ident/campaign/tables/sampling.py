@@ -7,9 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ident.errors import UserError
-from ident.units import LENGTH, VOLTAGE
-
+from ...errors import UserError
+from ...units import LENGTH, VOLTAGE
 from .columns import Role, claim, sweep_roles, trace_roles
 from .preamble import Told
 from .table import Column, Table

@@ -9,9 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ident.errors import UserError
-from ident.units import plain_micro
-
+from ...errors import UserError
+from ...units import plain_micro
 from .amplitude_unit import is_amplitude_unit, split_convention
 
 

@@ -11,8 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ident.errors import UserError
-
+from ...errors import UserError
 from .body import Cells, by_hand, by_pandas
 from .clock import clock_seconds
 from .header import header_of

@@ -20,8 +20,8 @@ from ...campaign.late import in_time
 from ...campaign.record import Sweep, Trace
 from ...fit import Fit
 from ...fit.finish import Minimum
-from ...fit.fit import minimise
 from ...fit.linear.guess import GRID_STEP, DataScales, coarse_frequency
+from ...fit.minimise import refit
 from ...fit.reading import read
 from ...model import FREQUENCY, Model, as_weighed_by
 from ..side_by_side import at_once
@@ -304,7 +304,7 @@ def _minimum(
 ) -> Minimum | None:
     """`scales`: of all records, where these are a part: else a shape might leave its limits for those of a few."""
     try:
-        found = minimise(model, campaign, initial=initial, most=most, compared=True, scales=scales)
+        found = refit(model, campaign, initial, most, scales=scales)
     except np.linalg.LinAlgError:
         return None
     return found if np.all(np.isfinite(found.best.found.residuals)) and np.all(np.isfinite(found.values)) else None

@@ -4,7 +4,7 @@ If the true motion is z and the model's is ẑ, their difference obeys the model
 the model lacks, evaluated on z. For a linear model this is exact however large the missing effect; the rows below are
 therefore good regressors for effects that no local expansion around the wrong model would describe.
 
-The terms of a model are one program for each model, and what answers to them is one for all.
+The terms of a model are one program for each model; what answers to them (`push_columns`) is one for all.
 
 Source: C. R. Rao, Large sample tests of statistical hypotheses, 1948, Proc. Camb. Phil. Soc. 44 (score test); the
 evaluation on the measured motion follows S. F. Masri, T. K. Caughey, 1979, J. Appl. Mech. 46 (restoring force surface).
@@ -25,13 +25,11 @@ from ...effects.effect import State
 from ...model import FREQUENCY, QUALITY
 from ...programs import program
 from ...response import Equation, Tape
-from ...response.kinks import STIFF
 from ...response.lane import Numbers
 from ...response.memory import Seen, memory_along, shaping
 from ...response.system import Block, System, assemble, behind_the_sensor
 from ...response.tape import BLOCK, BLOCKS, Chunk
 
-_COLUMNS = (4, 12, 36)  # solved together: three programs serve any number of them; 36 are those of a pair of splines
 _OWN = 4  # directions of a model's own parameters are taken in multiples of this: how many are free differs
 
 
@@ -332,67 +330,3 @@ def slopes(
     mass = system.mass + chunk.load
     stiffness, damping = (-slope / mass[:, None] for slope in force)
     return (carry, mass, stiffness, damping, *_of_motion(chunk.order, stiffness, damping, *shown))
-
-
-def push_columns(tape: Tape, dynamics: Sequence[Dynamics], pushes: Sequence[np.ndarray]) -> np.ndarray:
-    """Change of the readings by given extra forces on the stage, through the model's dynamics linearised on the motion.
-
-    **Arguments:** `pushes`, per chunk (BLOCKS, d, 2 BLOCK + 1) N on the half-step grid.
-
-    **Returns:** (d, samples), m.
-    """
-    columns, count = [], pushes[0].shape[1]
-    width = next((w for w in _COLUMNS if w >= count), _COLUMNS[-1])
-    for first in range(0, count, width):
-        carry, found = (np.zeros(width),) * 2, []
-        for chunk, along, push in zip(tape.chunks, dynamics, pushes, strict=True):
-            filled = part = push[:, first : first + width]
-            if part.shape[1] < width:
-                filled = np.zeros((len(part), width, part.shape[2]))
-                filled[:, : part.shape[1]] = part
-            carry, rows = answer(None, filled, along, carry, chunk.step, chunk.first, chunk.count)
-            found.append(rows)
-        columns.append(tape.at_samples(found))
-    return np.concatenate(columns)[:count]
-
-
-@program
-def answer(
-    _: None, pushes: Numbers, along: Dynamics, carry: tuple, steps: Numbers, first: Numbers, count: Numbers
-) -> tuple:
-    """One chunk of `push_columns`: a linear time-varying oscillator, at rest at the beginning of every record. Where
-    friction sticks it is stepped implicitly, as its motion was (`response.kinks`).
-
-    **Returns:** the carry (z, v), (d,) each; changes of the readings, (BLOCKS, BLOCK, d).
-    """
-
-    def one_block(k: Any, state: tuple) -> tuple:
-        z, v, out = state
-        z, v = (jnp.where(first[k] > 0, 0.0, x) for x in (z, v))
-        h = steps[k]
-        at_three = lambda grid: (grid[:-1:2], grid[1::2], grid[2::2])
-        inputs = (at_three(pushes[k].T / along.mass[k]), at_three(along.stiffness[k]), at_three(along.damping[k]))
-
-        def step(y: tuple, x: Any) -> tuple:
-            ((p0, pm, p1), (k0, km, k1), (c0, cm, c1)), by_z, by_v, by_a = x
-            z, v = y
-            a1 = p0 - k0 * z - c0 * v
-            za, va = z + h / 2 * v, v + h / 2 * a1
-            a2 = pm - km * za - cm * va
-            zb, vb = z + h / 2 * va, v + h / 2 * a2
-            a3 = pm - km * zb - cm * vb
-            zc, vc = z + h * vb, v + h * a3
-            a4 = p1 - k1 * zc - c1 * vc
-            plain = (z + h / 6 * (v + 2 * va + 2 * vb + vc), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4))
-            mean = lambda a, b, c: (a + 4 * b + c) / 6
-            held = (v + h * (mean(p0, pm, p1) - mean(k0, km, k1) * z)) / (1 + h * mean(c0, cm, c1))
-            stuck = h * jnp.maximum(jnp.maximum(c0, cm), c1) > STIFF
-            after = tuple(jnp.where(stuck, a, b) for a, b in zip((z + h * held, held), plain, strict=True))
-            return after, by_z * z + by_v * v + by_a * p0
-
-        (z, v), said = lax.scan(step, (z, v), (inputs, along.by_z[k], along.by_v[k], along.by_a[k]))
-        return z, v, lax.dynamic_update_index_in_dim(out, said, k, 0)
-
-    out = jnp.zeros((BLOCKS, BLOCK, pushes.shape[1]))
-    z, v, out = lax.fori_loop(0, count, one_block, (*carry, out))
-    return (z, v), out

@@ -18,8 +18,9 @@ from ...model import FREQUENCY, QUALITY, Model
 from ...response import Equation
 from .balance import balanced, samples_of
 from .basis import orthonormal
-from .columns import Terms, contributions, no_histories, push_columns
+from .columns import Terms, contributions, no_histories
 from .curve_columns import Moves, Plane, curve_order, plane_of
+from .push_columns import push_columns
 from .trajectory import Diverged, Trajectories, lay_out
 from .whiten import Whitening, whiten, whitening_of
 

@@ -11,9 +11,10 @@ import numpy as np
 
 from ...effects.effect import AbstractEffect
 from ...fit import Fit, fit
-from ...fit.fit import minimise
+from ...fit.minimise import minimise, refit
 from ...fit.problem import WORST
 from ...fit.rebuild import fit_at
+from ...fit.solve import How
 from ...model import Model
 from ..evidence.criterion import behind, clearly_better
 from ..evidence.enough import worth_a_name
@@ -142,7 +143,7 @@ def _refitted(
     if regression.plane is not None or regression.passes is not None:
         starts.append(np.concatenate([base, start_of(model, mirrored(candidate, model), before.scales)]))
     if freed := shapes_of(model, before):
-        own = minimise(model, before.campaign, initial=starts, most=_RACE, compared=True).values
+        own = refit(model, before.campaign, starts, _RACE).values
         starts = [own, *(with_one(own, i, value) for i, value in freed)]
     found = weigh(regression, model, candidate, starts, most)
     # Damping of the wrong sign, as scores may predict it where little is known, has no motion to start from, nor has a
@@ -189,7 +190,7 @@ def weigh(
 def _weighed(
     regression: Regression, model: Model, candidate: Candidate, starts: Sequence[np.ndarray], most: int
 ) -> Confirmed:
-    found = minimise(model, regression.fit.campaign, initial=starts, most=most, compared=True)
+    found = refit(model, regression.fit.campaign, starts, most)
     readings = found.best.found.readings
     rows = [
         (record.response - readings[own])[None]
@@ -217,4 +218,4 @@ def accept(confirmed: Confirmed, before: Fit) -> Fit:
     model, campaign, values = confirmed.model, before.campaign, confirmed.values
     if not is_long(campaign):
         return fit(model, campaign, initial=values, begun=confirmed.begun, most=CRAWLS)
-    return fit_at(model, campaign, minimise(model, campaign, initial=values, most=_RACE).values)
+    return fit_at(model, campaign, minimise(model, campaign, How(most=_RACE), initial=values).values)

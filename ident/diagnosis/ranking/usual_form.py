@@ -19,7 +19,7 @@ import itertools
 import numpy as np
 
 from ...fit.coordinates import slopes
-from ...fit.fit import Minimum
+from ...fit.finish import Minimum
 from ...fit.linear.independent import independent_samples
 from ...model import Model, ModelParameter
 from ..linearised.basis import orthonormal

@@ -10,7 +10,7 @@ import numpy as np
 from ...effects.effect import AbstractEffect
 from ...effects.registry import effect_class, find, registry
 from ...fit import Fit, fit
-from ...fit.fit import minimise
+from ...fit.minimise import refit
 from ...fit.rebuild import fit_at, values_without
 from ...fit.solve import MAX_STEPS
 from ...fit.starts import starting_points
@@ -54,7 +54,7 @@ def add(
     grid = starting_points(model, first, parent.scales, others)[1:]
     if scored is not None and scored.beside is not None:
         starts = [first, np.concatenate([scored.beside, own])]
-        first = minimise(model, parent.campaign, initial=starts, report=report, most=_FEW, compared=True).values
+        first = refit(model, parent.campaign, starts, _FEW, report=report).values
     return fit(model, parent.campaign, initial=[first, *grid], report=report, most=most)
 
 
@@ -84,8 +84,8 @@ def try_without(parent: Fit, name: str, start: Fit) -> Fit:
     model, rest = parent.model - name, values_without(parent, name)
     linear = sum(p.kind == "linear" for p in model.parameters)
     starts = [rest, np.concatenate([start.values[:linear], rest[linear:]])]
-    race = minimise(model, parent.campaign, initial=starts, most=_FEW, compared=True)
-    found = minimise(model, parent.campaign, initial=race.values, most=ENOUGH, compared=True)
+    race = refit(model, parent.campaign, starts, _FEW)
+    found = refit(model, parent.campaign, race.values, ENOUGH)
     without = fit_at(model, parent.campaign, found.values, converged=False)  # what is kept of it is fitted to its end
     return without if still_possible(without, parent) else fit_at(model, parent.campaign, rest, converged=False)
 
@@ -110,6 +110,6 @@ def to_its_end(found: Fit, report: Report = lambda _: None) -> Fit:
     if last.converged or not shapes:
         return last
     starts = [last.values, *(with_one(last.values, i, x) for i, x in shapes)]
-    best = minimise(model, campaign, initial=starts, most=_RACE, compared=True)
+    best = refit(model, campaign, starts, _RACE)
     other = fit(model, campaign, initial=best.values, report=report)
     return min(last, other, key=lambda one: one.fitted.chi2)

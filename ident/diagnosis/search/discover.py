@@ -107,48 +107,67 @@ def _gone(walked: Walked, look: Look, keep: Keep, revised: int) -> Ended | _Agai
     start, report, at_best = walked.start, look.report, look.regression
     gains, ranking = dict(walked.gains), tuple(look.candidates) if look.worth_it else ()
     steps, look = _gone_before(walked, look)
-    walked = Walked(start, tuple(steps), gains)
+    walked, questioned = Walked(start, tuple(steps), gains), None
     if revised and not steps and (other := _begun_otherwise(start, look)) is not None:
         return _Again(other, revised - 1)
-    questioned = None
     if (anew := with_own_zeros(walked.final, look)) is not None:
         return Ended(walked, look, at_best, ranking, anew)
-    while look.worth_it and look.real and len(walked.steps) < _MOST_TERMS:
-        if _nothing_is_worth_it(look):
-            break
+    while _may_go_on(walked, look):
         found = _best_step(walked.final, look, {} if walked.steps else gains)
         refines = found is None or found[0][-1].role == "shape-refinement"
         if refines and (lower := _at_another_minimum(walked, report)) is not None:
             walked, look = lower, look.at(prepare(working(lower.final)))
             keep(walked)
             continue
-        if found is None:
+        if found is None or _starts_say_more(walked.final, found[0], report):
             break
-        more, regression = found
-        if _starts_say_more(walked.final, more[-1].fit):
-            names = " and ".join(step.added for step in more)
-            report(f"another start says more than {names}: do the records begin as the campaign says?")
-            break
-        for step in more:
-            report(f"added {step.added}: error over noise {step.fit.fitted.error_over_noise:.3g}")
-        steps, regression = _with_settled_linear_side([*walked.steps, *more], regression, start, look)
-        walked, look = Walked(start, tuple(steps), gains), look.at(regression)
-        if revised and (other := drive_beside(more, walked.final, look)) is not None:
-            return _Again(begun_with(start, other), revised - 1)
-        # What the first effect shows of the modes is asked before others are sought beside one that only mimics.
-        if len(steps) == len(more):
-            questioned = walked.final
-            if (fewer := _of_fewer_modes(walked, look)) is not None:
-                return _Again(fewer, revised)
+        (more, regression), is_first = found, not walked.steps
+        walked, look = _with_added(walked, more, regression, look)
+        if (again := _shown_by(more, walked, look, revised, is_first)) is not None:
+            return again
+        questioned = walked.final if is_first else questioned
         keep(walked)
         if (anew := with_own_zeros(walked.final, look)) is not None:
             return Ended(walked, look, at_best, ranking, anew)
-    if revised and walked.steps and (lower := lower_start(start, walked.final, report)) is not None:
+    return _shown_at_the_end(walked, look, revised, questioned) or Ended(walked, look, at_best, ranking)
+
+
+def _may_go_on(walked: Walked, look: Look) -> bool:
+    """Whether a walk may add what its records seem to ask for."""
+    wanted = look.worth_it and look.real and len(walked.steps) < _MOST_TERMS
+    return bool(wanted) and not _nothing_is_worth_it(look)
+
+
+def _with_added(walked: Walked, more: list[Step], regression: Regression, look: Look) -> tuple[Walked, Look]:
+    """The walk with further steps, to the last of which the regression belongs, and the look there; `look`: before
+    them."""
+    for step in more:
+        look.report(f"added {step.added}: error over noise {step.fit.fitted.error_over_noise:.3g}")
+    steps, regression = _with_settled_linear_side([*walked.steps, *more], regression, walked.start, look)
+    return walked._replace(steps=tuple(steps)), look.at(regression)
+
+
+def _shown_by(more: list[Step], walked: Walked, look: Look, revised: int, is_first: bool) -> _Again | None:
+    """A better first model that shows beside what was added: with another drive between the samples, or without a mode.
+
+    What the first effect shows of the modes is asked before others are sought beside one that only mimics.
+    """
+    if revised and (other := drive_beside(more, walked.final, look)) is not None:
+        return _Again(begun_with(walked.start, other), revised - 1)
+    if is_first and (fewer := _of_fewer_modes(walked, look)) is not None:
+        return _Again(fewer, revised)
+    return None
+
+
+def _shown_at_the_end(walked: Walked, look: Look, revised: int, questioned: Fit | None) -> _Again | None:
+    """A better first model that shows at the end of a walk: at another minimum, or without a mode, unless its last fit
+    was `questioned` so before."""
+    if revised and walked.steps and (lower := lower_start(walked.start, walked.final, look.report)) is not None:
         return _Again(lower, revised - 1)
     asked = (walked.steps or not adequate(look.regression)) and walked.final is not questioned
     if asked and (fewer := _of_fewer_modes(walked, look)) is not None:
         return _Again(fewer, revised)
-    return Ended(walked, look, at_best, ranking)
+    return None
 
 
 def _begun_otherwise(start: Fit, look: Look) -> Fit | None:
@@ -213,13 +232,18 @@ def _with_its_mode(current: Fit, regression: Regression, look: Look) -> tuple[Fi
     return (current, regression) if promise > regression.chi2 - left.chi2 else (more, left)
 
 
-def _starts_say_more(before: Fit, after: Fit) -> bool:
+def _starts_say_more(before: Fit, more: list[Step], report: Report) -> bool:
     """Whether other starts than are claimed take more of what a model leaves than effects did: that is no physics.
     What is hinted at is tried, for a law that is missing moves the beginning of a record too."""
+    after = more[-1].fit
     if not taken_by_starts(before) > before.fitted.chi2 - after.fitted.chi2:
         return False
     freed = with_other_starts(before)
-    return freed is not None and freed.fitted.chi2 < after.fitted.chi2
+    if freed is None or not freed.fitted.chi2 < after.fitted.chi2:
+        return False
+    names = " and ".join(step.added for step in more)
+    report(f"another start says more than {names}: do the records begin as the campaign says?")
+    return True
 
 
 def _gone_before(walked: Walked, look: Look) -> tuple[list[Step], Look]:

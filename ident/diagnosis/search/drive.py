@@ -24,7 +24,7 @@ from ...pulse import Report
 from ...response.system import assemble
 from ..evidence.criterion import VERY_STRONG, Left, Weighed, clearly_better, criteria
 from ..evidence.enough import MOST_OF_IT
-from ..linearised.columns import push_columns
+from ..linearised.push_columns import push_columns
 from ..linearised.regression import Regression, by_record, prepare
 from ..linearised.shorten import CRAWLS
 from ..linearised.trajectory import Diverged

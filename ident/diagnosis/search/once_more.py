@@ -11,7 +11,7 @@ import numpy as np
 from ...campaign.held_drive import Edges
 from ...fit import Fit, fit
 from ...fit.finish import Minimum
-from ...fit.fit import minimise
+from ...fit.minimise import refit
 from ...model import QUALITY
 from ...pulse import Report
 from ..evidence.criterion import clearly_better
@@ -70,11 +70,11 @@ def another_minimum(current: Fit, start: Fit, report: Report) -> Fit | None:
     report(f"the same laws from {len(points)} other shapes")
     shown = working(current)
 
-    def refit(point: np.ndarray) -> Minimum:
-        return minimise(shown.model, shown.campaign, initial=point, most=CRAWLS, compared=True)
+    def from_there(point: np.ndarray) -> Minimum:
+        return refit(shown.model, shown.campaign, point, CRAWLS)
 
     try:
-        best = min(at_once(refit, points), key=lambda one: one.error)
+        best = min(at_once(from_there, points), key=lambda one: one.error)
         if not best.error < shown.fitted.error_over_noise:
             return None
         begins = best.best.found.starts if shown is current else None

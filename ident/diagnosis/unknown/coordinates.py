@@ -13,7 +13,7 @@ import numpy as np
 
 from ...effects.dependence import Side
 from ...model import FREQUENCY
-from ..linearised.columns import push_columns
+from ..linearised.push_columns import push_columns
 from ..linearised.regression import Regression, by_record
 from .splines import Places, Size, places, sizes
 

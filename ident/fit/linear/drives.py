@@ -19,9 +19,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import optimize
 
-from ident.units import LENGTH, find_unit
-
 from ...campaign.held_drive import Edges
+from ...units import LENGTH, find_unit
 from .candidate import Candidate
 from .forms import FORMS
 from .rows import Kind, fitted, solve
