@@ -27,6 +27,7 @@ HUM = tuple(hz * order for hz in MAINS for order in (1, 2, 3))
 """Hz, with its overtones."""
 
 _STANDS = 16.0  # times the noise beside it: a line of noise alone has as much power once in 3000 times
+_SEEN = 0.3  # of a line, at least, beside all else: of less the record is too short to tell it from the rest
 HUMS, SURROUNDINGS = "mains hum", "a line of the surroundings"  # the lines of a floor, in words
 PERIODS = 2.5  # that a record holds of a line, at least: of fewer it is a level that bends
 _ABOUT = 0.02 * np.pi  # rad per sample on either side of a line: so narrow is its peak in an autoregression
@@ -56,7 +57,7 @@ def with_hum(
     for k, line in enumerate(lines):
         columns, inside = waves[:, 2 * k : 2 * k + 2], alone[:, 2 * k : 2 * k + 2]
         seen = np.sum(inside**2) / np.sum(columns**2)
-        if seen < 0.3:  # the record is too short to tell it from the signal
+        if seen < _SEEN:
             continue
         weights = np.linalg.lstsq(inside, rest, rcond=None)[0]
         level = float(np.interp(line, np.linspace(0, np.pi, len(fit.spectrum)), fit.spectrum))
@@ -92,17 +93,23 @@ def _covariance(power: float, line: float) -> np.ndarray:
 
 def standing(left: np.ndarray, lines: Sequence[float]) -> list[float]:
     """The mean square of each line (rad per sample) that stands out of what a model leaves, (n,), and does not die;
-    zero of the others. It leaves a level too, that bends: a sensor that drifts does not hum."""
+    zero of the others. It leaves a level too, that bends: a sensor that drifts does not hum. A line counts by what it
+    alone says beside all the others: two of half a period's difference say together what each seems to."""
     n, found = len(left), []
     waves, level = _waves(lines, n), legvander(np.linspace(-1, 1, n), round(2 * PERIODS))
-    weights = np.linalg.lstsq(np.column_stack([waves, level]), left, rcond=None)[0]
-    rest = left - np.column_stack([waves, level]) @ weights
+    all_of_them = np.column_stack([waves, level])
+    weights = np.linalg.lstsq(all_of_them, left, rcond=None)[0]
+    spread = np.linalg.pinv(all_of_them.T @ all_of_them)
+    rest = left - all_of_them @ weights
     spectrum = fit_autoregression(rest, np.full(n // 2 + 1, len(weights) / n)).spectrum
     for k, line in enumerate(lines):
-        own = waves[:, 2 * k : 2 * k + 2] @ weights[2 * k : 2 * k + 2]
+        its = slice(2 * k, 2 * k + 2)
+        own, alone = waves[:, its] @ weights[its], np.linalg.pinv(spread[its, its])
+        seen = float(np.trace(alone)) / n  # of the power of its two waves
         beside_it = float(np.interp(line, np.linspace(0, np.pi, len(spectrum)), spectrum))
-        stands = float(own @ own) > _STANDS * beside_it and not dies(rest + own, line)
-        found.append(max(float(np.mean(own**2)) - 2 * beside_it / n, 0.0) if stands else 0.0)
+        gain = float(weights[its] @ alone @ weights[its])
+        stands = seen >= _SEEN and gain > _STANDS * beside_it and not dies(rest + own, line)
+        found.append(max(float(np.mean(own**2)) - 2 * beside_it / (n * seen), 0.0) if stands else 0.0)
     return found
 
 

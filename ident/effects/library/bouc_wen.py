@@ -38,7 +38,6 @@ class BoucWen(AbstractEffect):
     mistaken_for = ("coulomb-friction", "stribeck-friction", "viscoelastic-support", "bouc-wen-drive")
     alike = (SAME_LOSS, SHIFT_OF_PHASE)
     steps_per_period = 120
-    has_kink = True
     hidden_units = ("1",)
 
     friction = amplitude("N", "force when fully slipping, F_y", one_sided=True)
