@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from .problem import Data, Evaluation, Static, Unknowns, evaluate
@@ -9,6 +11,8 @@ from .problem import Data, Evaluation, Static, Unknowns, evaluate
 _ROUNDS = 8  # at most
 _STILL = 1e-7  # of the largest displacement and velocity
 _LEAST = 1 / 16  # of a step: a shorter one gains nothing
+_AT_THE_NOISE = 1.5  # error over noise of a record whose start is right
+_PARTS = (1 / 64, 1 / 16, 1 / 4, 1.0)  # of a record, one after the other
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a motion without bound has no scale
@@ -35,6 +39,41 @@ def fit_starts(
         elif (share := share / 4) < _LEAST:
             break
     return best, kept
+
+
+def fit_starts_of_others(
+    static: Static, data: Data, unknowns: Unknowns, enough: float = 0.0
+) -> tuple[Unknowns, Evaluation]:
+    """As `fit_starts`, of records that the parameters have not seen: what still misses one is fitted once more from
+    its beginning on, in parts that grow.
+
+    The rhythm of a motion that bends goes with its size: a start that is read off a few samples is turns away at the
+    end of a long record, and from there no step leads back.
+    """
+    first, seen = fit_starts(static, data, unknowns, enough=enough)
+    off = [k for k, error in enumerate(_errors(data, seen)) if not error <= _AT_THE_NOISE]
+    if not (off and static.equation.model.effects):
+        return first, seen
+    grown = unknowns
+    for part in _PARTS:
+        weight = np.zeros_like(data.weight)
+        for own in data.tape.slices:
+            until = own.start + math.ceil(part * (own.stop - own.start))
+            weight[own.start : until] = data.weight[own.start : until]
+        grown, there = fit_starts(static, data._replace(weight=weight), grown, _ROUNDS, enough)
+    starts = first.starts.copy()
+    for k in off:
+        if _errors(data, there)[k] < _errors(data, seen)[k]:
+            starts[k] = grown.starts[k]
+    best = Unknowns(first.x, starts)
+    return best, evaluate(static, data, best)
+
+
+def _errors(data: Data, found: Evaluation) -> list[float]:
+    """Error over noise of each record, infinite of a motion without bound."""
+    squares = [float(np.sum(found.residuals[own] ** 2)) / max(np.count_nonzero(data.weight[own]), 1)
+               for own in data.tape.slices]  # fmt: skip
+    return [math.sqrt(x) if math.isfinite(x) else math.inf for x in squares]
 
 
 def _cost(found: Evaluation, unknowns: Unknowns, light: np.ndarray) -> float:

@@ -12,7 +12,7 @@ from ..model import FREQUENCY, QUALITY, Model
 from ..response import lay_out
 from .assemble import assemble, begin
 from .coordinates import slopes
-from .fit_starts import fit_starts
+from .fit_starts import fit_starts_of_others
 from .on_orbits import on_orbits
 from .problem import evaluate, readings
 from .uncertainty import told_by_start
@@ -28,7 +28,7 @@ def read(model: Model, values: np.ndarray, records: Sequence[Trace], compared: b
     static, data = assemble(model, campaign, records, tape, values, held=True)
     unknowns = begin(data, static)
     if static.starts_free:
-        unknowns, found = fit_starts(static, data, unknowns, enough=_ENOUGH if compared else 0.0)
+        unknowns, found = fit_starts_of_others(static, data, unknowns, _ENOUGH if compared else 0.0)
         static, data, unknowns = on_orbits(static, data, records, unknowns)
         shown = readings(static, data, unknowns) if data.steady else found.readings
     else:
@@ -48,7 +48,7 @@ def read_with_slopes(model: Model, values: np.ndarray, record: Trace) -> tuple[n
     unknowns = begin(data, static)
     if static.starts_free:
         held = assemble(model, campaign, [record], tape, values, held=True)
-        unknowns = unknowns._replace(starts=fit_starts(*held, begin(held[1], held[0]))[0].starts)
+        unknowns = unknowns._replace(starts=fit_starts_of_others(*held, begin(held[1], held[0]))[0].starts)
         static, data, unknowns = on_orbits(static, data, [record], unknowns)
     found = evaluate(static, data._replace(weight=np.ones(len(record.time))), unknowns)
     unit = slopes(values[list(static.free)], data.lower, data.upper) * data.scale
