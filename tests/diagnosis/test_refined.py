@@ -75,9 +75,9 @@ def _guide(z, v, u, h):
 
 def _presliding(z, v, u, h):
     """The LuGre law, h the mean deflection of its bristles."""
-    level = 0.2 + 0.1 * np.exp(-((v / 0.02) ** 2))
-    rate = v - 250.0 * np.abs(v) / level * h
-    return 2.0 * u - DAMPED * v - W**2 * z - 250.0 * h - 4.0 * rate, rate
+    level = 0.2 + 0.1 * np.exp(-((v / 0.05) ** 2))
+    rate = v - 60.0 * np.abs(v) / level * h
+    return 2.0 * u - DAMPED * v - W**2 * z - 60.0 * h - 4.0 * rate, rate
 
 
 def _drive(t, level, tone):
