@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...campaign.campaign import Campaign
 from ...effects.effect import AbstractEffect
 from ...fit import Fit, fit
 from ...fit.minimise import minimise, refit
@@ -218,4 +219,9 @@ def accept(confirmed: Confirmed, before: Fit) -> Fit:
     model, campaign, values = confirmed.model, before.campaign, confirmed.values
     if not is_long(campaign):
         return fit(model, campaign, initial=values, begun=confirmed.begun, most=CRAWLS)
+    return near_its_minimum(model, campaign, values)
+
+
+def near_its_minimum(model: Model, campaign: Campaign, values: np.ndarray) -> Fit:
+    """A model on all samples of long records, a few steps from the values that excerpts of them tell."""
     return fit_at(model, campaign, minimise(model, campaign, How(most=_RACE), initial=values).values)

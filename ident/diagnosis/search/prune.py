@@ -10,7 +10,7 @@ import numpy as np
 
 from ...effects.registry import Registry
 from ...fit import Fit
-from ...fit.rebuild import fit_at, values_without
+from ...fit.rebuild import values_without
 from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG, behind, criteria
 from ..evidence.enough import ANOTHER_LAW, SAME_SHAPE, laws_differ_by, superfluous
@@ -20,7 +20,7 @@ from ..evidence.held_out import hurts, hurts_more
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import working
 from ..linearised.trajectory import Diverged
-from ..ranking.confirm import accept, confirm
+from ..ranking.confirm import accept, confirm, near_its_minimum
 from ..ranking.score import score, significant
 from ..ranking.weigh import Candidate
 from ..side_by_side import at_once
@@ -122,8 +122,8 @@ def prune(
         return as_given._replace(alike=alike, even=even)
     if last.campaign is given.campaign:
         return Pruned(tuple(names), last, alike, even)
-    # Swaps were judged on excerpts, which hold nothing out.
-    on_all = fit_at(last.model, given.campaign, last.values)
+    # Swaps were judged on excerpts, which hold nothing out, and whose values are not yet those of all samples.
+    on_all = near_its_minimum(last.model, given.campaign, last.values)
     return as_given if hurts(given, on_all) else Pruned(tuple(names), on_all, alike, even)
 
 
