@@ -10,7 +10,8 @@ import numpy as np
 from ...campaign.quality.suspect import Kind, Suspect
 from ..records.differing import Differing
 from .nuisance import Nuisance
-from .suspects import LIKELY, words_of
+from .suspects import LIKELY
+from .words import words_of
 
 _ALIKE = 0.1  # of what one is off: the others differ by no more
 _FEWEST = 4  # records: of three, two agree by chance
