@@ -62,8 +62,10 @@ def test_where_refits_keep_nothing_the_fit_s_own_values_are_looked_from(
     assert there.instead_of is not None
     assert there.fit.value("oscillator.quality") > 10 * QUALITY  # nonsense
 
-    def keeps_nothing(regression: Regression, effect: type[AbstractEffect], candidate: Candidate) -> Confirmed:
-        found = confirm(regression, effect, candidate)
+    def keeps_nothing(
+        regression: Regression, effect: type[AbstractEffect], candidate: Candidate, *, refining: bool
+    ) -> Confirmed:
+        found = confirm(regression, effect, candidate, refining=refining)
         return found if regression.instead_of is None else found._replace(chi2=regression.best_chi2)
 
     monkeypatch.setattr(look, "confirm", keeps_nothing)
