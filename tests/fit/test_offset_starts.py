@@ -35,7 +35,7 @@ def test_a_stage_far_from_its_sensor_does_not_begin_beyond_the_hilltop():
     effects = ("sensor-offset", "quadratic-stiffness")
     campaign = Campaign("test", records, Oscillator("m", "m/s^2"), effects, linear="oscillator")
     model = build_model(campaign)
-    true = np.array([_OMEGA / 2 / np.pi, _QUALITY, 1.0, _DISTANCE, _SOFTER])
+    true = np.array([_OMEGA / 2 / np.pi, _QUALITY, 1.0, _DISTANCE, _SOFTER, 0.0])
     assert at_rest(Equation(model), true) == _DISTANCE
     found = fit(model, campaign, initial=true)
     assert found.fitted.error_over_noise < 1.1  # a start at 50 mm has no bound, and nothing leads back from there
@@ -52,7 +52,7 @@ def test_a_search_goes_on_from_the_starts_that_it_had_found():
     record = Trace("a.csv", time, np.zeros(800), reading, unit, unit, NoiseFloor(1e-4), start="unknown")
     campaign = Campaign("test", (record,), Oscillator("m", "m/s^2"), ("quadratic-stiffness",), linear="oscillator")
     model = build_model(campaign)
-    true = np.array([_OMEGA / 2 / np.pi, _QUALITY, 0.0, _SOFTER])
+    true = np.array([_OMEGA / 2 / np.pi, _QUALITY, 0.0, _SOFTER, 0.0])
     assert not fit(model, campaign, initial=true).fitted.error_over_noise < 100
     found = fit(model, campaign, initial=true, begun=np.array([[-3.9e-3, 0.0]]))
     assert found.fitted.error_over_noise < 1.0
