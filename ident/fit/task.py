@@ -54,13 +54,17 @@ def task_of(
 ) -> Task:
     """A model and the records that are not held out, from `initial` points or, without any, from the linear guess.
 
-    **Raises:** UserError if there is nothing to fit.
+    **Raises:** UserError if there is nothing to fit, or a start has not one value for each parameter.
     """
     many = len(campaign.fitted) + len(campaign.fitted_sweeps)
     if not many:
         what = "the campaign has no record that is not held out"
         raise UserError(what, do="add a record with holdout = false")
     told = [] if initial is None else list(np.atleast_2d(np.asarray(initial, float)))
+    needed = len(model.parameters)
+    if wrong := next((len(one) for one in told if len(one) != needed), None):
+        what = f"a start has {wrong} value{'s' if wrong > 1 else ''}, and the model {needed} parameters"
+        raise UserError(what, do="give all of them, in the order of model.parameters, those that are held too")
     if told:
         guess = LinearGuess(float(told[0][FREQUENCY]), float(told[0][QUALITY]), float("nan"), float("nan"))
     else:

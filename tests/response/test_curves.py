@@ -106,7 +106,7 @@ def test_a_motion_whose_mean_moves_far_is_found_from_the_next_point() -> None:
     device, frequency = Oscillator(), np.linspace(38.0, 41.0, 25)
     model = Model(device) + built_in()["quadratic-stiffness"](device)
     cubic = -1e7  # as soft by a quadratic one: Nayfeh & Mook, Nonlinear Oscillations, 1979, §2.3.1
-    values = np.array([FREQUENCY, QUALITY, GAIN, np.sqrt(-0.9 * cubic) * 2 * np.pi * FREQUENCY])
+    values = np.array([FREQUENCY, QUALITY, GAIN, np.sqrt(-0.9 * cubic) * 2 * np.pi * FREQUENCY, 0.0])
     amplitude = np.abs(closed_form(0.5, frequency, False, cubic))
     found = at_amplitude(Periodic(Equation(model), values, STEPS), points(frequency, amplitude))
     assert found.converged.all()
@@ -303,7 +303,7 @@ def test_a_motion_too_far_from_its_neighbour_is_reached_by_points_between() -> N
     """Beside a second well the mean of a motion moves far with its amplitude: from 164 to 160 Hz one search is lost."""
     device, squared = Oscillator(), (2 * np.pi * 211.0) ** 2
     model = Model(device) + built_in()["quadratic-stiffness"](device) + built_in()["cubic-stiffness"](device)
-    values = np.array([211.0, 36.0, 0.028e-6 * squared, -0.116883e6 * squared, 0.003247e12 * squared])
+    values = np.array([211.0, 36.0, 0.028e-6 * squared, -0.116883e6 * squared, 0.0, 0.003247e12 * squared])
     frequency = np.array(
         [206.0, 204, 202, 200, 198, 196, 194, 192, 190, 188, 186, 184, 181, 178, 175, 172, 168, 164, 160]
     )
