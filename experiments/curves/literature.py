@@ -160,7 +160,7 @@ def friction_by_shooting(steps: int) -> complex:
     """The same by `ident`."""
     device, expected = Oscillator(), with_friction(MANY)
     model = Model(device) + built_in()["coulomb-friction"](device)
-    there = Periodic(Equation(model), np.array([OWN, 0.5 / ZETA, 1.0, FRICTION, SHARP, 0.0]), steps)
+    there = Periodic(Equation(model), np.array([OWN, 0.5 / ZETA, 1.0, FRICTION, SHARP]), steps)
     found = answer(there, 0.9, abs(expected))
     # The amplitude is given, the force is the answer; to first order they are in proportion.
     return abs(expected) * PUSH / found.needed[0]

@@ -51,20 +51,22 @@ def fit_starts_of_others(
     end of a long record, and from there no step leads back.
     """
     first, seen = fit_starts(static, data, unknowns, enough=enough)
-    off = [k for k, error in enumerate(_errors(data, seen)) if not error <= _AT_THE_NOISE]
+    errors = _errors(data, seen)
+    off = [k for k, error in enumerate(errors) if not error <= _AT_THE_NOISE]
     if not (off and static.equation.model.effects):
         return first, seen
-    grown = unknowns
+    grown, there = unknowns, seen
     for part in _PARTS:
         weight = np.zeros_like(data.weight)
-        for own in data.tape.slices:
+        for own in (data.tape.slices[k] for k in off):
             until = own.start + math.ceil(part * (own.stop - own.start))
             weight[own.start : until] = data.weight[own.start : until]
         grown, there = fit_starts(static, data._replace(weight=weight), grown, _ROUNDS, enough)
+    better = [k for k, error in enumerate(_errors(data, there)) if k in off and error < errors[k]]
+    if not better:
+        return first, seen
     starts = first.starts.copy()
-    for k in off:
-        if _errors(data, there)[k] < _errors(data, seen)[k]:
-            starts[k] = grown.starts[k]
+    starts[better] = grown.starts[better]
     best = Unknowns(first.x, starts)
     return best, evaluate(static, data, best)
 

@@ -62,6 +62,6 @@ def test_a_model_that_runs_away_beside_the_measured_motion_is_no_model(regressio
     """Friction that drives, as a refit without another effect may end with: LAPACK was given what is no number."""
     fitted = regression.fit
     driven = fitted.model + built_in()["coulomb-friction"]()
-    values = np.append(fitted.values, [-0.1, 1e-3, 0.0])
+    values = np.append(fitted.values, [-0.1, 1e-3])
     with np.errstate(all="ignore"), pytest.raises(Diverged):
         prepare(fit_at(driven, fitted.campaign, values))

@@ -76,7 +76,7 @@ def test_a_stop_that_pulls_is_no_stop() -> None:
     assert possible(model, 3.0, -0.1)  # there is no lower stop
     assert not possible(model, 3.0, -2.0)
     # Beside another spring it bends that one's curve, and is no more a stop than alone.
-    assert not possible(Model(Oscillator()) + QuadraticStiffness() + EndStop(), 1e9, 3.0, -2.0)
+    assert not possible(Model(Oscillator()) + QuadraticStiffness() + EndStop(), 1e9, 0.0, 3.0, -2.0)
     assert not possible(Model(Oscillator()) + CoulombFriction() + EndStop(), 1e-3, 0.02, 3.0, -2.0)
 
 

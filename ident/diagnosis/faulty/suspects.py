@@ -138,7 +138,7 @@ def judged_again(suspects: tuple[Suspect, ...], final: Fit, report: Report) -> t
     alone = tuple(one for one in suspects if one.kind not in BY_OTHERS and _stays(one, final))
     names = {one.file for one in alone}
     again = find_suspects(final, lambda one: first_look(one, {}, lambda _: None), report)
-    return alone + tuple(one for one in again if one.file not in names)
+    return alone + tuple(one for one in again if one.file not in names and _stays(one, final))
 
 
 class _Explained(NamedTuple):

@@ -62,7 +62,7 @@ class Confirmed(NamedTuple):
     begun: np.ndarray | None = None
 
 
-_LEAVES = 1.2  # χ² per sample: a memory that leaves more may have started in the wrong place
+_LEAVES = 1.2  # χ² per sample: a memory that leaves more may have started in the wrong place, a law may need refining
 _RACE = 12  # steps of the best start, before earlier shapes are freed
 
 
@@ -84,7 +84,7 @@ def confirm(
     cannot be.
 
     `base`: values of the other parameters to start from, if not those of the regression's fit; `refining`: whether what
-    refines its law is asked for, where it leaves more than noise.
+    refines its law is asked for, where it may be and leaves more than noise.
     """
     asked = (effect, *candidate.words.items(), *candidate.values.items(), most, None if base is None else tuple(base))
     known = regression.refitted
@@ -125,7 +125,8 @@ def _refined(regression: Regression, effect: type[AbstractEffect], found: Confir
     first = scored[0] if scored else found.candidate
     own = [start_of(freer, first._replace(values=one), regression.fit.scales) for one in (first.values, *first.near)]
     starts = [found.values, *(np.concatenate([found.values[: -len(one)], one]) for one in own)]
-    again = weigh(regression, freer, found.candidate, starts, most)
+    candidate = found.candidate._replace(dof=found.candidate.dof + len(names))
+    again = weigh(regression, freer, candidate, starts, most)
     return again if again.possible and clearly_better(again, found) else found
 
 

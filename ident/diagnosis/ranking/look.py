@@ -101,8 +101,10 @@ class Look:
             return tried
         known = {found.candidate.name for found in tried}
         rest = [candidate for candidate in self.candidates if candidate.name not in known]
-        refitted = significant(by_refits(self.regression, rest, self.library, self.report))
-        return self._confirmed(tried, refitted, lambda _: False)
+        refitted = [found.candidate for found in tried]
+        refitted += by_refits(self.regression, rest, self.library, self.report)
+        real = [candidate for candidate in significant(refitted) if candidate.name not in known]
+        return self._confirmed(tried, real, lambda _: False)
 
     @property
     def broken(self) -> bool:

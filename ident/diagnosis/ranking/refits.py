@@ -99,7 +99,7 @@ def _glimpsed(regression: Regression, candidate: Candidate, effect: type[Abstrac
     starts = [np.concatenate([base, start_of(model, candidate, before.scales)]) for base in bases]
     found = weigh(regression, model, candidate, starts, FEW)
     if not np.isfinite(found.chi2):
-        return candidate._replace(drop=0.0, predicted_gain=0.0)
+        return candidate._replace(drop=0.0, predicted_gain=0.0, p_value=1.0)
     return candidate._replace(
         drop=max(regression.best_chi2 - found.chi2, 0.0),
         predicted_gain=float(np.clip(found.gain, 0, 1)),

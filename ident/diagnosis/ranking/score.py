@@ -172,7 +172,7 @@ def kept_more_than_chance(candidate: Candidate, chi2: float, regression: Regress
 
     A score is of first order, or of second in few of the terms: without phases one may promise what no refit can keep.
     """
-    tried = sum(c is not None for c in regression.scored.values())
+    tried = len({effect.name for effect, scored in regression.scored.items() if scored is not None})
     return refit_chance(candidate, chi2, regression) * tried < NAMED_BY_CHANCE
 
 

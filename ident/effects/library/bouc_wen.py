@@ -19,21 +19,13 @@ class BoucWen(AbstractEffect):
     A negative z_y is the other half of the family, β + γ = −1: a loop that stiffens while it loads,
     h' = (ż/|z_y|)(1 + |h|ⁿ), and more so, 1 + (1 + 2β) |h|ⁿ, while it unloads. It dissipates for any β > 0, and has no
     yield; F_y is then the force at which its stiffness has doubled.
-
-    A contact that is lubricated slides at less than what breaks it loose (Stribeck), where h yields at the level
-    g = s + (1 − s) e^(−(ż/v_S)²) in place of 1, and is damped by c while it sticks: with n = 1, β = ½ the LuGre law of
-    presliding friction. These refine the loop: s = 1 and c = 0 unless the records clearly choose others.
     """
 
     name = "bouc-wen"
-    equation = (
-        "F = −F_y h − c |z_y| h', h' = (ż/|z_y|)(1 − σ |h/g|ⁿ [ż h > 0] − (σ − 2β) |h/g|ⁿ [ż h < 0]), σ = sign z_y, "
-        "g = s + (1 − s) e^(−(ż/v_S)²)"
-    )
+    equation = "F = −F_y h, h' = (ż/|z_y|)(1 − s |h|ⁿ [ż h > 0] − (s − 2β) |h|ⁿ [ż h < 0]), s = sign z_y"
     source = (
         "Ismail, Ikhouane, Rodellar, The hysteresis Bouc-Wen model, a survey, 2009, "
-        "Arch. Comput. Methods Eng. 16, 161, §2; Canudas de Wit, Olsson, Åström, Lischinsky, A new model for control "
-        "of systems with friction, 1995, IEEE Trans. Autom. Control 40, 419, §II"
+        "Arch. Comput. Methods Eng. 16, 161, §2"
     )
     mistaken_for = ("coulomb-friction", "stribeck-friction", "viscoelastic-support", "bouc-wen-drive")
     alike = (SAME_LOSS, SHIFT_OF_PHASE)
@@ -45,23 +37,16 @@ class BoucWen(AbstractEffect):
                    limits=(-30.0, 3.0), scale="displacement", positive=False)  # fmt: skip
     sharpness = shape("1", "sharpness of the yield, n", grid=(1.0, 2.0))
     fullness = shape("1", "fullness of the loop, β", grid=(0.5,), limits=(0.4, 10.0))
-    damping = amplitude("N*s/m", "damping while it sticks, c", one_sided=True, refines=True)
-    sliding = shape("1", "share of it that is left in fast sliding, s", grid=(1.0,), limits=(0.1, 3.0), refines=True)
-    fall = shape("m/s", "velocity at which the force falls, v_S", grid=(0.03,), limits=(0.001, 1.0), scale="velocity",
-                 refines=True)  # fmt: skip
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         h = state.hidden[0]
-        borne = jnp.where(self.travel > 0, within(h, jnp.maximum(1.0, self.sliding)), h)
-        (rate,) = self.rate(state, drive, t)
-        return -self.friction * borne - self.damping * jnp.abs(self.travel) * rate
+        return -self.friction * jnp.where(self.travel > 0, within(h), h)
 
     def state0(self) -> tuple[Scalar, ...]:
         return (0.0,)
 
     def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
         h = state.hidden[0]
-        level = self.sliding + (1.0 - self.sliding) * jnp.exp(-((state.v / self.fall) ** 2))
-        yields = slip(h / level, state.v, self.sharpness, self.fullness)
+        yields = slip(h, state.v, self.sharpness, self.fullness)
         stiffens = stiffened(h, state.v, self.sharpness, self.fullness)
         return (state.v / jnp.abs(self.travel) * (1.0 - jnp.where(self.travel > 0, yields, -stiffens)),)

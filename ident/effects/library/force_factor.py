@@ -7,11 +7,13 @@ from ..likeness import CUBIC_LOSS
 class ForceFactor(AbstractEffect):
     """A push that changes with the travel, as of a coil that leaves its gap: F = G (β − 1) V − G B (β² − 1) ż.
 
-    β = 1 + a z + b z² + c z³ + d z⁴ is the force per current (Bl of a loudspeaker, a shaker, a voice coil) in shares of that at rest.
+    β = 1 + a z + b z² + c z³ + d z⁴ is the force per current (Bl of a loudspeaker, a shaker, a voice coil) in shares of
+    that at rest.
     Under voltage the current is (V − B β ż)/R, with B the voltage that a velocity induces at rest, so that the damping
     by the coil changes with β²; under current B is next to nothing. Typical: b < 0, and at the rated travel a
     loudspeaker has 70 to 80 % of β. The response to a sine has a third harmonic, and the resonance keeps its place. a,
     c and d, which refine the law, are 0 where the coil rests in the middle of its gap and hardly leaves it.
+    Under current, where B is next to nothing, a alone is voltage-stiffness.
     """
 
     name = "force-factor"
@@ -21,7 +23,7 @@ class ForceFactor(AbstractEffect):
         "A. J. M. Kaizer, Modeling of the nonlinear response of an electrodynamic loudspeaker by a Volterra series "
         "expansion, 1987, J. Audio Eng. Soc. 35, 421"
     )
-    mistaken_for = ("cubic-damping",)
+    mistaken_for = ("cubic-damping", "voltage-stiffness")
     alike = (CUBIC_LOSS,)
 
     bend = amplitude("1/m^2", "relative change of the push per squared displacement, b")

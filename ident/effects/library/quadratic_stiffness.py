@@ -11,9 +11,9 @@ _CLOSEST = 0.05  # of the distance: a trial simulation may come nearer, and must
 class QuadraticStiffness(AbstractEffect):
     """A restoring force that is not odd, as of a curved beam: F = −k2 z² (1 + 2 u z/3)/(1 + u z)².
 
-    It shifts the mean and makes even harmonics. u, which refines the law, is 0 for a plain square; an attraction or
-    repulsion by the inverse square of a distance g above the stage, of a magnet or an electrode at a constant voltage,
-    is u = −1/g, and below it u = 1/g: (g²/2)[1/(1 + z/g)² − 1] + g z, without its linear part.
+    It shifts the mean and makes even harmonics. u, which refines the law, is 0 for a plain square. An attraction or
+    repulsion by the inverse square of a distance g, of a magnet or an electrode at a constant voltage, is u = 1/g below
+    the stage and −1/g above it: (2/3) {(g²/2) [(1 + z/g)⁻² − 1] + g z}, which has no constant and no linear part.
     """
 
     name = "quadratic-stiffness"
@@ -29,5 +29,5 @@ class QuadraticStiffness(AbstractEffect):
     nearness = shape("1/m", "inverse distance of what acts, u", grid=(0.0,), positive=False, refines=True)
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
-        near = self.nearness * state.z
-        return -self.k2 * state.z**2 * (1.0 + 2.0 / 3.0 * near) / jnp.maximum(1.0 + near, _CLOSEST) ** 2
+        near = jnp.maximum(self.nearness * state.z, _CLOSEST - 1.0)
+        return -self.k2 * state.z**2 * (1.0 + 2.0 / 3.0 * near) / (1.0 + near) ** 2
