@@ -72,7 +72,7 @@ def normal_equations(static: Static, data: Data, vector: np.ndarray, found: Eval
     gradient = slope_by(static, data, found, pulls(r, robust))
     if robust:
         r, slope = _soften(r)
-        jx, js = jx * slope, js * slope
+        jx, js = jx * slope, js * slope[: js.shape[1]]  # starts move traces alone
     matrix[:p, :p] = jx @ jx.T
     for k, record in enumerate(moving(data)):
         own, part = slice(p + s * k, p + s * (k + 1)), data.tape.slices[record]

@@ -142,9 +142,10 @@ def _of_its_family(
 
 def _or_its_member(regression: Regression, best: Candidate, simple: Registry) -> Confirmed:
     """The refit of the best candidate, or of a member of its family that does as well, or leaves noise alone."""
-    found = confirm(regression, simple[best.name], best)
+    plain = lambda one: confirm(regression, simple[one.name], one, refining=False)  # else it were no simpler
+    found = plain(best)
     for member in score(regression, {n: e for n, e in simple.items() if is_family_of(simple[best.name], e())}):
-        other = confirm(regression, simple[member.name], member)
+        other = plain(member)
         law = other.model.effects[-1]
         as_well = is_that_member(simple[best.name], law, found.chi2, other.chi2, regression.excess)
         if other.possible and (as_well or other.chi2 <= regression.n):

@@ -7,17 +7,16 @@ from ..likeness import CUBIC_LOSS
 class ForceFactor(AbstractEffect):
     """A push that changes with the travel, as of a coil that leaves its gap: F = G (β − 1) V − G B (β² − 1) ż.
 
-    β = 1 + a z + b z² + c z³ + d z⁴ is the force per current (Bl of a loudspeaker, a shaker, a voice coil) in shares of
-    that at rest.
+    β = 1 + a z + b z² is the force per current (Bl of a loudspeaker, a shaker, a voice coil) in shares of that at rest.
     Under voltage the current is (V − B β ż)/R, with B the voltage that a velocity induces at rest, so that the damping
     by the coil changes with β²; under current B is next to nothing. Typical: b < 0, and at the rated travel a
     loudspeaker has 70 to 80 % of β. The response to a sine has a third harmonic, and the resonance keeps its place. a,
-    c and d, which refine the law, are 0 where the coil rests in the middle of its gap and hardly leaves it.
+    which refines the law, is 0 where the coil rests in the middle of its gap.
     Under current, where B is next to nothing, a alone is voltage-stiffness.
     """
 
     name = "force-factor"
-    equation = "F = G (β − 1) V − G B (β² − 1) ż, β = 1 + a z + b z² + c z³ + d z⁴"
+    equation = "F = G (β − 1) V − G B (β² − 1) ż, β = 1 + a z + b z²"
     source = (
         "W. Klippel, Loudspeaker nonlinearities: causes, parameters, symptoms, 2006, J. Audio Eng. Soc. 54, 907, §3.2; "
         "A. J. M. Kaizer, Modeling of the nonlinear response of an electrodynamic loudspeaker by a Volterra series "
@@ -31,10 +30,7 @@ class ForceFactor(AbstractEffect):
     induced = shape("V*s/m", "voltage that a velocity induces at rest, B", grid=(0.1, 0.4, 1.0), scale="induction",
                     limits=(0.003, 1.5))  # fmt: skip
     tilt = amplitude("1/m", "relative change of the push with the displacement, a", refines=True)
-    skew = amplitude("1/m^3", "the same per cubed displacement, c", refines=True)
-    flattening = amplitude("1/m^4", "the same per fourth power, d", refines=True)
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
-        z = state.z
-        more = z * (self.tilt + z * (self.bend + z * (self.skew + z * self.flattening)))
+        more = (self.tilt + self.bend * state.z) * state.z
         return drive.gain * more * (drive.V - self.induced * (2.0 + more) * state.v)
