@@ -138,9 +138,8 @@ def test_an_odd_part_does_not_hide_what_an_even_one_does(phase: bool) -> None:
 def test_a_refit_that_keeps_what_chance_would_give_is_no_effect() -> None:
     """Without phases a lag of the sensor promised 31.9 of 320 points of noise by its square, and its refit kept 7.6."""
     columns = np.linalg.qr(np.random.default_rng(1).normal(size=(320, 4)))[0]
-    told = SimpleNamespace(
-        n=320, best_chi2=323.1, absorbed=columns[:, :3], scored=dict.fromkeys(range(25), "a candidate")
-    )
+    asked = (type(f"Effect{i}", (), {"name": f"effect-{i}"}) for i in range(25))
+    told = SimpleNamespace(n=320, best_chi2=323.1, absorbed=columns[:, :3], scored=dict.fromkeys(asked, "a candidate"))
     lag = Candidate("sensor-lag", 31.9, 1.0, 1, 7e-11, {}, {}, {}, columns[:, 3:].T)
     kept = lambda chi2: kept_more_than_chance(lag, chi2, told)  # pyright: ignore[reportArgumentType]  (what it reads)
     assert kept(323.1 - 31.9)
