@@ -18,7 +18,7 @@ class VoltageStiffness(AbstractEffect):
         "Rhoads, Shaw, Turner, Nonlinear dynamics and its applications in micro- and nanoresonators, 2010, "
         "J. Dyn. Syst. Meas. Control 132, 034001; Nayfeh & Mook, Nonlinear Oscillations, 1979, ch. 5"
     )
-    mistaken_for = ("quadratic-stiffness", "residual-stress", "electrostriction", "electrostatic-force")
+    mistaken_for = ("quadratic-stiffness", "residual-stress", "electrostriction", "electrostatic-force", "force-factor")
     alike = (SECOND_ORDER,)
 
     per_volt = amplitude("N/m/V", "stiffness per volt, k_V")
