@@ -51,7 +51,7 @@ def fit_starts_of_others(
     end of a long record, and from there no step leads back.
     """
     first, seen = fit_starts(static, data, unknowns, enough=enough)
-    errors = _errors(data, seen)
+    errors = data.errors_of(seen)
     off = [k for k, error in enumerate(errors) if not error <= _AT_THE_NOISE]
     if not (off and static.equation.model.effects):
         return first, seen
@@ -62,20 +62,13 @@ def fit_starts_of_others(
             until = own.start + math.ceil(part * (own.stop - own.start))
             weight[own.start : until] = data.weight[own.start : until]
         grown, there = fit_starts(static, data._replace(weight=weight), grown, _ROUNDS, enough)
-    better = [k for k, error in enumerate(_errors(data, there)) if k in off and error < errors[k]]
+    better = [k for k, error in enumerate(data.errors_of(there)) if k in off and error < errors[k]]
     if not better:
         return first, seen
     starts = first.starts.copy()
     starts[better] = grown.starts[better]
     best = Unknowns(first.x, starts)
     return best, evaluate(static, data, best)
-
-
-def _errors(data: Data, found: Evaluation) -> list[float]:
-    """Error over noise of each record, infinite of a motion without bound."""
-    squares = [float(np.sum(found.residuals[own] ** 2)) / max(np.count_nonzero(data.weight[own]), 1)
-               for own in data.tape.slices]  # fmt: skip
-    return [math.sqrt(x) if math.isfinite(x) else math.inf for x in squares]
 
 
 def _cost(found: Evaluation, unknowns: Unknowns, light: np.ndarray) -> float:

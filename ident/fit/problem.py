@@ -80,6 +80,12 @@ class Data(NamedTuple):
         """Error over noise of a Σ r²."""
         return float(np.sqrt(cost / self.count))
 
+    def errors_of(self, found: Evaluation) -> list[float]:
+        """Error over noise of each record, infinite of a motion without bound."""
+        squares = [float(np.sum(found.residuals[own] ** 2)) / max(np.count_nonzero(self.weight[own]), 1)
+                   for own in self.tape.slices]  # fmt: skip
+        return [math.sqrt(x) if math.isfinite(x) else math.inf for x in squares]
+
     @property
     def count(self) -> int:
         """How many numbers are fitted."""

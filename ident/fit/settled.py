@@ -82,9 +82,8 @@ def _after(found: Solution, better: Solution) -> Solution:
 
 def _missed(data: Data, found: Solution) -> set[int]:
     """Steady records that the model misses."""
-    rows = {one.record: found.found.residuals[data.tape.slices[one.record]] for one in data.steady}
-    counted = {k: max(np.count_nonzero(data.weight[data.tape.slices[k]]), 1) for k in rows}
-    return {k for k, own in rows.items() if own @ own > _MISSED * counted[k]}
+    errors = data.errors_of(found.found)
+    return {one.record for one in data.steady if errors[one.record] ** 2 > _MISSED}
 
 
 def _reweighed(static: Static, data: Data, found: Solution, go_on: GoingOn) -> tuple[Data, Solution]:

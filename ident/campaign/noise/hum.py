@@ -94,7 +94,7 @@ def _covariance(power: float, line: float) -> np.ndarray:
 def standing(left: np.ndarray, lines: Sequence[float]) -> list[float]:
     """The mean square of each line (rad per sample) that stands out of what a model leaves, (n,), and does not die;
     zero of the others. It leaves a level too, that bends: a sensor that drifts does not hum. A line counts by what it
-    alone says beside all the others: two of half a period's difference say together what each seems to."""
+    alone says beside all the others: of two that differ by half a period in a record each seems to say what both do."""
     n, found = len(left), []
     waves, level = _waves(lines, n), legvander(np.linspace(-1, 1, n), round(2 * PERIODS))
     all_of_them = np.column_stack([waves, level])

@@ -101,6 +101,7 @@ def confirm(
 def _best_of_words(
     regression: Regression, effect: type[AbstractEffect], candidate: Candidate, most: int, base: np.ndarray | None
 ) -> Confirmed:
+    """The best refit of those with the words of a candidate's choices that are worth one."""
     found = _refitted(regression, effect, candidate, most, base)
     for other in candidate.otherwise:
         more = other.promised(regression) - (regression.best_chi2 - found.chi2)

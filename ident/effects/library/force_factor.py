@@ -9,10 +9,9 @@ class ForceFactor(AbstractEffect):
 
     β = 1 + a z + b z² is the force per current (Bl of a loudspeaker, a shaker, a voice coil) in shares of that at rest.
     Under voltage the current is (V − B β ż)/R, with B the voltage that a velocity induces at rest, so that the damping
-    by the coil changes with β²; under current B is next to nothing. Typical: b < 0, and at the rated travel a
-    loudspeaker has 70 to 80 % of β. The response to a sine has a third harmonic, and the resonance keeps its place. a,
-    which refines the law, is 0 where the coil rests in the middle of its gap.
-    Under current, where B is next to nothing, a alone is voltage-stiffness.
+    by the coil changes with β²; under current B is next to nothing, and a alone is voltage-stiffness. Typical: b < 0,
+    and at the rated travel a loudspeaker has 70 to 80 % of β. The response to a sine has a third harmonic, and the
+    resonance keeps its place. a, which refines the law, is 0 where the coil rests in the middle of its gap.
     """
 
     name = "force-factor"
