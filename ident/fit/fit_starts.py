@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
+from .judge import GOOD
 from .problem import Data, Evaluation, Static, Unknowns, evaluate
 
 _ROUNDS = 8  # at most
 _STILL = 1e-7  # of the largest displacement and velocity
 _LEAST = 1 / 16  # of a step: a shorter one gains nothing
-_AT_THE_NOISE = 1.5  # error over noise of a record whose start is right
 _PARTS = (1 / 64, 1 / 16, 1 / 4, 1.0)  # of a record, one after the other
 
 
@@ -52,7 +52,7 @@ def fit_starts_of_others(
     """
     first, seen = fit_starts(static, data, unknowns, enough=enough)
     errors = data.errors_of(seen)
-    off = [k for k, error in enumerate(errors) if not error <= _AT_THE_NOISE]
+    off = [k for k, error in enumerate(errors) if not error <= GOOD]
     if not (off and static.equation.model.effects):
         return first, seen
     grown, there = unknowns, seen
