@@ -19,6 +19,7 @@ import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from inspect import getattr_static
 from pathlib import Path
 from types import FunctionType, MappingProxyType
 from typing import Any, ClassVar, NamedTuple, Self
@@ -94,8 +95,8 @@ class AbstractEffect:
     or a stop, says so in `has_kink`: the steps that meet it are divided. (A loop that bends all along is cheaper in
     steps that are short everywhere.) `steps_per_period` is how finely a period of the resonance must be divided to
     follow an effect all along, or, if it has a kink, in the steady motions of sweeps, whose steps are all alike. One
-    whose law implies simpler effects names them in `contains`: they are tried in its place. `form_of`: the effect of
-    which it is another form, the same on a device that is linear otherwise; it is looked for in its place only.
+    whose law implies simpler effects names them in `contains`: they are tried in its place. `form_of`: effects of
+    which it is another form; it is looked for in their place only, where they leave more than noise.
 
     `alike`: the likenesses that it shares with others, the closest first. Of two that share one less is asked before
     both are named, and what separates them is told. `mistaken_for` names single effects, on one side or on both: the
@@ -119,7 +120,7 @@ class AbstractEffect:
     platform_only: ClassVar[bool] = False
     contains: ClassVar[tuple[str, ...]] = ()
     needs: ClassVar[str] = ""
-    form_of: ClassVar[str] = ""
+    form_of: ClassVar[tuple[str, ...]] = ()
     is_constant: ClassVar[bool] = False
     further_mode: ClassVar[int] = 0
     settles_to_a_mean: ClassVar[bool] = False
@@ -222,7 +223,7 @@ class AbstractEffect:
     @classmethod
     def overrides(cls, method: str) -> bool:
         """Whether this effect has physics of its own for `method`."""
-        return getattr(cls, method) is not getattr(AbstractEffect, method)
+        return getattr_static(cls, method) is not getattr_static(AbstractEffect, method)
 
     def parameter(self, name: str) -> Parameter:
         """The declaration of one parameter, as this effect's settings have it."""

@@ -178,7 +178,7 @@ def _begun_otherwise(start: Fit, look: Look) -> Fit | None:
     other = other_drive(start, look.regression, look.report, look)
     if other is not None:
         return begun_with(start, other)
-    form = in_another_form(start, look.regression, look.library, look.report)
+    form = in_another_form(start, look.regression, start, look.library, look.report)
     return None if form is None else form.fit
 
 
@@ -219,7 +219,7 @@ def _with_settled_linear_side(
     if (zeros := with_zeros_anew(current, report)) is not current:
         current, regression = zeros, prepare(working(zeros))
     steps = [*steps[:-1], steps[-1]._replace(fit=current)]
-    return steps_in_another_form(steps, regression, library, report)
+    return steps_in_another_form(steps, regression, start, library, report)
 
 
 def _with_its_mode(current: Fit, regression: Regression, look: Look) -> tuple[Fit, Regression]:

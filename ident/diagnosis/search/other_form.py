@@ -1,8 +1,9 @@
-"""Effects that have another form, the same as long as everything else is linear: which one, once a law bends?
+"""Effects that have another form, which says the same until the records ask for more.
 
-A mode beside the stage's own and a part that the stage carries are one transfer function. The usual form has the name
-until a law beside it tells them apart, and its score says nothing of that: the other one is refitted in its place, from
-the numbers that make the same linear device.
+A mode beside the stage's own and a part that the stage carries are one transfer function until a law bends; a contact
+that bends before it slides is dry friction until it slides by little. The usual form has the name, and what it leaves
+beyond noise says nothing of the other, which is refitted in its place: from the numbers that make the same linear
+device, or from those that its score tells there.
 """
 
 from __future__ import annotations
@@ -24,6 +25,9 @@ from ..evidence.held_out import hurts
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import CRAWLS, working
 from ..linearised.trajectory import Diverged
+from ..ranking.confirm import accept, confirm
+from ..ranking.score import score
+from .change import try_without
 from .steps import Step
 
 
@@ -36,27 +40,37 @@ class Instead(NamedTuple):
     regression: Regression
 
 
-def in_another_form(current: Fit, regression: Regression, library: Registry, report: Report) -> Instead | None:
-    """A fit with one of its effects replaced by its other form, if that does clearly better; not one that the campaign
-    names."""
-    if current.model.form != "oscillator":
-        return None
-    for one in (effect for effect in current.model.effects if effect.name not in current.campaign.effects):
-        for form in (effect for effect in library.values() if effect.form_of == one.name):
-            found = None if current.model.carries(one.name) else _instead(current, one, form, regression, report)
-            if found is not None:
-                after, left = found
+def in_another_form(
+    current: Fit, regression: Regression, start: Fit, library: Registry, report: Report
+) -> Instead | None:
+    """A fit with one of its effects replaced by another form of it, if that does clearly better; not one that the
+    campaign names. `start`: the fit before any effect was added."""
+    own = [one for one in current.model.effects if one.name not in current.campaign.effects]
+    for one in (one for one in own if not current.model.carries(one.name)):
+        for form in (effect for effect in library.values() if one.name in effect.form_of):
+            report(f"does {form.name} say more than {one.name}?")
+            try:
+                after = _instead(current, one, form, start)
+                left = None if after is None else prepare(working(after))
+            except Diverged:
+                continue
+            if (
+                after is not None
+                and left is not None
+                and clearly_better(left, regression)
+                and not hurts(current, after)
+            ):
                 report(f"{form.name} in the place of {one.name}: error over noise {after.fitted.error_over_noise:.3g}")
                 return Instead(one.name, form.name, after, left)
     return None
 
 
 def steps_in_another_form(
-    steps: list[Step], regression: Regression, library: Registry, report: Report
+    steps: list[Step], regression: Regression, start: Fit, library: Registry, report: Report
 ) -> tuple[list[Step], Regression]:
     """The steps with an effect of the last fit replaced by its other form, and the regression of that fit, if that does
     clearly better; else what was given. One that the first model had is an addition of its own."""
-    found = None if adequate(regression) else in_another_form(steps[-1].fit, regression, library, report)
+    found = None if adequate(regression) else in_another_form(steps[-1].fit, regression, start, library, report)
     if found is None:
         return steps, regression
     left = found.regression
@@ -77,11 +91,31 @@ def steps_in_another_form(
     return [*named[:-1], named[-1]._replace(fit=found.fit)], left
 
 
-def _instead(
-    current: Fit, one: AbstractEffect, form: type[AbstractEffect], regression: Regression, report: Report
-) -> tuple[Fit, Regression] | None:
-    """The fit with the other form in the place of one, and its regression, if the records ask for it."""
+def _instead(current: Fit, one: AbstractEffect, form: type[AbstractEffect], start: Fit) -> Fit | None:
+    """The fit with another form in the place of an effect; None if it has no such form here."""
+    if not form.overrides("in_its_form"):
+        return _where_its_score_leads(current, one, form, start)
+    begin = _the_same_linear_device(current, one, form)
+    if begin is None:
+        return None
+    model = current.model - one.name + make_effect(current.campaign, form.name, {form.name: form})
+    return fit(model, current.campaign, initial=begin, most=CRAWLS)
+
+
+def _where_its_score_leads(current: Fit, one: AbstractEffect, form: type[AbstractEffect], start: Fit) -> Fit | None:
+    below = prepare(try_without(working(current), one.name, start))
+    scored = score(below, {form.name: form}, forms=True)
+    if not scored:
+        return None
+    found = confirm(below, form, scored[0], CRAWLS, values_without(current, one.name))
+    return accept(found, current) if found.possible else None
+
+
+def _the_same_linear_device(current: Fit, one: AbstractEffect, form: type[AbstractEffect]) -> np.ndarray | None:
+    """Values, with those of the form at the end, that make the same linear device."""
     model = current.model
+    if model.form != "oscillator":
+        return None
     frequency, quality, gain = (float(current.values[i]) for i in (FREQUENCY, QUALITY, GAIN))
     there = Linear(
         float(model.mass_of(current.values)), 2 * math.pi * frequency, quality, model.linear.force_per_gain * gain
@@ -89,17 +123,7 @@ def _instead(
     same = form.in_its_form(there, {p.name: current.value(f"{one.name}.{p.name}") for p in one.parameters})
     if same is None:
         return None
-    report(f"does {form.name} say more than {one.name}?")
     stage, numbers = same
     values = values_without(current, one.name)
     values[[FREQUENCY, QUALITY, GAIN]] = stage.omega / (2 * math.pi), stage.quality, gain * stage.push / there.push
-    begin = np.concatenate([values, [numbers[p.name] for p in form.parameters]])
-    try:
-        after = fit(
-            model - one.name + make_effect(current.campaign, form.name, {form.name: form}),
-            current.campaign, initial=begin, most=CRAWLS,
-        )  # fmt: skip
-        left = prepare(working(after))
-    except Diverged:
-        return None
-    return (after, left) if clearly_better(left, regression) and not hurts(current, after) else None
+    return np.concatenate([values, [numbers[p.name] for p in form.parameters]])

@@ -20,7 +20,7 @@ class AttachedMass(AbstractEffect):
     equation = "F = −k (z − x) − k/(ω_a Q_a) (ż − ẋ), ẍ = ω_a² (z − x) + (ω_a/Q_a)(ż − ẋ), ω_a = 2π/T_a"
     source = "J. P. Den Hartog, Mechanical Vibrations, 1956, §3.2 (the dynamic vibration absorber)"
     mistaken_for = ("second-mode",)
-    form_of = "second-mode"
+    form_of = ("second-mode",)
     steps_per_period = 120
     hidden_units = ("m", "m/s")
 

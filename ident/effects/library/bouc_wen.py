@@ -27,7 +27,9 @@ class BoucWen(AbstractEffect):
         "Ismail, Ikhouane, Rodellar, The hysteresis Bouc-Wen model, a survey, 2009, "
         "Arch. Comput. Methods Eng. 16, 161, §2"
     )
-    mistaken_for = ("coulomb-friction", "stribeck-friction", "viscoelastic-support", "bouc-wen-drive")
+    mistaken_for = (
+        "coulomb-friction", "stribeck-friction", "presliding-friction", "viscoelastic-support", "bouc-wen-drive",
+    )  # fmt: skip
     alike = (SAME_LOSS, SHIFT_OF_PHASE)
     steps_per_period = 120
     hidden_units = ("1",)

@@ -17,7 +17,7 @@ class CoulombFriction(AbstractEffect):
     source = (
         "Olsson, Åström, Canudas de Wit, Gäfvert, Lischinsky, Friction models and compensation, 1998, Eur. J. Control 4"
     )
-    mistaken_for = ("bouc-wen", "quadratic-damping", "stribeck-friction")
+    mistaken_for = ("bouc-wen", "quadratic-damping", "stribeck-friction", "presliding-friction")
     alike = (CONSTANT_FRICTION, SAME_LOSS)
     steps_per_period = 250
     has_kink = True

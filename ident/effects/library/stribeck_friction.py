@@ -12,7 +12,7 @@ class StribeckFriction(AbstractEffect):
     F_s is what breaks a contact loose, s F_s what is left in fast sliding (Stribeck); s = 1 is Coulomb's friction.
     Motors, guides, seals, gears: s = 0.4-0.9, v_S some hundredths of the largest velocity. v_t, over which the force
     turns, stands for the sign function as in `coulomb-friction`. A contact that is a spring before it slides is
-    `bouc-wen`.
+    `presliding-friction`, or `bouc-wen`.
     """
 
     name = "stribeck-friction"
@@ -21,7 +21,7 @@ class StribeckFriction(AbstractEffect):
         "Armstrong-Hélouvry, Dupont, Canudas de Wit, A survey of models, analysis tools and compensation methods for "
         "the control of machines with friction, 1994, Automatica 30, 1083, §2.1"
     )
-    mistaken_for = ("coulomb-friction", "bouc-wen")
+    mistaken_for = ("coulomb-friction", "bouc-wen", "presliding-friction")
     alike = (CONSTANT_FRICTION, SAME_LOSS)
     contains = ("coulomb-friction",)
     steps_per_period = 250
