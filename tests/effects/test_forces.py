@@ -149,6 +149,21 @@ def test_second_mode_is_a_second_oscillator_under_the_same_voltage():
     assert_agrees(make("second-mode", travel=travel, period=1 / f2, quality=q2), physics, SMOOTH)
 
 
+def test_a_presliding_contact_is_a_spring_with_a_damper_until_it_slides():
+    # Written with the deflection of the bristles in metres and the numbers of the LuGre law.
+    breaks, slides, fall = 0.2 * C * 2e-2, 0.12 * C * 2e-2, 4e-3
+    stiff, damped = breaks / 2e-6, 0.1 * C
+    level = lambda v: (slides + (breaks - slides) * np.exp(-((v / fall) ** 2))) / stiff
+    bends = lambda t, z, v, h: (v - abs(v) * h[0] / level(v),)
+    physics = Physics(
+        lambda t, z, v, h: -stiff * h[0] - damped * bends(t, z, v, h)[0],
+        rates=bends,
+        start=(0.0,),
+    )
+    effect = make("presliding-friction", friction=breaks, travel=2e-6, sliding=0.6, fall=fall, damping=damped / stiff)
+    assert_agrees(effect, physics, KINKED)
+
+
 def test_an_attached_mass_is_moved_by_the_stage_and_moves_it():
     share, fa, qa = 0.15, 700.0, 12.0
     wa, k = 2 * np.pi * fa, 0.15 * K
