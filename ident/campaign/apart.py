@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from ..units import kept_unit
+from .device import Device, Platform
 from .late import in_time
-from .record import Kind, Sweep, Trace
+from .record import Kind, Sweep, Trace, common_order
 
 
 class Told(NamedTuple):
-    """How a kind of numbers is told to people: `what` each record has, numbers times `times` in `unit`, and `why`; how
-    many `each` has, whether what all have is the device's own, and the `most` that a number can be: more says nothing
-    of this device.
+    """How a kind of numbers is told to people: `what` each record has, numbers times `times` in `unit`, or times its
+    signal in that of the reading if there is none, and `why`; how many `each` has, whether what all have is the
+    device's own, and the `most` that a number can be: more says nothing of this device.
 
     `of_device`: the device itself is another one, of which a simulation takes account; `of_time`: it moves the samples
     of the drive beside those of the response; `of_zero`: the sensor has this zero, and no common one beside it."""
@@ -42,8 +44,7 @@ TOLD: dict[Kind, Told] = {
     "sensitivity": Told("sensitivity", 100.0, "%", "was the sensor moved?", 0.9, shared=True),
     "delay": Told("delay", 1.0, "samples", "did each have a trigger of its own?", 100.0, of_time=True),
     "clock": Told("clock", 1e6, "ppm", "do generator and recorder run by one clock?", 0.1, of_time=True),
-    "level": Told("zero", 100.0, "% of its signal", "was the sensor set anew, or is it AC coupled?", 100.0,
-                  of_zero=True),
+    "level": Told("zero", 1.0, "", "was the sensor set anew, or is it AC coupled?", 100.0, of_zero=True),
     "baseline": Told("baseline", 100.0, "% of its signal", "does the sensor drift?", 100.0, each=3,
                      of_zero=True),
 }  # fmt: skip
@@ -53,8 +54,11 @@ def curves(trace: Trace) -> np.ndarray:
     """The curves that the numbers of a baseline multiply, (3, n): a level, a line and a parabola, as large as the
     signal; the first is that of a level alone."""
     t = np.linspace(-1.0, 1.0, len(trace.time))
-    size = float(np.std(trace.response[trace.counted]))
-    return size * np.stack([np.ones_like(t), t, 1.5 * t**2 - 0.5])
+    return _signal(trace) * np.stack([np.ones_like(t), t, 1.5 * t**2 - 0.5])
+
+
+def _signal(trace: Trace) -> float:
+    return float(np.std(trace.response[trace.counted]))
 
 
 def read_apart(trace: Trace, kind: Kind, sizes: Iterable[float]) -> Trace:
@@ -94,4 +98,15 @@ def size_of(trace: Trace) -> float:
     kind, sizes = trace.own
     t = np.linspace(-1.0, 1.0, 101)
     moved = sizes[0] if len(sizes) == 1 else float(np.ptp(sizes[1] * t + sizes[2] * 1.5 * t**2))
-    return TOLD[kind].times * moved
+    return times_of(trace, kind) * moved
+
+
+def times_of(trace: Trace, kind: Kind) -> float:
+    """By what a number of a trace is multiplied to be told."""
+    return TOLD[kind].times * (1.0 if TOLD[kind].unit else _signal(trace))
+
+
+def told_in(kind: Kind, traces: Sequence[Trace], device: Device) -> str:
+    """The unit in which the numbers of some traces are told, if it is that of their readings in SI."""
+    output = "m" if isinstance(device, Platform) else kept_unit(device.output) or device.output
+    return TOLD[kind].unit or output + ("", "/s", "/s^2")[common_order(traces)]

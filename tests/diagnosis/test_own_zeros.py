@@ -64,7 +64,8 @@ def test_zeros_of_the_records_own_take_no_name_and_refute_none():
     assert found.final.holdout is not None and found.final.holdout.error_over_noise == pytest.approx(1.0, abs=0.06)
     told = [trace.own[1][0] * np.std(trace.response) for trace in found.final.campaign.traces if trace.own]
     np.testing.assert_allclose(told, ZEROS, atol=5 * NOISE / np.sqrt(1500))
-    assert any("a zero of its own" in note for note in found.final.campaign.notes)
+    (note,) = [note for note in found.final.campaign.notes if "a zero of its own" in note]
+    assert f"{1e3 * told[0]:+.2g} mV ± " in note.replace("µV", "mV")
 
 
 def test_they_are_asked_for_beside_what_is_named_and_only_where_they_differ():

@@ -7,10 +7,11 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ...campaign.apart import TOLD, Kind, Told, size_of
+from ...campaign.apart import TOLD, Kind, Told, size_of, times_of, told_in
 from ...campaign.campaign import Campaign
 from ...fit import Fit, fit
 from ...fit.rebuild import values_without
+from ...units import format_quantity
 
 MOVED = 0.3  # of its error bar: by so much a number is another one
 _DRIVE = Told("drive", 100.0, "%", "does the force fall behind what it is called, or was a gain read wrongly?", 0.9,
@@ -33,12 +34,25 @@ class Differing(NamedTuple):
     @property
     def words(self) -> str:
         """What differs, for people."""
-        levels, told = self.kind == "drive", self._told
-        shown = [told.times * s[0] for s in self.sizes] if levels else [size_of(t) for t in self.fit.campaign.traces]
-        doubt = lambda error: f" ± {told.times * error[0]:.1g}" if len(error) == 1 and np.isfinite(error[0]) else ""
-        each = ", ".join(f"{size:+.2g}{doubt(error)} {told.unit} {'at' if levels else 'in'} {name}"
-                         for name, size, error in zip(self.names, shown, self.errors, strict=True))  # fmt: skip
-        return f"{self._opening}: {each}. They are read so, held-out ones too: {told.why}"
+        return f"{self._opening}: {', '.join(self._each)}. They are read so, held-out ones too: {self._told.why}"
+
+    @property
+    def _each(self) -> list[str]:
+        """The number of each, with its error if it is one, and where it is."""
+        traces, kind = self.fit.campaign.traces, self.kind
+        if kind == "drive":
+            where, unit, times = "at", _DRIVE.unit, [_DRIVE.times] * len(self.names)
+            shown = [_DRIVE.times * s[0] for s in self.sizes]
+        else:
+            where, unit, times = "in", told_in(kind, traces, self.fit.model.device), [times_of(t, kind) for t in traces]
+            shown = [size_of(t) for t in traces]
+
+        def words(name: str, size: float, error: np.ndarray, times: float) -> str:
+            known = len(error) == 1 and np.isfinite(error[0])
+            doubt = f" ± {format_quantity(times * error[0], unit, 1)}" if known else ""
+            return f"{'+' if size >= 0 else ''}{format_quantity(size, unit, 2)}{doubt} {where} {name}"
+
+        return [words(*one) for one in zip(self.names, shown, self.errors, times, strict=True)]
 
     @property
     def _told(self) -> Told:

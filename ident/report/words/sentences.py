@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...campaign.apart import TOLD, size_of
+from ...campaign.apart import TOLD, size_of, told_in
 from ...campaign.device import Platform
 from ...campaign.drive import drive_frequency
 from ...campaign.record import VAGUE
@@ -102,10 +102,13 @@ def _differing(fit: Fit) -> str:
         )
     if not any(trace.differs for trace in traces):
         return ""
-    told, sizes = next(TOLD[trace.own[0]] for trace in traces if trace.own), [size_of(trace) for trace in traces]
+    kind = next(trace.own[0] for trace in traces if trace.own)
+    apart = format_quantity(
+        float(np.ptp([size_of(trace) for trace in traces])), told_in(kind, traces, fit.model.device), 2
+    )
     return (
-        f" Each record, held-out ones too, has a {told.what} of its own in this, up to {np.ptp(sizes):.2g} {told.unit} "
-        "apart: one device for all of them does not reach so far."
+        f" Each record, held-out ones too, has a {TOLD[kind].what} of its own in this, up to {apart} apart: one device "
+        "for all of them does not reach so far."
     )
 
 

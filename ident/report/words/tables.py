@@ -60,26 +60,27 @@ def _mark(estimate: Estimate) -> Mark:
 def record_sheet(fit: Fit) -> Sheet:
     """Error per record beside its noise floor, and the totals of fitted and held-out records."""
     totals = [("all fitted", fit.fitted)] + ([("all held out", fit.holdout)] if fit.holdout else [])
-    common = error_scale(fit.fitted, fit.model.device, reading_unit(fit.campaign.records))
+    unit = reading_unit(fit.campaign.records)
+    common = error_scale(fit.fitted, fit.model.device, unit)
     ordered = sorted(fit.scores, key=lambda s: s.holdout)
     rows = [_score_row(file_words(s.name), "held out" if s.holdout else "fitted", s, common) for s in ordered]
     marks: list[Mark] = ["warning" if s.error_over_noise > GOOD else "" for s in ordered]
     rows += [_score_row(name, "", score, common) for name, score in totals]
     marks.extend("total" for _ in totals)
-    unit, note = (
-        common.unit,
-        "error/noise = 1 is as good as the data allow; 100 % of the signal is no better than a constant.",
-    )
+    note = "error/noise = 1 is as good as the data allow; 100 % of the signal is no better than a constant."
     columns = (
-        Column("record", wraps=True), Column("use"), Column("samples", True), Column(f"rms error ({unit})", True, True),
-        Column(f"noise floor ({unit})", True, True), Column("error/noise", True), Column("of signal", True),
+        Column("record", wraps=True), Column("use"), Column("samples", True),
+        Column(f"rms error ({common.unit})", True, True), Column(f"noise floor ({common.unit})", True, True),
+        Column("error/noise", True), Column("of signal", True),
     )  # fmt: skip
-    own = {r.name: f"{size_of(r):+.3g}" for r in fit.campaign.traces if r.own is not None}
+    own = {r.name: r for r in fit.campaign.traces if r.own is not None}
     if own:
-        told = next(TOLD[r.own[0]] for r in fit.campaign.traces if r.own is not None)
-        sizes = [own.get(s.name, "") for s in ordered]
+        kind = next(r.own[0] for r in own.values() if r.own is not None)
+        largest = max(abs(size_of(r)) for r in own.values())
+        told = Scale(1.0, TOLD[kind].unit) if TOLD[kind].unit else scale(largest, unit, fit.model.device)
+        sizes = [f"{size_of(own[s.name]) / told.factor:+.3g}" if s.name in own else "" for s in ordered]
         rows = [(*row, size) for row, size in zip(rows, [*sizes, *("" for _ in totals)], strict=True)]
-        columns = (*columns, Column(f"own {told.what} ({told.unit})", True, True))
+        columns = (*columns, Column(f"own {TOLD[kind].what} ({told.unit})", True, True))
     return Sheet("Error per record", columns, tuple(rows), tuple(marks), note)
 
 
