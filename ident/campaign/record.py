@@ -263,6 +263,10 @@ class Sweep:
         same = np.array([self.noise.sigma, self.relative_noise, self.phase_noise])
         return np.repeat(same[:, None], len(self.frequency), axis=1)
 
+    def turns_read(self, frequency: float) -> int:
+        """Whole turns of a drive of a frequency, Hz, over which a point is read, one at the least."""
+        return max(int(self.averaging * frequency + 1e-9), 1)  # 0.29 s at 100 Hz are 29, whatever their product
+
     def only(self, rows: np.ndarray) -> Sweep:
         """Some of the points, in the order given."""
         names = ("frequency", "level", "amplitude", "up", "phase", "dwell", "stronger", "own_noise")
