@@ -171,6 +171,15 @@ class Run:
     up: bool
     rows: np.ndarray
 
+    @property
+    def rising(self) -> np.ndarray:
+        """(k,) its points in the order of rising frequency."""
+        return self.rows if self.up else self.rows[::-1]
+
+    def is_back_of(self, other: Run) -> bool:
+        """Whether it passes the level of another the other way."""
+        return self.up != other.up and abs(self.level / other.level - 1) < SAME_LEVEL - 1
+
 
 class Overtone(NamedTuple):
     """A harmonic of a sweep: its `order`, and (n,) its `amplitude`, m, and the standard deviation of the `noise` of its

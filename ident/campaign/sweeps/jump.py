@@ -85,6 +85,19 @@ def jump_of(sweep: Sweep, rows: np.ndarray) -> Jump | None:
     return None if np.max(apart) < _REPEATED * abs(a[own[-1]] - a[own[0]]) else jump
 
 
+def unbroken(sweep: Sweep, rows: np.ndarray) -> list[np.ndarray]:
+    """The points of one run, its `rows` in the order of rising frequency, before and after its jump."""
+    jump = jump_of(sweep, rows)
+    return [rows] if jump is None else np.split(rows, [jump.after])
+
+
+def on_two_branches(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """(k,) whether amplitudes that were read at the same frequencies are farther apart than one branch allows, or stand
+    beside such ones: on a flank of a jump."""
+    apart = np.abs(one - other) > LEAST * np.maximum(one, other)
+    return apart | np.append(apart[1:], False) | np.append(False, apart[:-1])
+
+
 def _jumps_after(a: np.ndarray, response: np.ndarray, width: int) -> int | None:
     """The point from which the response jumps within so many intervals, or None."""
     steps, change = np.abs(response[width:] - response[:-width]), a[width:] - a[:-width]
