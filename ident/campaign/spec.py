@@ -228,7 +228,7 @@ def _drive_file(section: Section, folder: Path) -> Path | None:
 
 def _segment(section: Section) -> int | None:
     value = section.get("segment", int, "the number of a recording in its file (1)")
-    if value is not None and (isinstance(value, bool) or value < 1):
+    if value is not None and value < 1:
         raise section.error("segment", f"{shown(value)} is no number of a recording", "count them from 1")
     return value
 
