@@ -6,13 +6,13 @@ import re
 from typing import NamedTuple
 
 from ..errors import UserError
-from ..units import Dimension, Unit, base_unit, find_unit
+from ..units import ACCELERATION, Dimension, Unit, base_unit, find_unit
 from .tables.table import MOST
 
 _SENSITIVITY = re.compile(
     r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s(].*?)\s*/\s*(\([^()]+\)|[^/()]+)\s*"
 )
-_GRAVITY = Unit("g_n", 9.80665, (1, 0, -2, 0, 0, 0, 0))  # of an accelerometer's mV/g; a gram else
+_GRAVITY = Unit("g_n", 9.80665, ACCELERATION)  # of an accelerometer's mV/g; a gram else
 
 
 class Scale(NamedTuple):
