@@ -32,6 +32,10 @@ FREQUENCY = _dimension(s=-1)
 CURRENT = _dimension(ampere=1)
 VOLTAGE = _dimension(2, 1, -3, -1)
 PRESSURE = _dimension(-1, 1, -2)
+VELOCITY = _dimension(m=1, s=-1)
+ACCELERATION = _dimension(m=1, s=-2)
+FORCE = _dimension(1, 1, -2)
+TORQUE = _dimension(2, 1, -2)
 
 _PREFIXES = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
 _PREFIX_WORDS = {"pico": "p", "nano": "n", "micro": "u", "milli": "m", "kilo": "k", "mega": "M", "giga": "G"}
@@ -40,12 +44,12 @@ _PREFIXED: dict[str, tuple[float, Dimension, str]] = {
     "m": (1.0, LENGTH, "meter"),
     "g": (1e-3, MASS, "gram"),
     "s": (1.0, TIME, "second"),
-    "A": (1.0, _dimension(ampere=1), "ampere"),
+    "A": (1.0, CURRENT, "ampere"),
     "V": (1.0, VOLTAGE, "volt"),
     "Hz": (1.0, FREQUENCY, "hertz"),
-    "N": (1.0, _dimension(1, 1, -2), "newton"),
+    "N": (1.0, FORCE, "newton"),
     "Pa": (1.0, PRESSURE, "pascal"),
-    "Nm": (1.0, _dimension(2, 1, -2), "newtonmeter"),  # of a torque; the textile number of pint is nobody's here
+    "Nm": (1.0, TORQUE, "newtonmeter"),  # of a torque; the textile number of pint is nobody's here
     "J": (1.0, _dimension(2, 1, -2), "joule"),
     "W": (1.0, _dimension(2, 1, -3), "watt"),
     "C": (1.0, _dimension(s=1, ampere=1), "coulomb"),

@@ -23,6 +23,7 @@ from ..units import (
 from .device import Device, Oscillator, Platform
 from .document import Section, read_document, shown
 from .record import Measures
+from .tables.columns import RATES
 from .tables.opening import exists
 
 _DIMENSIONS = {
@@ -142,13 +143,10 @@ def _oscillator(section: Section) -> Oscillator:
     return Oscillator(units["output"], units["input"], limits["max_voltage"], limits["max_frequency"])
 
 
-_RATES: dict[tuple[int, ...], Measures] = {(1, 0, -1, 0, 0, 0, 0): "velocity", (1, 0, -2, 0, 0, 0, 0): "acceleration"}
-
-
 def of_displacement(device: Device) -> tuple[Device, Measures, list[str]]:
     """The device with its output as a displacement, what its records then measure, and a sentence that says so."""
     found = find_unit(device.output) if isinstance(device, Oscillator) else None
-    measures = _RATES.get(found.dimension) if found is not None else None
+    measures = RATES.get(found.dimension) if found is not None else None
     if measures is None or not isinstance(device, Oscillator):
         return device, "displacement", []
     note = (

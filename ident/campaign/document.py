@@ -62,9 +62,9 @@ class Section:
         return self.get(key, bool, "true or false", False)
 
     def choice(self, key: str, choices: tuple[str, ...], default: str) -> str:
-        """One word out of `choices`."""
+        """One word out of `choices`; `default` if the key is absent."""
         value = self.get(key, str, "one of " + ", ".join(f'"{c}"' for c in choices), default)
-        if value not in choices:
+        if key in self.values and value not in choices:
             what = f'"{value}" is none of ' + ", ".join(f'"{c}"' for c in choices)
             raise self.error(key, what, nearest(value, choices, "use one of these words"))
         return value

@@ -12,10 +12,8 @@ from functools import lru_cache
 import numpy as np
 
 from .held_drive import held_drive
-from .period import find_period, fourier_basis, least_squares
+from .period import fourier_basis, least_squares
 from .record import Trace
-
-__all__ = ["drive_frequency", "drive_rate", "find_period", "half_step_drive"]
 
 
 class _Same:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..units import NUMBER, factor_of
 from .device import Device
-from .drive import find_period
+from .period import find_period
 from .quality.checks import on_grid, uniform_time
 from .record import Channel, NoiseFloor, Trace
 from .spec import signal_units

@@ -9,7 +9,21 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import UserError
-from ..units import CURRENT, LENGTH, NUMBER, VOLTAGE, Dimension, base_unit, factor_of, find_unit, kept_unit
+from ..units import (
+    ACCELERATION,
+    CURRENT,
+    FORCE,
+    LENGTH,
+    NUMBER,
+    PRESSURE,
+    VELOCITY,
+    VOLTAGE,
+    Dimension,
+    base_unit,
+    factor_of,
+    find_unit,
+    kept_unit,
+)
 from .device import Device, Oscillator, Platform
 from .drive import drive_rate
 from .quality.checks import PLATFORM_RATE, PLATFORM_TRAVEL, travel_of
@@ -23,10 +37,10 @@ _READINGS: tuple[Dimension, ...] = (
     VOLTAGE,
     CURRENT,
     NUMBER,
-    (1, 0, -1, 0, 0, 0, 0),
-    (1, 0, -2, 0, 0, 0, 0),
-    (1, 1, -2, 0, 0, 0, 0),
-    (-1, 1, -2, 0, 0, 0, 0),
+    VELOCITY,
+    ACCELERATION,
+    FORCE,
+    PRESSURE,
 )
 
 _TIME = trace_roles(VOLTAGE, LENGTH)[:1]

@@ -29,23 +29,30 @@ def document_of(data: Any, columns: Mapping[str, str | int] | None, told: Mappin
     **Arguments:** `data`: one record, a list of them, a mapping of them by name, or such a document; `told`: its
     `device` and `title`, the names that are `holdout`, and what `[defaults]` may say.
     """
+    own = dict(told) | ({"columns": dict(columns)} if columns else {})
+    held = own.pop("holdout", ())
+    outer = {key: own.pop(key) for key in ("device", "title") if key in own}
     if _is_document(data):
         records = [_with_table(record, f"record {k}") for k, record in enumerate(data["record"], 1)]
-        common, own = data.get("defaults", {}), dict(told) | ({"columns": dict(columns)} if columns else {})
-        return {**data, "record": records, "defaults": {**common, **own} if isinstance(common, Mapping) else common}
-    common, held = dict(told), told.get("holdout", ())
-    common.pop("holdout", None)
-    common |= {"columns": dict(columns)} if columns else {}
-    tables = tables_of(data)
-    names = [table.name for table in tables]
+        common = data.get("defaults", {})
+        common = {**common, **own} if isinstance(common, Mapping) else common
+        return {**data, **outer, "record": _held_out(records, held), "defaults": common}
+    records = [{"file": table.name, "data": table} for table in tables_of(data)]
+    title = ", ".join(Path(record["file"]).stem for record in records)
+    return {"title": title, **outer, "record": _held_out(records, held), "defaults": own}
+
+
+def _held_out(records: list[Any], held: Any) -> list[Any]:
+    """The records, those of some names held out, or all. **Raises:** UserError for a name that none has."""
+    names = [str(record.get("file", "")) for record in records]
     held = names if held is True else [held] if isinstance(held, str) else list(held or ())
     for name in held:
         if name not in names:
             do = nearest(name, names, f"the records are {', '.join(names)}")
             raise UserError(f"there is no record {name!r} to hold out", do=do)
-    records = [{"file": table.name, "data": table, "holdout": table.name in held} for table in tables]
-    outer = {key: common.pop(key) for key in ("device", "title") if key in common}
-    return {"title": ", ".join(Path(name).stem for name in names), **outer, "record": records, "defaults": common}
+    return [
+        {**record, "holdout": True} if name in held else record for name, record in zip(names, records, strict=True)
+    ]
 
 
 def _is_document(data: Any) -> bool:

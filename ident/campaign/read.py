@@ -182,7 +182,7 @@ def _modes(model: Section, device: Device, linear: str) -> int | None:
     told = model.get("modes", int, f"a number from 1 to {MOST_MODES}")
     if told is None:
         return None
-    if isinstance(told, bool) or not 1 <= told <= MOST_MODES:
+    if not 1 <= told <= MOST_MODES:
         raise model.error("modes", f"{shown(told)} modes", f"write a number from 1 to {MOST_MODES}, or leave it out")
     if told > 1 and (not isinstance(device, Oscillator) or linear not in ("auto", "oscillator")):
         raise model.error(

@@ -171,6 +171,15 @@ class Run:
     up: bool
     rows: np.ndarray
 
+    @property
+    def rising(self) -> np.ndarray:
+        """(k,) its points in the order of rising frequency."""
+        return self.rows if self.up else self.rows[::-1]
+
+    def is_back_of(self, other: Run) -> bool:
+        """Whether it passes the level of another the other way."""
+        return self.up != other.up and abs(self.level / other.level - 1) < SAME_LEVEL - 1
+
 
 class Overtone(NamedTuple):
     """A harmonic of a sweep: its `order`, and (n,) its `amplitude`, m, and the standard deviation of the `noise` of its
@@ -262,6 +271,10 @@ class Sweep:
             return self.own_noise
         same = np.array([self.noise.sigma, self.relative_noise, self.phase_noise])
         return np.repeat(same[:, None], len(self.frequency), axis=1)
+
+    def turns_read(self, frequency: float) -> int:
+        """Whole turns of a drive of a frequency, Hz, over which a point is read, one at the least."""
+        return max(int(self.averaging * frequency + 1e-9), 1)  # 0.29 s at 100 Hz are 29, whatever their product
 
     def only(self, rows: np.ndarray) -> Sweep:
         """Some of the points, in the order given."""

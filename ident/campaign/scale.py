@@ -6,10 +6,13 @@ import re
 from typing import NamedTuple
 
 from ..errors import UserError
-from ..units import Dimension, Unit, base_unit, find_unit
+from ..units import ACCELERATION, Dimension, Unit, base_unit, find_unit
+from .tables.table import MOST
 
-_SENSITIVITY = re.compile(r"\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*([^\d\s(].*?)\s*/\s*(\([^()]+\)|[^/()]+)\s*")
-_GRAVITY = Unit("g_n", 9.80665, (1, 0, -2, 0, 0, 0, 0))  # of an accelerometer's mV/g; a gram else
+_SENSITIVITY = re.compile(
+    r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s(].*?)\s*/\s*(\([^()]+\)|[^/()]+)\s*"
+)
+_GRAVITY = Unit("g_n", 9.80665, ACCELERATION)  # of an accelerometer's mV/g; a gram else
 
 
 class Scale(NamedTuple):
@@ -33,7 +36,7 @@ def parse_scale(text: str, wanted: Dimension, base: str, where: str) -> Scale:
         raise UserError(f'"{text}" is no sensitivity', where=where, do=do)
     value = float(match[1])
     above, below = (_unit(name.strip(" ()"), wanted) for name in match.groups()[1:])
-    if not value or above is None or below is None:
+    if not 1 / MOST < abs(value) < MOST or above is None or below is None:
         raise UserError(f'"{text}" is no sensitivity', where=where, do=do)
     if above[2] == wanted:
         return Scale(value * above[1] / below[1], below[2], above[0], above[1])

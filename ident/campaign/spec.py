@@ -22,6 +22,10 @@ _TRACE_ROLES = ("time", "drive", "response", "reference")
 HARMONICS = {f"harmonic{order}": order for order in range(2, 9)}
 """Columns of harmonics, by what the campaign calls them."""
 _SWEEP_ROLES = ("frequency", "level", "amplitude", "phase", "direction", "real", "imaginary", *HARMONICS)
+_OF_KIND = {
+    "trace": ("start", "skip", "rate", "drive", "drive_file", "measures", "between", "scale", "segment"),
+    "sweep": ("direction", "quantity", "level", "sweep_rate", "dwell", "averaging"),
+}
 SWEEP_NAMES = {"drive": "level", "response": "amplitude"}
 """A sweep's level and amplitude may be called like a trace's columns."""
 
@@ -92,31 +96,19 @@ def _dimension(unit: str) -> Dimension | None:
 
 def parse_record(section: Section, folder: Path, device: Device, usual: Measures = "displacement") -> RecordSpec:
     """The record that a `[[record]]` table describes; a `UserError` for anything in it that cannot be right."""
-    file = section.text("file")
-    if not file:
-        raise UserError("a [[record]] without a file", where=section.where(), do='add file = "a.csv"')
-    path, table = folder / file, section.values.get("data")
-    if isinstance(table, Table):
-        section.used.add("data")
-    elif "\0" in file or not exists(path):
-        raise section.error("file", f'there is no file "{file}" in {folder}', "correct the name")
-    else:
-        check_file(path, f"{section.where('file')}: {file}")
+    file, table = _data(section, folder)
     measures = section.choice("measures", MEASURES, usual)
     (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device, measures)  # type: ignore[arg-type]
-    kind = section.choice("kind", ("trace", "sweep"), "") if "kind" in section.values else ""
-    section.used.add("kind")
-    start = section.choice("start", ("rest", "steady", "unknown"), "unknown") if "start" in section.values else ""
-    section.used.add("start")
+    kind = section.choice("kind", ("trace", "sweep"), "")
     sine = _sine(section)
     undriven = sine.lower() == "none"
     noise, relative = _noise(section, response_unit, response_dimension)
     spec = RecordSpec(
         file=file,
-        path=path,
+        path=folder / file,
         where=section.where(),
         kind=kind,  # type: ignore[arg-type]
-        start=start,  # type: ignore[arg-type]
+        start=section.choice("start", ("rest", "steady", "unknown"), ""),  # type: ignore[arg-type]
         holdout=section.flag("holdout"),
         load=_load(section, device),
         noise=noise,
@@ -140,26 +132,37 @@ def parse_record(section: Section, folder: Path, device: Device, usual: Measures
         scale=_scale(
             section, {"drive": (drive_unit, drive_dimension), "response": (response_unit, response_dimension)}
         ),
-        table=table if isinstance(table, Table) else None,
+        table=table,
     )
     section.check_keys()
     if spec.sweep_rate is not None and spec.dwell is not None:
         raise section.error("dwell", "sweep_rate says already how long each frequency was held", "remove one of them")
-    for key in ("direction", "quantity", "level", "sweep_rate", "dwell", "averaging") if kind == "trace" else ():
-        if key in section.values:
-            raise section.error(
-                key, "belongs to a sweep, and this record is a trace", 'remove it, or write kind = "sweep"'
-            )
-    for key in (
-        ("start", "skip", "rate", "drive", "drive_file", "measures", "between", "scale", "segment")
-        if kind == "sweep"
-        else ()
-    ):
-        if key in section.values:
-            raise section.error(
-                key, "belongs to a trace, and this record is a sweep", 'remove it, or write kind = "trace"'
-            )
+    _check_kind(section, kind)
     return spec
+
+
+def _data(section: Section, folder: Path) -> tuple[str, Table | None]:
+    """The file of a record, and its table where that was no file."""
+    file = section.text("file")
+    if not file:
+        raise UserError("a [[record]] without a file", where=section.where(), do='add file = "a.csv"')
+    table = section.values.get("data")
+    if isinstance(table, Table):
+        section.used.add("data")
+        return file, table
+    if "\0" in file or not exists(folder / file):
+        raise section.error("file", f'there is no file "{file}" in {folder}', "correct the name")
+    check_file(folder / file, f"{section.where('file')}: {file}")
+    return file, None
+
+
+def _check_kind(section: Section, kind: str) -> None:
+    """A `UserError` for a key of the other kind of records."""
+    other = {"trace": "sweep", "sweep": "trace"}.get(kind, "")
+    for key in _OF_KIND.get(other, ()):
+        if key in section.values:
+            what = f"belongs to a {other}, and this record is a {kind}"
+            raise section.error(key, what, f'remove it, or write kind = "{other}"')
 
 
 def _load(section: Section, device: Device) -> float:
@@ -228,7 +231,7 @@ def _drive_file(section: Section, folder: Path) -> Path | None:
 
 def _segment(section: Section) -> int | None:
     value = section.get("segment", int, "the number of a recording in its file (1)")
-    if value is not None and (isinstance(value, bool) or value < 1):
+    if value is not None and value < 1:
         raise section.error("segment", f"{shown(value)} is no number of a recording", "count them from 1")
     return value
 

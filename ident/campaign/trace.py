@@ -13,9 +13,9 @@ from ..errors import UserError
 from ..units import base_unit
 from .channel import channel_of, plausible_noise
 from .device import NOMINAL_RESONANCE, Device
-from .drive import find_period
 from .lost_samples import times_of
 from .noise.floor import noise_floor
+from .period import find_period
 from .quality.checks import (
     check_drive,
     check_length,

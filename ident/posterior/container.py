@@ -8,6 +8,7 @@ times beside them, s: `<record>_time` along `<record>_sample`.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -47,8 +48,8 @@ def write_container(posterior: Posterior, path: Path) -> None:
     readings = density.readings(density.values(together[at]))
     predictive, observed, drive, times, likelihood = {}, {}, {}, {}, {}
     dims: dict[str, list[str]] = {}
-    for i, (record, reading) in enumerate(zip(density.records, readings, strict=True)):
-        name = _name(record.name)
+    names = _names([record.name for record in density.records])
+    for i, (name, record, reading) in enumerate(zip(names, density.records, readings, strict=True)):
         noise = random.standard_normal(reading.shape) * record.noise.sigma * blocks.sigma[at, i][:, None]
         predictive[name] = (reading + noise).reshape(ensembles, len(few), -1)
         observed[name], drive[name], times[name] = record.response, record.drive, record.time
@@ -75,6 +76,10 @@ def write_container(posterior: Posterior, path: Path) -> None:
     beside.replace(path)
 
 
-def _name(file: str) -> str:
-    """A record's file as a name that NetCDF allows."""
-    return re.sub(r"[^\w.]+", "_", Path(file).stem)
+def _names(files: Sequence[str]) -> list[str]:
+    """What records are called, by their files, in words that NetCDF allows: each by its stem; where several would be
+    called the same (files of two folders, recordings of one file) those by all of their names, or by their numbers."""
+    plain = lambda text: re.sub(r"[^\w.]+", "_", text)
+    names = [plain(Path(file).stem) for file in files]
+    names = [plain(file) if names.count(name) > 1 else name for file, name in zip(files, names, strict=True)]
+    return [f"{name}_{k}" if names.count(name) > 1 else name for k, name in enumerate(names, 1)]

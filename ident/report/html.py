@@ -2,40 +2,32 @@
 
 from __future__ import annotations
 
-import platform
 import re
 from collections.abc import Mapping, Sequence
 from functools import cache
-from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..campaign.device import Platform
 from ..fit.judge import GOOD
 from ..fit.result import Fit
+from ..units import ratio_text
 from .figures.curves import curve_figure
 from .figures.dynamic_stiffness import dynamic_stiffness_figure
 from .figures.overview import overview_figure
 from .figures.picture import Picture, draw
 from .figures.records import record_figure
+from .run_state import versions
 from .words.linear import linear_sheet
 from .words.offsets import offset_sheet
 from .words.sentences import sentences, verdict
 from .words.sheet import Sheet
-from .words.tables import (
-    combination_sentences,
-    correlation_sentences,
-    parameter_sheet,
-    ratio_text,
-    record_sheet,
-    start_sheet,
-)  # fmt: skip
+from .words.tables import combination_sentences, correlation_sentences, parameter_sheet, record_sheet, start_sheet
 
 if TYPE_CHECKING:
     from jinja2 import Template
 
 _MOST_FIGURES = 16  # more records than a reader looks at, and each figure takes time
-_PACKAGES = ("ident", "jax", "numpy", "scipy", "optimistix", "pandas")
 
 
 class Section(NamedTuple):
@@ -90,7 +82,7 @@ def write_report(fit: Fit, folder: Path, extra: Mapping[str, Any] | None = None)
         omitted=omitted,
         sections=sections,
         notes=fit.campaign.notes,
-        provenance=[*((str(key), str(value)) for key, value in given.items()), *_versions()],
+        provenance=[*((str(key), str(value)) for key, value in given.items()), ("versions", _versions())],
         checksums=sorted(fit.campaign.checksums.items()),
     )
     path = folder / "report.html"
@@ -151,14 +143,8 @@ def _sentence(text: str) -> str:
     return (text if begins_with_a_name else text[0].upper() + text[1:]) + "."
 
 
-def _versions() -> list[tuple[str, str]]:
-    found = []
-    for package in _PACKAGES:
-        try:
-            found.append(f"{package} {metadata.version(package)}")
-        except metadata.PackageNotFoundError:
-            continue  # ident run from its source tree
-    return [("versions", ", ".join([f"Python {platform.python_version()}", *found]))]
+def _versions() -> str:
+    return ", ".join(f"{'Python' if name == 'python' else name} {version}" for name, version in versions().items())
 
 
 def _file_stem(name: str) -> str:

@@ -25,7 +25,7 @@ from ..fit.result import Start
 from ..model import Model, linear_part, told_of
 from .run_origin import campaign_of
 
-_PACKAGES = ("ident", "jax", "numpy", "optimistix", "scipy")
+_PACKAGES = ("ident", "jax", "numpy", "optimistix", "pandas", "scipy")
 
 
 def versions() -> dict[str, str]:

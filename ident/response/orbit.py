@@ -27,7 +27,7 @@ from .memory import shaping
 from .steady_memory import STUCK
 from .system import Equation, assemble, tangents
 from .tape import BLOCK, BLOCKS, Span, Tape
-from .transient import fitting_width, march, rest
+from .transient import filled, fitting_width, march, rest
 
 _CLOSE = 1e-4  # of the unit of a state: the last step of Newton's method, which leaves its square
 _ROUNDS = 12  # of Newton's method, before the motion is left to itself for a while
@@ -186,9 +186,7 @@ def _end(
     begin = np.broadcast_to(start, (BLOCKS, known))
     for first in range(0, max(len(along), 1), width):
         own = slice(first, first + width)
-        lacking = width - len(along[own])
-        directions = np.pad(along[own], ((0, lacking), (0, 0)))
-        kick = np.pad(kicks[own], ((0, lacking), (0, 0)))
+        directions, kick = filled(along[own], width), filled(kicks[own], width)
         carry = rest(equation, width, known > 2)
         for chunk in tape.chunks:
             each = np.broadcast_to(kick, (BLOCKS, *kick.shape))
@@ -208,8 +206,7 @@ def _fresh(
     drive = _seen(lane)
     for first in range(0, max(len(along), 1), width):
         rows = along[first : first + width]
-        some = np.pad(rows, ((0, width - len(rows)), (0, 0)))
-        hidden, changes = fresh(equation, equation.constants, values, some, drive)
+        hidden, changes = fresh(equation, equation.constants, values, filled(rows, width), drive)
         base[2:], slopes[first : first + width, 2:] = hidden, np.asarray(changes)[: len(rows)]
     return base, slopes
 

@@ -73,7 +73,7 @@ def lay_passages(sweeps: tuple[Sweep, ...], steps: int) -> Passages:
         lanes.append(lane)
         preludes.append(_prelude(sweep, run, steps, begin))
         for end, f in zip(ends, sweep.frequency[run.rows], strict=True):
-            periods = max(int(sweep.averaging * f + 1e-9), 1)
+            periods = sweep.turns_read(f)
             begun = float(np.interp(phase[end] - 2 * np.pi * periods, phase, np.arange(len(phase))))
             inside = np.arange(int(begun), end + 1)
             turning = pace[inside] if sweep.swept else 2 * np.pi * f
@@ -94,7 +94,7 @@ def _lane(sweep: Sweep, run: Run, steps: int, begun: float) -> tuple[Lane, np.nd
     assert sweep.dwell is not None  # of a fast sweep it is told
     frequency, times = sweep.frequency[run.rows], sweep.dwell[run.rows]
     step = 1.0 / (steps * float(np.max(frequency)))
-    longest = max(int(sweep.averaging * frequency[0]), 1) / frequency[0] + step  # before the first point is read
+    longest = sweep.turns_read(frequency[0]) / frequency[0] + step  # before the first point is read
     first = max(longest, 0.0 if sweep.swept else times[0])
     ends = int(np.ceil(first / step)) + np.round(np.append(0.0, np.cumsum(times[1:])) / step).astype(int)
     counts = np.diff(ends, prepend=0)

@@ -29,6 +29,7 @@ from .memory import Seen
 from .one_period import Driven, bound, carried, circle, driven, from_the_start, given_force, march, step_by_step, tones
 from .steady_memory import driven_memory, steady_memory
 from .system import Equation, slices, tangents
+from .transient import filled
 
 SHARE, FREQUENCY = -2, -1  # places of s and f in the unknowns w = (y, s, f) of a point
 BY_SHARE, BY_FREQUENCY = (1.0, 0.0), (0.0, 1.0)  # ways in the plane of s and f
@@ -142,7 +143,7 @@ class Periodic:
         angle = 2 * np.pi * np.outer(orders, np.arange(self.steps)) / self.steps
         waves = 2.0 / self.steps * np.concatenate([np.cos(angle), -np.sin(angle)])
         width = next((w for w in _WIDTHS if w >= q), q)
-        given = None if directions is None else _filled(directions, width)
+        given = None if directions is None else filled(directions, width)
         found = []
         for rows in batches(len(unknowns)):
             arrays = (self.values, unknowns[rows], np.array(BY_SHARE), given, *seat.some(rows), self.circle, waves)
@@ -160,7 +161,7 @@ class Periodic:
         q, n, given = 0, self.size, None
         if directions is not None:
             q = min(len(directions), _WIDTHS[-1])
-            given = _filled(directions[:q], next(w for w in _WIDTHS if w >= q))
+            given = filled(directions[:q], next(w for w in _WIDTHS if w >= q))
         found = []
         for rows in batches(len(unknowns)):
             arrays = (self.values, unknowns[rows], np.array(way), given, *seat.some(rows), self.circle)
@@ -172,10 +173,6 @@ class Periodic:
         if directions is None or q == len(directions):
             return own
         return own.beside(self.look(unknowns, seat, way, directions[q:]).along(slice(n + 1, None)))
-
-
-def _filled(rows: np.ndarray, count: int) -> np.ndarray:
-    return np.concatenate([rows, np.zeros((count - len(rows), rows.shape[1]))])
 
 
 @program

@@ -93,7 +93,7 @@ def respond(
     marches = []
     for first in range(0, max(len(directions), 1), width):
         own = slice(first, first + width)
-        along = _filled(directions[own], width), _filled(kicks[own], width)
+        along = filled(directions[own], width), filled(kicks[own], width)
         marches.append(_pass(equation, tape, values, starts, *along))
     return Response(tape, len(directions), tuple(marches))
 
@@ -103,7 +103,8 @@ def fitting_width(directions: int) -> int:
     return next((w for w in WIDTHS if w >= directions), WIDTHS[-1])
 
 
-def _filled(rows: np.ndarray, count: int) -> np.ndarray:
+def filled(rows: np.ndarray, count: int) -> np.ndarray:
+    """(count, …) rows, zeros behind those that there are."""
     return np.concatenate([rows, np.zeros((count - len(rows), *rows.shape[1:]))])
 
 

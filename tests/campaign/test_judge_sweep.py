@@ -9,6 +9,7 @@ from ident.campaign import read_campaign
 from ident.campaign.record import Channel, NoiseFloor, Sweep
 from ident.campaign.sweeps.dynamic_stiffness import dynamic_stiffness
 from ident.campaign.sweeps.judge import judge_sweep
+from ident.campaign.sweeps.jump import find_jump
 from ident.report.words.sweeps import what_the_sweeps_tell
 from tests.campaign.curves import QUALITY, RESONANCE, both_ways, duffing, write_table
 
@@ -45,6 +46,18 @@ def test_levels_peaks_and_jumps():
     assert judged.both_ways and judged.phase and not judged.remarks
     assert [run.jump is not None for run in judged.runs] == [False, False, True, True]
     assert judged.runs[0].within >= 4 and judged.runs[0].peak == pytest.approx(0.3, rel=0.02)
+
+
+@pytest.mark.parametrize("sag", [0.0, 1e-3])  # of a level that was monitored
+def test_a_steep_curve_that_both_ways_repeat_is_no_jump(sag):
+    f = np.linspace(95.0, 105.0, 60)
+    amplitude = 0.1 + 0.9 * np.exp(-(f - 100.0) / 30.0) / (1 + np.exp(-(f - 100.0) / 0.12))
+    level = 1.0 + sag * np.random.default_rng(0).standard_normal(120)
+    up = np.repeat([True, False], 60)
+    sweep = Sweep("a.csv", np.tile(f, 2), level, np.tile(amplitude, 2), None, up, "fundamental", VOLT, VOLT,
+                  NoiseFloor(1e-3))  # fmt: skip
+    assert [run.jump for run in judge_sweep(sweep).runs] == [None, None]
+    assert find_jump(f, amplitude) is not None
 
 
 def test_what_is_unusual_is_said():

@@ -42,7 +42,9 @@ def test_volts_become_what_the_sensor_says(tmp_path: Path, response: str, factor
     assert found.response_channel.unit != "V"
 
 
-@pytest.mark.parametrize("response", ["5", "5 um", "um/V", "5 kg/V", "0 um/V", "5 um/bananas"])
+@pytest.mark.parametrize(
+    "response", ["5", "5 um", "um/V", "5 kg/V", "0 um/V", "5 um/bananas", "1.2.3 um/V", ". um/V", "1e999 um/V"]
+)
 def test_what_is_no_sensitivity_says_what_would_be(tmp_path: Path, response: str) -> None:
     with pytest.raises(UserError) as caught:
         record(tmp_path, f'scale = {{ response = "{response}", drive = "1 N/V" }}')

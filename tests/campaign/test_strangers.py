@@ -217,6 +217,8 @@ def test_each_rate_of_a_tdms_file_has_its_own_times(tmp_path):
         ("Delta_X", "0,000050", 5e-5),
         ("Sample rate", "20000Hz", 5e-5),
         ("Sampling rate", "1.25 MSa/s", 8e-7),
+        ("Sampling rate", "1,000,000 Hz", 1e-6),
+        ("Sampling rate", "12,500.0 Hz", 8e-5),
         ("Acquisition rate", "2.0e+04 Hz, Precision mode", 5e-5),
         ("Record Length", "4000", None),
         ("Sample rate", "fast", None),

@@ -69,9 +69,14 @@ def levinson(covariance: np.ndarray, order: int) -> tuple[np.ndarray, float]:
     for k in range(1, order + 1):
         reflection = (covariance[k] - np.dot(ar, covariance[k - 1 : 0 : -1])) / variance
         reflection = float(np.clip(reflection, -0.9995, 0.9995))
-        ar = np.append(ar - reflection * ar[::-1], reflection)
+        ar = with_reflection(ar, reflection)
         variance *= 1.0 - reflection**2
     return ar, variance
+
+
+def with_reflection(ar: np.ndarray, reflection: float) -> np.ndarray:
+    """The coefficients of the next order, whose last is the reflection."""
+    return np.append(ar - reflection * ar[::-1], reflection)
 
 
 def predictors(ar: np.ndarray) -> list[tuple[np.ndarray, float]]:

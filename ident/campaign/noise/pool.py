@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import reduce
 
 import numpy as np
 
 from ..record import NoiseFloor
-from .autoregression import variance_of
+from .autoregression import predictors, variance_of, with_reflection
 from .floor import EXTRAPOLATED, extrapolated
 
 
@@ -24,7 +25,7 @@ def pooled(floors: Sequence[NoiseFloor], lengths: Sequence[int]) -> list[NoiseFl
     coloured = [floor for floor in floors if 1 <= len(floor.ar) <= 2 and 0.0 < floor.relative_error < 0.5]
     if len(coloured) < 2 or len({len(floor.ar) for floor in floors}) > 1 or len(coloured) < len(floors):
         return list(floors)
-    reflections = np.array([_reflections(floor.ar) for floor in coloured])
+    reflections = np.array([[ar[-1] for ar, _ in predictors(np.array(floor.ar))[1:]] for floor in coloured])
     gains = np.array([0.5 * np.log(variance_of(np.array(floor.ar), 1.0)) for floor in coloured])
     errors = np.array([max(floor.relative_error, 1e-3) for floor in coloured])
     weights = errors**-2 / np.sum(errors**-2)
@@ -32,7 +33,8 @@ def pooled(floors: Sequence[NoiseFloor], lengths: Sequence[int]) -> list[NoiseFl
     freedom = len(coloured) - 1
     if np.sum(((gains - mean) / errors) ** 2) > freedom + 2.5 * np.sqrt(2.0 * freedom):
         return list(floors)
-    ar = _coefficients(np.tanh(np.sum(weights[:, None] * np.arctanh(reflections), axis=0)))
+    mean_reflections = np.tanh(np.sum(weights[:, None] * np.arctanh(reflections), axis=0))
+    ar = reduce(with_reflection, mean_reflections, np.zeros(0))
     common = 0.5 * np.log(variance_of(ar, 1.0))
     shared = float(np.sum(errors**-2) ** -0.5)
     if all(extrapolated(floor) for floor in coloured):
@@ -44,20 +46,3 @@ def pooled(floors: Sequence[NoiseFloor], lengths: Sequence[int]) -> list[NoiseFl
         method = f"{floor.method}; colour shared by {len(coloured)} records"
         found.append(replace(floor, sigma=sigma, ar=tuple(float(a) for a in ar), method=method, relative_error=error))
     return found
-
-
-def _reflections(ar: tuple[float, ...]) -> list[float]:
-    """Partial autocorrelations, by the Levinson recursion backwards."""
-    coefficients, found = np.array(ar), []
-    while len(coefficients):
-        last = float(np.clip(coefficients[-1], -0.9999, 0.9999))
-        found.append(last)
-        coefficients = (coefficients[:-1] + last * coefficients[:-1][::-1]) / (1 - last**2)
-    return found[::-1]
-
-
-def _coefficients(reflections: np.ndarray) -> np.ndarray:
-    ar = np.zeros(0)
-    for reflection in reflections:
-        ar = np.append(ar - reflection * ar[::-1], reflection)
-    return ar

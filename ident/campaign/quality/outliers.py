@@ -50,13 +50,19 @@ _MARKS = {
 }
 
 
+def off_neighbours(x: np.ndarray) -> np.ndarray:
+    """(n,) by how much each sample leaves the cubic through its four neighbours; zero for the two at either end."""
+    deviation = np.zeros(len(x))
+    deviation[2:-2] = x[2:-2] - (4 * (x[1:-3] + x[3:-1]) - x[:-4] - x[4:]) / 6
+    return deviation
+
+
 def _worst(x: np.ndarray) -> int | None:
     """The sample that deviates most, if it is an outlier."""
     n = len(x)
     if n < 4 * _NEIGHBOURS:
         return None
-    deviation = np.zeros(n)
-    deviation[2:-2] = x[2:-2] - (4 * (x[1:-3] + x[3:-1]) - x[:-4] - x[4:]) / 6
+    deviation = off_neighbours(x)
     size = np.abs(deviation)
     common = 1.4826 * float(np.median(size[2:-2]))
     for k in np.argsort(size)[::-1][:5]:

@@ -10,6 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .outliers import off_neighbours
+
 _FAR = 12.0  # robust deviations, as of `outliers`
 _LONGEST = 2.0  # rad of the motion: beyond that no curve says what was there
 _TAIL = 4  # samples at either end that may be off the curve although they are not rough
@@ -45,7 +47,7 @@ def find_slips(displacement: np.ndarray, drive: np.ndarray) -> np.ndarray | None
     if rate <= 0 or not 0 < np.count_nonzero(rough) <= _MOST * n:
         return None
     places = np.flatnonzero(rough)
-    sudden = _deviation(drive) > max(_SUDDEN * float(np.ptp(drive)), 1e-300)
+    sudden = np.abs(off_neighbours(drive)) > max(_SUDDEN * float(np.ptp(drive)), 1e-300)
     sudden = np.convolve(sudden, np.ones(2 * _TAIL + 1), "same") > 0
     cuts = np.flatnonzero(np.diff(places) > 2)
     starts, stops = places[np.r_[0, cuts + 1]], places[np.r_[cuts, len(places) - 1]] + 1
@@ -69,16 +71,9 @@ def find_slips(displacement: np.ndarray, drive: np.ndarray) -> np.ndarray | None
 
 def _rough(x: np.ndarray) -> np.ndarray:
     """(n,) where a sample is far from what its neighbours say."""
-    size, levels = _deviation(x), np.unique(x)
+    size, levels = np.abs(off_neighbours(x)), np.unique(x)
     step = float(np.min(np.diff(levels))) if len(levels) > 1 else 0.0
     return size > _FAR * max(1.4826 * float(np.median(size)), step / np.sqrt(12))
-
-
-def _deviation(x: np.ndarray) -> np.ndarray:
-    """(n,) by how much a sample leaves the cubic through its four neighbours."""
-    size = np.zeros(len(x))
-    size[2:-2] = np.abs(x[2:-2] - (4 * (x[1:-3] + x[3:-1]) - x[:-4] - x[4:]) / 6)
-    return size
 
 
 def _slip(x: np.ndarray, rough: np.ndarray, start: int, stop: int, side: int) -> np.ndarray | None:

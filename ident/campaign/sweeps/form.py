@@ -58,13 +58,6 @@ def _words(column: Column) -> list[str]:
     return re.sub(r"[^a-zäöü0-9]+", " ", split_convention(stem)[0].lower().replace("in-phase", "inphase")).split()
 
 
-def _find(table: Table, wanted: str | int) -> Column | None:
-    def names(column: Column) -> tuple[str | int, ...]:
-        return (column.header, column.stem, column.position)
-
-    return next((column for column in table.columns if wanted in names(column)), None)
-
-
 def _polar(table: Table, given: Mapping[str, str | int]) -> Table:
     """Amplitude and phase in place of real and imaginary part."""
     pair = _given_pair(table, given) if {"real", "imaginary"} & set(given) else _pair(table)
@@ -99,11 +92,14 @@ def _unit_in(text: str) -> str | None:
 
 
 def _given_pair(table: Table, given: Mapping[str, str | int]) -> tuple[Column, Column]:
-    found = [_find(table, given[role]) if role in given else None for role in ("real", "imaginary")]
-    if found[0] is None or found[1] is None:
+    real, imaginary = (
+        next((column for column in table.columns if column.is_called(given.get(role))), None)
+        for role in ("real", "imaginary")
+    )
+    if real is None or imaginary is None:
         what = f"a complex response needs a real and an imaginary column; the columns are {table.found}"
         raise UserError(what, where=table.name, do='write columns = { real = "Re", imaginary = "Im" }')
-    return found[0], found[1]
+    return real, imaginary
 
 
 def _pair(table: Table) -> tuple[Column, Column] | None:

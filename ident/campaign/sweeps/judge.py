@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..record import SAME_LEVEL, Run, Sweep
+from ..record import Run, Sweep
 from .jump import Jump, jump_of
 
 FEWEST = 4.0
@@ -49,14 +49,10 @@ def judge_sweep(record: Sweep, beside: Sequence[Sweep] = ()) -> SweepJudgement:
     runs = tuple(_run(record, run) for run in record.runs)
     others = [run for sweep in beside if sweep.load == record.load for run in sweep.runs]
     levels = sorted({run.level for run in runs})
-    both = {run.level for run in runs if _has_other_way(run, [*record.runs, *others])}
+    both = {run.level for run in record.runs if any(o.is_back_of(run) for o in [*record.runs, *others])}
     return SweepJudgement(
         record.name, runs, record.phase is not None, len(both) == len(levels), tuple(_remarks(record, runs, both))
     )
-
-
-def _has_other_way(run: RunJudgement, others: Sequence[Run]) -> bool:
-    return any(other.up != run.up and abs(other.level / run.level - 1) < SAME_LEVEL - 1 for other in others)
 
 
 def _run(record: Sweep, run: Run) -> RunJudgement:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..record import Sweep
+from ..record import Sweep, same_level
 
 LEAST = 0.15
 """Of the largest amplitude: what a jump changes at least; noise of 2 % reaches that once in a million steps."""
@@ -76,12 +76,26 @@ def jump_of(sweep: Sweep, rows: np.ndarray) -> Jump | None:
     jump = find_jump(f[rows], a[rows], None if sweep.phase is None else sweep.phase[rows])
     if jump is None or jump.high == jump.low + 1:
         return jump
-    back = np.flatnonzero(np.isclose(sweep.level, sweep.level[rows[0]], atol=0.0) & (sweep.up != sweep.up[rows[0]]))
+    level = next(group for group in same_level(sweep.level) if rows[0] in group)
+    back = level[sweep.up[level] != sweep.up[rows[0]]]
     back, own = back[np.argsort(f[back])], rows[np.argsort(f[rows])][jump.low : jump.high + 1]
     if not len(back) or f[back[0]] > f[own[0]] or f[back[-1]] < f[own[-1]]:
         return jump
     apart = np.abs(np.interp(f[own], f[back], a[back]) - a[own])
     return None if np.max(apart) < _REPEATED * abs(a[own[-1]] - a[own[0]]) else jump
+
+
+def unbroken(sweep: Sweep, rows: np.ndarray) -> list[np.ndarray]:
+    """The points of one run, its `rows` in the order of rising frequency, before and after its jump."""
+    jump = jump_of(sweep, rows)
+    return [rows] if jump is None else np.split(rows, [jump.after])
+
+
+def on_two_branches(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """(k,) whether amplitudes that were read at the same frequencies are farther apart than one branch allows, or stand
+    beside such ones: on a flank of a jump."""
+    apart = np.abs(one - other) > LEAST * np.maximum(one, other)
+    return apart | np.append(apart[1:], False) | np.append(False, apart[:-1])
 
 
 def _jumps_after(a: np.ndarray, response: np.ndarray, width: int) -> int | None:

@@ -7,11 +7,12 @@ polynomial of the frequency, so that the peak is not taken for noise; jumps cut 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import reduce
 
 import numpy as np
 
 from ..record import NoiseFloor, Sweep
-from .jump import jump_of
+from .jump import unbroken
 from .variances import Scatter, shares, variances_of
 from .way_back import way_back
 
@@ -99,22 +100,14 @@ def _scatter(sweep: Sweep, variances: np.ndarray | None) -> Scatter | None:
     """The residuals of all runs; with a first idea of the variances, of the points that lie near enough together."""
     found = [_of_piece(sweep, piece, variances) for piece in _pieces(sweep)]
     found = [one for one in found if one is not None]
-    if not found:
-        return None
-    together = found[0]
-    for one in found[1:]:
-        together = together.beside(one)
-    return together
+    return reduce(Scatter.beside, found) if found else None
 
 
 def _pieces(sweep: Sweep) -> list[np.ndarray]:
     """The rows of each run in the order of rising frequency, cut at its jump."""
     found = []
     for run in sweep.runs:
-        rows = run.rows if run.up else run.rows[::-1]
-        rows = rows[sweep.amplitude[rows] > 0]
-        jump = jump_of(sweep, rows)
-        found += np.split(rows, [jump.after]) if jump is not None else [rows]
+        found += unbroken(sweep, run.rising[sweep.amplitude[run.rising] > 0])
     return [rows for rows in found if len(rows) > len(_AROUND)]
 
 

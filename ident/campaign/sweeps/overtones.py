@@ -15,12 +15,13 @@ import numpy as np
 from ...errors import UserError
 from ...units import factor_of, find_unit
 from ..record import Overtone, Sweep
+from ..spec import HARMONICS
 from ..tables.amplitude_unit import TO_PEAK, amplitude_unit, split_convention
 from ..tables.table import Column, Table
-from .jump import jump_of
+from .jump import unbroken
 from .rice import read_beside
+from .variances import CLIP, KEPT
 
-ORDERS = tuple(range(2, 9))
 _WORDS = ("second", "third", "fourth", "fifth", "sixth", "seventh", "eighth")
 _AMPLITUDE = r"(?:a|r|amp|ampl|amplitude|mag|magnitude|response|displacement)"
 _NAMES = (
@@ -32,7 +33,6 @@ _NAMES = (
 _ANGLE = re.compile(r"(?i)phase|phi|theta|angle|\barg\b")
 _NEAR = np.array([-1, 4, -6, 4, -1]) / 6  # a cubic through two neighbours on each side, less the point itself
 _NORMAL = 0.6745  # median of the modulus of a normal variable of variance one
-_CLIP, _KEPT = 3.0, 0.99402  # standard deviations at which a residual is cut off, and what E[x²] then is
 _BY_CHANCE = 2 * (1 + 1 / np.sqrt(5))  # noise variances up to which the mean power of five points is likely noise
 _ROUNDS = 8  # in which noise and what lies under it settle
 _LEAST = 1e-6  # of the fundamental: a scatter below is that of rounding
@@ -42,7 +42,7 @@ def harmonic_of(column: Column) -> int | None:
     """Which harmonic a column is named after, or None."""
     text = re.sub(r"([a-zA-Z])_", r"\1 ", split_convention(column.stem)[0] or column.stem)
     words = re.sub(r"[^a-z0-9ω]+", " ", text.lower()).strip()
-    for k, word in zip(ORDERS, _WORDS, strict=True):
+    for k, word in zip(HARMONICS.values(), _WORDS, strict=True):
         words = words.replace(word, str(k))
     match = next((found for name in _NAMES if (found := re.fullmatch(name, words))), None)
     per_drive = column.unit is not None and "/" in column.unit
@@ -131,9 +131,7 @@ def _scatter(sweep: Sweep, amplitude: np.ndarray) -> float:
     that where they are mostly noise."""
     left, level = [], []
     for run in sweep.runs:
-        rows = run.rows if run.up else run.rows[::-1]
-        jump = jump_of(sweep, rows)
-        for part in np.split(rows, [jump.after]) if jump is not None else [rows]:
+        for part in unbroken(sweep, run.rising):
             if len(part) >= len(_NEAR):
                 left.append(np.convolve(amplitude[part], _NEAR, "valid") / np.linalg.norm(_NEAR))
                 level.append(np.convolve(amplitude[part] ** 2, np.full(len(_NEAR), 1 / len(_NEAR)), "valid"))
@@ -144,7 +142,7 @@ def _scatter(sweep: Sweep, amplitude: np.ndarray) -> float:
     for _ in range(_ROUNDS if sigma > 0 else 0):
         beyond = np.maximum(power - _BY_CHANCE * sigma**2, 0.0)
         _, _, spread = read_beside(np.sqrt(beyond), np.full(len(power), sigma))
-        sigma *= float(np.sqrt(np.mean(np.minimum(off / spread, _CLIP) ** 2) / _KEPT))
+        sigma *= float(np.sqrt(np.mean(np.minimum(off / spread, CLIP) ** 2) / KEPT))
     return sigma
 
 

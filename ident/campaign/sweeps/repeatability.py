@@ -11,12 +11,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..record import SAME_LEVEL, Run, Sweep
-from .jump import LEAST as OTHER_BRANCH
+from ..record import Run, Sweep
+from .jump import on_two_branches
 
 _FEWEST = 8  # points on one branch, so that a median means something
 _USUAL = 0.9  # share of the points that counts: beside a fold a small drift makes a large difference
-_CLEAR = 2.0  # times the variance that the noise explains, beyond which passes are called different
+CLEAR = 2.0
+"""Times the variance that the noise explains, beyond which passes are called different."""
 
 
 def with_repeatability(sweep: Sweep, group: Sequence[Sweep], notes: list[str]) -> Sweep:
@@ -31,7 +32,7 @@ def with_repeatability(sweep: Sweep, group: Sequence[Sweep], notes: list[str]) -
     for run in sweep.runs:
         for other in group:
             for back in other.runs:
-                if run.up != back.up and abs(back.level / run.level - 1) < SAME_LEVEL - 1:
+                if back.is_back_of(run):
                     shares.append(_excess(sweep, run, other, back))
     excess = float(np.median([share for share in shares if share is not None] or [0.0]))
     if excess <= 0.0:
@@ -57,12 +58,10 @@ def _excess(sweep: Sweep, run: Run, other: Sweep, back: Run) -> float | None:
     b = np.interp(f, other.frequency[there], other.amplitude[there])
     size = np.maximum(a, b)
     step = float(np.median(np.diff(f))) if len(f) > 1 else 0.0
-    apart = np.abs(a - b) > OTHER_BRANCH * size
-    apart = apart | np.append(apart[1:], False) | np.append(False, apart[:-1])  # one flank of a jump
-    kept = ~apart & (nearest < 0.05 * step) & (size > 0)
+    kept = ~on_two_branches(a, b) & (nearest < 0.05 * step) & (size > 0)
     if np.sum(kept) < _FEWEST:
         return None
     difference, expected = ((a - b) / size)[kept] ** 2, (2 * deviation**2 / size**2)[kept]
     usual = difference <= np.quantile(difference, _USUAL)
     ratio = float(np.mean(difference[usual]) / np.mean(expected[usual]))
-    return float(np.mean(difference[usual])) / 2 * (1 - 1 / ratio) if ratio > _CLEAR else 0.0
+    return float(np.mean(difference[usual])) / 2 * (1 - 1 / ratio) if ratio > CLEAR else 0.0

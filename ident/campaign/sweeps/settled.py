@@ -19,7 +19,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.special import ndtri
 
-from ..record import SAME_LEVEL, Run, Sweep
+from ..record import Run, Sweep
 from .jump import jump_of
 
 _BY_CHANCE = 0.002  # that any point of a run leaves its way back so far by noise
@@ -34,16 +34,14 @@ def settled(sweep: Sweep, group: Sequence[Sweep] = ()) -> np.ndarray:
     if sweep.fast:  # it is simulated as it was run
         return found
     for run in sweep.runs:
-        rows = run.rows if run.up else run.rows[::-1]
-        jump = jump_of(sweep, rows)
+        jump = jump_of(sweep, run.rising)
         if jump is not None:
-            found[rows[jump.low : jump.high + 1]] = False
+            found[run.rising[jump.low : jump.high + 1]] = False
         elif sweep.dwell is None:  # a fast sweep lags everywhere
             others = (one for one in group if one is not sweep and one.load == sweep.load and not one.fast)
             for other in (sweep, *others):
                 for back in other.runs:
-                    near = run.up != back.up and abs(back.level / run.level - 1) < SAME_LEVEL - 1
-                    if near and jump_of(other, back.rows) is None:
+                    if back.is_back_of(run) and jump_of(other, back.rows) is None:
                         found[run.rows] &= ~_contradicted(sweep, run, other, back)
     return found
 

@@ -60,9 +60,9 @@ def with_speeds(records: Sequence[Record], notes: list[str]) -> list[Record]:
 
 def _words(sweep: Sweep, off: float) -> str:
     assert sweep.dwell is not None  # it is told
-    turns = sweep.averaging * float(np.median(sweep.frequency))
+    turns = sweep.turns_read(float(np.median(sweep.frequency)))
     read = (
-        f"the mean over {sweep.averaging:.3g} s before it, {max(int(turns), 1)} periods"
+        f"the mean over {sweep.averaging:.3g} s before it, {turns} periods"
         if sweep.averaging
         else 'the mean over the last period (averaging = "20 ms" would tell how long the instrument averaged)'
     )

@@ -12,8 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import log_ndtr
 
-_CLIP = 3.0  # standard deviations beyond which a residual counts no more: the rest of a corner, an outlier
-_KEPT = 0.99402  # E[min(x², 9)] of a standard normal x, by which clipping is undone
+CLIP = 3.0
+"""Standard deviations beyond which a residual counts no more: the rest of a corner, an outlier."""
+KEPT = 0.99402
+"""E[min(x², 9)] of a standard normal x, by which clipping is undone."""
+USUAL = 0.455
+"""Median of the square of a standard normal."""
 _DECIDED = 4.0  # standard errors from zero beyond which it does not matter that no variance is negative
 
 
@@ -43,16 +47,16 @@ def shares(parts: np.ndarray, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray
 def variances_of(scatter: Scatter) -> tuple[np.ndarray, np.ndarray]:
     """(3,) σ², r², σ_φ² and the covariance of their errors: reweighted least squares on the squared residuals.
 
-    The weights 1/variance² make it the likelihood equation of Gaussian residuals; what is beyond `_CLIP` is clipped.
+    The weights 1/variance² make it the likelihood equation of Gaussian residuals; what is beyond `CLIP` is clipped.
     """
     used = np.flatnonzero(np.any(scatter.share > 0, 0))
-    scale = np.array([np.median(scatter.squared / np.maximum(scatter.share[:, k], 1e-300)) for k in used]) / 0.455
+    scale = np.array([np.median(scatter.squared / np.maximum(scatter.share[:, k], 1e-300)) for k in used]) / USUAL
     scale = np.maximum(scale, 1e-300)
     share, counts = scatter.share[:, used] * scale, scatter.alike**-0.5
     theta, covariance = np.full(len(used), 1.0 / len(used)), np.eye(len(used))
     for _ in range(60):
         expected = np.maximum(share @ theta, 1e-300)
-        squared = np.minimum(scatter.squared, _CLIP**2 * expected) / _KEPT
+        squared = np.minimum(scatter.squared, CLIP**2 * expected) / KEPT
         weighted = share * (counts / expected)[:, None]
         covariance = np.linalg.pinv(weighted.T @ weighted / 2.0)
         new = _possible(covariance @ (weighted.T @ (counts * squared / expected)) / 2.0, covariance)

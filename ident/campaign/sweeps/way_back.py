@@ -7,14 +7,14 @@ one branch. If the device has changed between the passes they differ by more tha
 
 from __future__ import annotations
 
+from functools import reduce
+
 import numpy as np
 
-from ..record import SAME_LEVEL, Run, Sweep
-from .jump import LEAST as OTHER_BRANCH
-from .variances import Scatter, shares
-
-_USUAL = 0.455  # median of the square of a standard normal
-_CLEAR = 2.0  # times the variance of the neighbours, beyond which passes are called different, as in `repeatability`
+from ..record import Run, Sweep
+from .jump import on_two_branches
+from .repeatability import CLEAR
+from .variances import USUAL, Scatter, shares
 
 
 def way_back(sweep: Sweep, variances: np.ndarray) -> Scatter | None:
@@ -22,27 +22,20 @@ def way_back(sweep: Sweep, variances: np.ndarray) -> Scatter | None:
     they are larger than `variances`, (3,) of σ, r and σ_φ, explain."""
     if sweep.dwell is not None:  # a fast sweep differs from its way back by physics
         return None
-    pairs = [(a, b) for a in sweep.runs for b in sweep.runs if a.up and not b.up and _same(a, b)]
+    pairs = [(a, b) for a in sweep.runs for b in sweep.runs if a.up and b.is_back_of(a)]
     found = [one for a, b in pairs if (one := _differences(sweep, a, b)) is not None]
     if not found:
         return None
-    whole = found[0]
-    for one in found[1:]:
-        whole = whole.beside(one)
+    whole = reduce(Scatter.beside, found)
     expected = np.maximum(whole.share @ variances, 1e-300)
-    return whole if float(np.median(whole.squared / expected)) < _CLEAR * _USUAL else None
-
-
-def _same(a: Run, b: Run) -> bool:
-    return abs(b.level / a.level - 1) < SAME_LEVEL - 1
+    return whole if float(np.median(whole.squared / expected)) < CLEAR * USUAL else None
 
 
 def _differences(sweep: Sweep, up: Run, down: Run) -> Scatter | None:
     same = np.isclose(sweep.frequency[up.rows][:, None], sweep.frequency[down.rows], rtol=1e-6)
     here, there = up.rows[np.any(same, axis=1)], down.rows[np.argmax(same, axis=1)[np.any(same, axis=1)]]
     a, b = sweep.amplitude[here], sweep.amplitude[there]
-    apart = np.abs(a - b) > OTHER_BRANCH * np.maximum(a, b)
-    apart |= np.append(apart[1:], False) | np.append(False, apart[:-1])  # one flank of a jump
+    apart = on_two_branches(a, b)
     here, there, size = here[~apart], there[~apart], 0.5 * (a + b)[~apart]
     if not len(here) or not np.all(size > 0):
         return None

@@ -99,9 +99,12 @@ def read_mat(path: Path, name: str) -> Table:
         IndexError,
         zlib.error,
         struct.error,
+        EOFError,
+        MemoryError,
+        OverflowError,
+        AttributeError,
+        AssertionError,
     ) as error:
-        raise unreadable(name, "MATLAB", error) from None
-    except (EOFError, MemoryError, OverflowError, AttributeError, UnicodeDecodeError, AssertionError) as error:
         raise unreadable(name, "MATLAB", error) from None
     pairs: list[Pair] = []
     steps: list[float] = []
@@ -217,9 +220,21 @@ def read_tdms(path: Path, name: str) -> Table:
                 unit = properties.get("unit_string", properties.get("NI_UnitDescription", ""))
                 pairs += numeric_columns(channel.name, channel[:], unit if isinstance(unit, str) else "")
                 increments += [properties.get("wf_increment")] * (len(pairs) - len(increments))
-    except (OSError, ValueError, TypeError, KeyError, IndexError, EOFError, AttributeError, OverflowError) as error:
-        raise unreadable(name, "TDMS", error) from None
-    except (MemoryError, NotImplementedError, zipfile.BadZipFile, AssertionError, struct.error) as error:
+    except (
+        OSError,
+        ValueError,
+        TypeError,
+        KeyError,
+        IndexError,
+        EOFError,
+        AttributeError,
+        OverflowError,
+        MemoryError,
+        NotImplementedError,
+        zipfile.BadZipFile,
+        AssertionError,
+        struct.error,
+    ) as error:
         raise unreadable(name, "TDMS", error) from None
     length = _length(name, pairs, any(increments))  # slower channels have an increment of their own
     steps = [step for step, (_, values, _) in zip(increments, pairs, strict=True) if step and len(values) == length]

@@ -11,14 +11,31 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from ...errors import UserError
-from ...units import CURRENT, FREQUENCY, LENGTH, NUMBER, TIME, VOLTAGE, Dimension, base_unit, find_unit
+from ...units import (
+    ACCELERATION,
+    CURRENT,
+    FORCE,
+    FREQUENCY,
+    LENGTH,
+    NUMBER,
+    TIME,
+    TORQUE,
+    VELOCITY,
+    VOLTAGE,
+    Dimension,
+    base_unit,
+    find_unit,
+)
+from ..record import Measures
 from .amplitude_unit import AmplitudeUnit, amplitude_unit, split_convention
 from .table import Column, Table, signal_unit
 
-PUSHES: tuple[Dimension, ...] = (CURRENT, (1, 1, -2, 0, 0, 0, 0), (2, 1, -2, 0, 0, 0, 0), (1, 0, -2, 0, 0, 0, 0))
+PUSHES: tuple[Dimension, ...] = (CURRENT, FORCE, TORQUE, ACCELERATION)
 """What may drive a thing that is no platform: a current, a force, a torque; an acceleration of its base."""
 
-_MOTIONS: tuple[Dimension, ...] = (LENGTH, (1, 0, -1, 0, 0, 0, 0), PUSHES[-1])
+_MOTIONS: tuple[Dimension, ...] = (LENGTH, VELOCITY, ACCELERATION)
+RATES: dict[Dimension, Measures] = {VELOCITY: "velocity", ACCELERATION: "acceleration"}
+"""What a sensor reads that is no displacement, by its dimension."""
 _BY_UNIT = ("level", "response", "drive")  # roles that a column may have although no name tells
 
 
@@ -137,7 +154,9 @@ def claim(column: Column, role: Role) -> int:
 def _accelerates(column: Column, words: list[str]) -> bool:
     """Whether a column is the acceleration of what a thing stands on."""
     unit = find_unit(column.unit) if column.unit else None
-    told = bool({"acceleration", "accel", "acc"}.intersection(words)) if unit is None else unit.dimension == PUSHES[-1]
+    told = (
+        bool({"acceleration", "accel", "acc"}.intersection(words)) if unit is None else unit.dimension == ACCELERATION
+    )
     return told and bool(_BENEATH.intersection(words))
 
 
@@ -233,7 +252,7 @@ def _only_one_left(
         measured = {c.header: unit.dimension for c in free if c.unit and (unit := find_unit(c.unit)) is not None}
         pushing = [c for c in free if measured.get(c.header) in PUSHES[:-1]]
         others = others or len(pushing) == 1
-        free = pushing or [c for c in free if measured.get(c.header) in (VOLTAGE, LENGTH, PUSHES[-1])]
+        free = pushing or [c for c in free if measured.get(c.header) in (VOLTAGE, LENGTH, ACCELERATION)]
     column = free[0] if len(free) == 1 and others else None
     return [column] if column is not None and not column.counts and role.accepts(column.unit) else []
 
@@ -312,9 +331,8 @@ def _wrong_unit(column: Column, unit: str, role: Role, where: str) -> UserError:
     what = f'the {role.name} "{column.header}" is in {unit or "no unit"}, which is not a unit of {role.name}'
     do = f"give it in {needed} or a multiple of it, or name another column"
     found = find_unit(unit)
-    rates = {(1, 0, -1, 0, 0, 0, 0): "velocity", (1, 0, -2, 0, 0, 0, 0): "acceleration"}
-    if role.name == "response" and role.dimension == LENGTH and found is not None and found.dimension in rates:
-        do = f'write measures = "{rates[found.dimension]}" in its [[record]], or name another column'
+    if role.name == "response" and role.dimension == LENGTH and found is not None and found.dimension in RATES:
+        do = f'write measures = "{RATES[found.dimension]}" in its [[record]], or name another column'
     elif role.name in ("response", "amplitude") and role.dimension == LENGTH:
         if role.name == "response" and found is not None and found.dimension == VOLTAGE:
             do += f'; of a sensor in {unit} write its scale = {{ response = "0.5 um/V" }} under [[record]]'

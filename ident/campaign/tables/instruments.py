@@ -80,9 +80,19 @@ def read_numpy(path: Path, name: str) -> Table:
         with open(path, "rb") as file:
             content = np.load(file, allow_pickle=False)
             arrays = dict(content.items()) if isinstance(content, np.lib.npyio.NpzFile) else {"column": content}
-    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, MemoryError, NotImplementedError) as error:
-        raise unreadable(name, "NumPy", error) from None
-    except (SyntaxError, UnicodeDecodeError, AssertionError, TypeError, OverflowError, RuntimeError) as error:
+    except (
+        OSError,
+        ValueError,
+        EOFError,
+        KeyError,
+        zipfile.BadZipFile,
+        MemoryError,
+        SyntaxError,
+        AssertionError,
+        TypeError,
+        OverflowError,
+        RuntimeError,
+    ) as error:
         raise unreadable(name, "NumPy", error) from None
     return table_of(name, [pair for key, values in arrays.items() for pair in numeric_columns(key, values)])
 

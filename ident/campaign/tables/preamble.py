@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from ...units import plain_micro
 
 _NUMBER = re.compile(r"([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\s\d,;]*)")
+_THOUSANDS = re.compile(r"[+-]?\d{1,3}(?:(?:,\d{3}){2,}|(?:,\d{3})+(?=\.\d))(?![\d,])")
+"""A number whose commas cannot be decimal ones: there are two of them, or a point behind them."""
 _KEY_AND_VALUE = re.compile(r"\s*([^\W\d][^=:]*?)\s*[=:]\s*(\S.*?)\s*")
 
 _STEP = frozenset(
@@ -86,7 +88,8 @@ def step_of(key: str, value: str, beside: str = "") -> float | None:
 
 def _amount(text: str, units: dict[str, float]) -> float | None:
     """A number with one of the units, in the first of them; what follows may be words."""
-    match = _NUMBER.match(text.strip())
+    plain = _THOUSANDS.sub(lambda found: found[0].replace(",", ""), text.strip(), count=1)
+    match = _NUMBER.match(plain)
     if match is None or (size := units.get(_unit(match[2]))) is None:
         return None
     return float(match[1].replace(",", ".")) * size

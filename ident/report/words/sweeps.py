@@ -167,7 +167,7 @@ def _apart(curve: LawCurve) -> str:
 def _law_words(curve: LawCurve, what: str, coordinate: str, unit: str, digits: int) -> str:
     first, *others = _course(curve)
     if others:
-        ways = [f"{'rises' if b > a else 'falls'}" for a, b in zip([first, *others], others, strict=False)]
+        ways = ["rises" if b > a else "falls" for a, b in zip([first, *others], others, strict=False)]
         law = f"{ways[0]} with the {coordinate}, from {first:.{digits}g} to {others[0]:.{digits}g} {unit}"
         law += f", and {ways[1]} to {others[1]:.{digits}g} {unit}" if others[1:] else ""
     else:
