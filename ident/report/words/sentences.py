@@ -102,7 +102,7 @@ def _differing(fit: Fit) -> str:
         )
     if not any(trace.differs for trace in traces):
         return ""
-    kind = next(trace.own[0] for trace in traces if trace.own)
+    kind = next(trace.own[0] for trace in traces if trace.own is not None)
     apart = format_quantity(
         float(np.ptp([size_of(trace) for trace in traces])), told_in(kind, traces, fit.model.device), 2
     )
