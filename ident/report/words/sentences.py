@@ -102,10 +102,9 @@ def _differing(fit: Fit) -> str:
         )
     if not any(trace.differs for trace in traces):
         return ""
-    kind = next(trace.own[0] for trace in traces if trace.own is not None)
-    apart = format_quantity(
-        float(np.ptp([size_of(trace) for trace in traces])), told_in(kind, traces, fit.model.device), 2
-    )
+    kind, _ = next(trace.own for trace in traces if trace.own is not None)
+    apart = float(np.ptp([size_of(trace) for trace in traces]))
+    apart = format_quantity(apart, told_in(kind, traces, fit.model.device), 2)
     return (
         f" Each record, held-out ones too, has a {TOLD[kind].what} of its own in this, up to {apart} apart: one device "
         "for all of them does not reach so far."
