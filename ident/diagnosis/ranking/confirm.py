@@ -94,7 +94,7 @@ def confirm(
     if not refining or not found.possible or leaves_noise(found, regression):
         return found
     if (finer := (*asked, "finer")) not in known:
-        known[finer] = _refined(regression, effect, found, most)
+        known[finer] = refined(regression, effect, found, most)
     return known[finer]
 
 
@@ -116,7 +116,7 @@ def leaves_noise(found: Confirmed, regression: Regression) -> bool:
     return found.possible and found.chi2 <= _LEAVES * regression.n
 
 
-def _refined(regression: Regression, effect: type[AbstractEffect], found: Confirmed, most: int) -> Confirmed:
+def refined(regression: Regression, effect: type[AbstractEffect], found: Confirmed, most: int) -> Confirmed:
     """A refit with what refines its law free, where the records clearly choose that."""
     names = {f"{effect.name}.{p.name}" for p in effect.parameters if p.refines}
     if not names or not np.isfinite(found.chi2):
@@ -125,10 +125,13 @@ def _refined(regression: Regression, effect: type[AbstractEffect], found: Confir
     scored = score(regression, {effect.name: all_free(effect)})
     first = scored[0] if scored else found.candidate
     own = [start_of(freer, first._replace(values=one), regression.fit.scales) for one in (first.values, *first.near)]
-    starts = [found.values, *(np.concatenate([found.values[: -len(one)], one]) for one in own)]
     candidate = found.candidate._replace(dof=found.candidate.dof + len(names))
-    again = weigh(regression, freer, candidate, starts, most)
-    return again if again.possible and clearly_better(again, found) else found
+    # Where the plain law has ended a search stands well from its first step, and would win a race that it loses.
+    for starts in ([np.concatenate([found.values[: -len(one)], one]) for one in own], [found.values]):
+        again = weigh(regression, freer, candidate, starts, most)
+        if again.possible and clearly_better(again, found):
+            return again
+    return found
 
 
 def _refitted(

@@ -22,6 +22,7 @@ from .confirm import Confirmed, confirm, leaves_noise
 from .pairs import Pair, best_pair
 from .refits import bent_readings, by_refits
 from .score import score, significant
+from .starts import all_free, is_refined
 from .weigh import Candidate
 
 _SHORTLIST = 3  # twice as many if refits keep less than the scores promised
@@ -94,6 +95,22 @@ class Look:
 
     @cached_property
     def tried(self) -> list[Confirmed]:
+        """Refits of the candidates that may be the best; and of those that may be with their finer numbers, where none
+        leaves noise."""
+        tried = self._by_usual_laws
+        if any(leaves_noise(found, self.regression) for found in tried):
+            return tried
+        known, more = {found.candidate.name for found in tried}, []
+        for candidate in (one for one in self.candidates if one.name not in known):
+            effect = self.library[candidate.name]
+            finer = score(self.regression, {effect.name: all_free(effect)}) if is_refined(effect) else []
+            if finer and finer[0].promised(self.regression) > best_drop(tried, self.regression) + VERY_STRONG:
+                self.report(f"confirming {candidate.name} with its finer numbers")
+                more.append(confirm(self.regression, effect, candidate))
+        return [*tried, *more]
+
+    @cached_property
+    def _by_usual_laws(self) -> list[Confirmed]:
         """Refits of the candidates that may be the best, by their scores; by short refits where the scores broke their
         word."""
         tried = self._at_their_word

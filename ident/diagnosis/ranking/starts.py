@@ -136,6 +136,11 @@ def is_possible(model: Model, values: np.ndarray, effect: AbstractEffect, scales
     return not sizes or min(sizes) >= -_ABSENT * max(map(abs, sizes))
 
 
+def is_refined(effect: type[AbstractEffect]) -> bool:
+    """Whether an effect has numbers that only refine its law."""
+    return any(p.refines for p in effect.parameters)
+
+
 @lru_cache
 def all_free(effect: type[AbstractEffect]) -> type[AbstractEffect]:
     """An effect with what refines its law free, to be scored with it."""

@@ -29,6 +29,7 @@ from ..ranking.score import score, significant
 from .as_step import step_with
 from .change import to_its_end, try_without
 from .constant import without_idle_constant
+from .finer import with_finer_laws
 from .lacking import lacking, leaves_no_structure, says_more_than_shapes
 from .own_zeros import with_zeros_anew
 from .parts import Parts
@@ -70,7 +71,7 @@ def concluded(ended: Ended) -> Discovery:
     if steps:
         named = [step.added for step in steps]
         last = without_idle_constant(steps[-1].fit, named, start, report)
-        steps[-1] = steps[-1]._replace(fit=with_zeros_anew(last, report))
+        steps[-1] = steps[-1]._replace(fit=with_finer_laws(with_zeros_anew(last, report), start, report))
     steps = _on_all_samples(start, steps, report)
     final = steps[-1].fit if steps else start
     if final is not walked.final:
