@@ -152,6 +152,7 @@ def typical_value(parameter: Parameter) -> float:
         "period": 2e-3,
         "duration": 0.03,
         "induction": 3e2,
+        "nearness": 1e6,
         "one": 1.0,
     }
     return parameter.default * size[parameter.scale] or 0.7

@@ -10,7 +10,7 @@ from ..errors import UserError
 if TYPE_CHECKING:
     from .effect import AbstractEffect
 
-Scale = Literal["displacement", "velocity", "voltage", "period", "duration", "induction", "one"]
+Scale = Literal["displacement", "velocity", "voltage", "period", "duration", "induction", "nearness", "one"]
 
 
 class Expected(NamedTuple):
@@ -91,8 +91,8 @@ def shape(
     """Declare a parameter that says how an effect looks, not how large it is.
 
     **Arguments:** `grid`, values worth trying in multiples of the data's `scale` ("displacement": its largest value in
-    the records, likewise "velocity" and "voltage", and "induction" the one over the other; "period": 1/f0; "duration"
-    of a record; "one": SI as written);
+    the records, likewise "velocity" and "voltage", "induction" the one over the other, "nearness" one over the
+    displacement; "period": 1/f0; "duration" of a record; "one": SI as written);
     `limits`, where it keeps its meaning, so that a fit cannot turn one effect into another (default: a third of the
     smallest to three times the largest of the grid). A fit stays inside; one of a shape that may be negative does not,
     but where it ends outside the effect is impossible, and there is no default. `refines` holds it at the

@@ -181,7 +181,7 @@ def test_every_effect_of_the_library_has_steady_responses() -> None:
             continue
         one = effect(device)
         size = {"displacement": 0.02, "velocity": 5.0, "voltage": 1.0, "period": 1 / FREQUENCY, "duration": 1.0,
-                "induction": 0.2}  # fmt: skip
+                "induction": 0.2, "nearness": 2e5}  # fmt: skip
         small = {p.name: p.default * size.get(p.scale, 1.0) for p in one.declared()}
         model = Model(device) + effect(device, None, **small)
         values = np.array([FREQUENCY, QUALITY, GAIN, *(small[p.name] for p in one.parameters)])

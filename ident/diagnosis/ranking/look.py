@@ -101,10 +101,11 @@ class Look:
         if any(leaves_noise(found, self.regression) for found in tried):
             return tried
         known, more = {found.candidate.name for found in tried}, []
+        enough = best_drop(tried, self.regression) - self._near
         for candidate in (one for one in self.candidates if one.name not in known):
             effect = self.library[candidate.name]
             finer = score(self.regression, {effect.name: all_free(effect)}) if is_refined(effect) else []
-            if finer and finer[0].promised(self.regression) > best_drop(tried, self.regression) + VERY_STRONG:
+            if finer and finer[0].promised(self.regression) > enough:
                 self.report(f"confirming {candidate.name} with its finer numbers")
                 more.append(confirm(self.regression, effect, candidate))
         return [*tried, *more]
@@ -162,7 +163,12 @@ class Look:
         if len(tried) >= _RIVALS:
             # Where short refits rank, what they reached is the least that a candidate gains, not the most.
             return here > kept * (1.0 if regression.credible else BROKEN)
-        return here > min(real[0].promised(regression), kept) - max(_NEAR * regression.to_explain, VERY_STRONG)
+        return here > min(real[0].promised(regression), kept) - self._near
+
+    @property
+    def _near(self) -> float:
+        """A fall of χ² by which a candidate may promise less than the best and still be worth a refit."""
+        return max(_NEAR * self.regression.to_explain, VERY_STRONG)
 
 
 def first_look(start: Fit, library: Registry, report: Report) -> Look:

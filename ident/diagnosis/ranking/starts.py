@@ -145,4 +145,6 @@ def is_refined(effect: type[AbstractEffect]) -> bool:
 def all_free(effect: type[AbstractEffect]) -> type[AbstractEffect]:
     """An effect with what refines its law free, to be scored with it."""
     own = {p.name: replace(p, fitted=True) for p in effect.parameters if p.refines}
-    return type(effect.__name__, (effect,), {"__module__": effect.__module__, "__doc__": effect.__doc__, **own})
+    free = type(effect.__name__, (effect,), {"__module__": effect.__module__, "__doc__": effect.__doc__, **own})
+    free.parameters = tuple(own.get(p.name, p) for p in effect.parameters)  # as the law itself has them
+    return free

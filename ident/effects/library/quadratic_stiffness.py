@@ -26,7 +26,8 @@ class QuadraticStiffness(AbstractEffect):
     alike = (QUADRATIC_FORCE, BENT_RESONANCE, EVEN_HARMONICS, SECOND_ORDER, SAME_HARMONICS)
 
     k2 = amplitude("N/m^2", "quadratic stiffness")
-    nearness = shape("1/m", "inverse distance of what acts, u", grid=(0.0,), positive=False, refines=True)
+    nearness = shape("1/m", "inverse distance of what acts, u", grid=(-0.4, 0.0, 0.4), limits=(-0.95, 0.95),
+                     scale="nearness", positive=False, refines=True)  # fmt: skip
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         near = jnp.maximum(self.nearness * state.z, _CLOSEST - 1.0)

@@ -54,6 +54,11 @@ class DataScales(NamedTuple):
         """The voltage over the velocity, as that which a coil induces."""
         return self.voltage / self.velocity
 
+    @property
+    def nearness(self) -> float:
+        """One over the displacement, as of something that acts from so far away."""
+        return 1.0 / self.displacement
+
 
 def guess_linear(
     records: Sequence[Trace],
