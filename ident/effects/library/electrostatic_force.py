@@ -29,8 +29,8 @@ class ElectrostaticForce(AbstractEffect):
     gap = shape(
         "m", "gap above (g > 0) or below the stage", grid=(-6.0, -2.0, 2.0, 6.0), scale="displacement", positive=False
     )  # fmt: skip
-    bias = shape("V", "voltage at the plate beside the drive, V₀", grid=(-1.0, 0.0, 1.0), limits=(-3.0, 3.0), scale="voltage",
-                 positive=False, refines=True)  # fmt: skip
+    bias = shape("V", "voltage at the plate beside the drive, V₀", grid=(-1.0, 0.0, 1.0), limits=(-3.0, 3.0),
+                 scale="voltage", positive=False, refines=True)  # fmt: skip
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         openness = jnp.maximum(1.0 - state.z / self.gap, _CLOSEST)
