@@ -108,7 +108,7 @@ class Look:
             if finer and finer[0].promised(self.regression) > enough:
                 self.report(f"confirming {candidate.name} with its finer numbers")
                 more.append(confirm(self.regression, effect, candidate))
-        # Where more is missing, numbers to spare bend to it: the axis without a spring had a tilted push for a friction.
+        # Where more is missing numbers to spare bend to it: an axis with friction had been given a tilted push.
         return [*tried, *(found for found in more if leaves_noise(found, self.regression))]
 
     @cached_property
