@@ -153,6 +153,7 @@ def attribute(
         what = "no record has a periodic drive on which an offset could be folded"
         raise UserError(what, do="measure a sine for two periods or more")
     density = make_density(fit)
+    every = density.over(periodic)
     reasons: list[str] = []
     if draws is None:
         evidence = log_evidence(density, count=_WEIGHED, seed=seed)
@@ -167,7 +168,6 @@ def attribute(
         asked = "" if said else ": ask `ident diagnose`"
         reasons.append(f"the model does not describe the records ({wrong.reasons[0]}){asked}")
     reasons += said
-    every = make_density(fit, periodic)
     records, parts = _share(fit, every, periodic, draws, {name: _amplitudes(fit, name) for name in names})
     told = _judge(names, records, _together(parts, names), reasons)
     within: tuple[Share, ...] = ()

@@ -13,6 +13,7 @@ from ident.campaign.campaign import Prior
 from ident.fit.fit import fit
 from ident.model import build_model
 from ident.posterior import compare as comparison
+from ident.posterior import density as densities
 from ident.posterior.bent import fit_bent
 from ident.posterior.density import make_density
 from ident.posterior.evidence import log_evidence
@@ -194,3 +195,14 @@ def test_a_model_without_evidence_is_told_of_and_decides_nothing(gone, monkeypat
     sheet = compare_sheet(compare_dict(found))
     assert sheet.rows[-1][2] == "–" and "no evidence" in sheet.rows[-1][-1]
     assert np.isfinite(compare_figure(compare_dict(found)).axes[0].get_xlim()).all()
+
+
+def test_a_density_over_other_records_keeps_coordinates_and_priors_and_is_put_together_once(monkeypatch):
+    base = make_density(linear_fit(record(1, samples=300), record(2, samples=300, holdout=True)))
+    base, put_together = base.moved(np.full(base.size, 0.3)), []
+    real = densities.assemble
+    monkeypatch.setattr(densities, "assemble", lambda *given: put_together.append(1) or real(*given))
+    other = base.over(base.fit.campaign.heldout)
+    assert len(put_together) == 1 and other.priors is base.priors and [r.name for r in other.records] == ["2.csv"]
+    x = np.random.default_rng(0).standard_normal((3, base.size))
+    np.testing.assert_array_equal(other.values(x), base.values(x))
