@@ -25,7 +25,7 @@ from ..fit.result import Fit
 from .density import Density, make_density
 from .evidence import log_evidence
 from .misfit import Doubts, misfit
-from .offset import Folded, Measure, Measured, Offset, fold, offsets
+from .offset import EVEN, Folded, Measure, Measured, Offset, fold, offsets
 from .pareto import TRUSTED
 from .shapley import shapley, subsets
 
@@ -46,7 +46,6 @@ _WEIGHED = 512  # importance draws of which they are chosen
 _MOST = 8  # mechanisms; 256 subsets of each draw
 _SEEN = 3.0  # standard errors from zero beyond which a record has an offset at all, and beyond which a model misses it
 _BIASED = 0.1  # mean of a drive over its rms, from which a reader may take what it does for an offset
-_EVEN = (0, 1, 3, 4)  # positions of the measures that are zero for symmetric physics; they decide
 
 
 class Share(NamedTuple):
@@ -228,9 +227,9 @@ def _read(
             seen, missed = _stands_out(symmetric.difference), _stands_out(offset.difference)
             # Of an offset of hundreds of errors a model may miss a few, and still say what makes it.
             explained = not missed or abs(offset.difference.value) < MINOR * abs(symmetric.difference.value)
-            counts = i in _EVEN and parts is not None and seen and explained
+            counts = i in EVEN and parts is not None and seen and explained
             shares = () if parts is None else parts.shares(names)
-            beyond = symmetric.difference if i in _EVEN else offset.data
+            beyond = symmetric.difference if i in EVEN else offset.data
             attributed.append(Attributed(offset, beyond, shares, seen, explained, counts))
             if counts and parts is not None:
                 counted.append(parts)
@@ -257,7 +256,7 @@ def _beyond_symmetry(record: Trace, reading: np.ndarray, back: np.ndarray) -> Fo
     whole, odd = fold(record, reading), fold(record, (reading - back) / 2)
     assert whole is not None and odd is not None  # periodic records were chosen
     measures = whole.measures.copy()
-    measures[:, _EVEN] -= odd.measures[:, _EVEN]
+    measures[:, EVEN] -= odd.measures[:, EVEN]
     return Folded(measures, whole.second - odd.second)
 
 
@@ -285,7 +284,7 @@ def _judge(
         (r.record.name, m.measure.name)
         for r in records
         for i, m in enumerate(r.measures)
-        if i in _EVEN and m.seen and not m.explained
+        if i in EVEN and m.seen and not m.explained
     ]
     counted = sum(m.counts for r in records for m in r.measures)
     if not counted and not missed:
