@@ -123,7 +123,8 @@ def test_a_new_drive_begins_at_rest_and_parameters_can_be_set(found):
     np.testing.assert_allclose(said.reading, found.predict(held).reading, atol=1e-10)
     sharper = found.predict({"t": held.time, "u": held.drive}, {"quality": 60, "frequency": "0.45 kHz"})
     assert np.max(np.abs(sharper.reading)) > 2 * np.max(np.abs(said.reading))
-    for name, told in (("qualty", 40), ("quality", -1), ("quality", "40 mm"), ("quality", None)):
+    for name, told in (("qualty", 40), ("quality", -1), ("quality", "40 mm"), ("quality", None), ("quality", 0),
+                       ("frequency", "0 Hz")):  # fmt: skip
         with pytest.raises(ident.UserError):
             found.predict(held, {name: told})
 
