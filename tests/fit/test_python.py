@@ -129,6 +129,12 @@ def test_a_new_drive_begins_at_rest_and_parameters_can_be_set(found):
             found.predict(held, {name: told})
 
 
+def test_a_new_drive_that_was_sampled_unevenly_is_put_on_a_grid(found):
+    time = (np.arange(600) + np.random.default_rng(1).uniform(-0.05, 0.05, 600)) * 2.5e-5
+    said = found.predict({"t": time, "u": 5.0 * np.sin(2 * np.pi * 450.0 * time)})
+    np.testing.assert_allclose(said.drive, 5.0 * np.sin(2 * np.pi * 450.0 * said.time), atol=0.02)
+
+
 def test_simulate_says_what_the_fit_says(found):
     said = ident.simulate(found, records=["sine_5V_450Hz.csv"])
     index = [r.name for r in found.campaign.traces].index("sine_5V_450Hz.csv")
