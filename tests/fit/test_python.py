@@ -135,6 +135,16 @@ def test_a_new_drive_that_was_sampled_unevenly_is_put_on_a_grid(found):
     np.testing.assert_allclose(said.drive, 5.0 * np.sin(2 * np.pi * 450.0 * said.time), atol=0.02)
 
 
+def test_of_curves_alone_nobody_knows_the_noise_of_a_measurement_in_time():
+    found = ident.fit(DATA / "platform_sweeps", (), seconds=1e-3)  # wherever the search is by then
+    time = np.arange(200) * 2.5e-5
+    said = found.predict({"t": time, "u": np.sin(2 * np.pi * 300.0 * time)})
+    with pytest.raises(ident.UserError, match="noise=False"):
+        said.band()
+    low, high = said.band(noise=False)
+    assert np.isnan(said.noise) and np.all(low <= high)
+
+
 def test_simulate_says_what_the_fit_says(found):
     said = ident.simulate(found, records=["sine_5V_450Hz.csv"])
     index = [r.name for r in found.campaign.traces].index("sine_5V_450Hz.csv")
