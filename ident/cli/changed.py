@@ -28,10 +28,12 @@ def change(run: str, effect: str, output: str | None, *, adding: bool, force: bo
 
     if adding and effect.endswith(".py"):
         trust(effect)  # named at the command line: that is to ask for it
-        files = (*parent.campaign.effect_files, Path(effect))
-        fresh = set(registry(files)) - set(registry(parent.campaign.effect_files))
+        files = parent.campaign.effect_files  # which the campaign may have it among
+        others = tuple(file for file in files if file.resolve() != Path(effect).resolve())
+        files = files if len(others) < len(files) else (*files, Path(effect))
+        own = set(registry(files)) - set(registry(others))
         parent = replace(parent, campaign=replace(parent.campaign, effect_files=files))
-        name = sorted(fresh)[0]
+        name = min(own - {*parent.model.names} or own)
     elif adding:
         name = effect
     if adding:
