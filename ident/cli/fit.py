@@ -122,6 +122,8 @@ def command(
 def default_folder(campaign: tuple[str, ...]) -> Path:
     """`runs/` and the name of the campaign: of its folder, or of the first file."""
     path = Path(campaign[0]).resolve()
+    if path.is_dir():  # whatever is behind a point in its name
+        return Path("runs") / path.name
     return Path("runs") / (path.parent.name if path.name == "campaign.toml" else path.stem)
 
 

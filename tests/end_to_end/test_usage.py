@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import ident as package
+from ident.cli.fit import default_folder
 from ident.cli.main import ident as commands
 from tests.end_to_end.user import DATA, ROOT, assert_one_line, ident
 
@@ -127,3 +128,10 @@ def test_a_folder_that_cannot_be_made_is_told_before_anything_is_fitted():
         outcome = ident("discover", DATA / "oscillator", "-o", "/proc/found")
         assert_one_line(outcome, "/proc/found", "nothing can be written there")
         assert "fitting" not in outcome.err
+
+
+def test_a_run_is_called_as_its_campaign_is(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "stage.2").mkdir()
+    for given, name in (("stage.2", "stage.2"), ("stage.2/campaign.toml", "stage.2"), ("sine.8V.csv", "sine.8V")):
+        assert default_folder((given,)) == Path("runs") / name
