@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import ident as package
+from ident.cli.changed import beside
 from ident.cli.fit import default_folder
 from ident.cli.main import ident as commands
 from tests.end_to_end.user import DATA, ROOT, assert_one_line, ident
@@ -135,3 +136,10 @@ def test_a_run_is_called_as_its_campaign_is(tmp_path, monkeypatch):
     (tmp_path / "stage.2").mkdir()
     for given, name in (("stage.2", "stage.2"), ("stage.2/campaign.toml", "stage.2"), ("sine.8V.csv", "sine.8V")):
         assert default_folder((given,)) == Path("runs") / name
+
+
+def test_a_changed_run_lies_beside_its_parent_however_that_is_called(tmp_path, monkeypatch):
+    (tmp_path / "a").mkdir()
+    monkeypatch.chdir(tmp_path / "a")
+    for run in (".", "../a/", str(tmp_path / "a")):
+        assert beside(Path(run), "+cubic-stiffness").resolve() == tmp_path / "a+cubic-stiffness"
