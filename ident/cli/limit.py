@@ -9,6 +9,9 @@ from contextlib import contextmanager
 from typing import Any
 
 
+_ENDLESS = 1e8  # minutes, more than a timer can be set to: "inf" is no limit, too
+
+
 class OutOfTime(Exception):
     """The minutes that were given are over."""
 
@@ -20,7 +23,8 @@ class Limit:
     """
 
     def __init__(self, minutes: float | None):
-        self._end = None if minutes is None else time.monotonic() + 60.0 * minutes
+        limited = minutes is not None and minutes < _ENDLESS
+        self._end = time.monotonic() + 60.0 * minutes if limited else None
         self._held = False
 
     def ask(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 import subprocess
 import sys
@@ -12,6 +13,7 @@ import pytest
 import ident as package
 from ident.cli.changed import beside
 from ident.cli.fit import default_folder
+from ident.cli.limit import Limit
 from ident.cli.main import ident as commands
 from tests.end_to_end.user import DATA, ROOT, assert_one_line, ident
 
@@ -143,3 +145,10 @@ def test_a_changed_run_lies_beside_its_parent_however_that_is_called(tmp_path, m
     monkeypatch.chdir(tmp_path / "a")
     for run in (".", "../a/", str(tmp_path / "a")):
         assert beside(Path(run), "+cubic-stiffness").resolve() == tmp_path / "a+cubic-stiffness"
+
+
+@pytest.mark.parametrize("minutes", [math.inf, 1e300, math.nan])
+def test_more_time_than_a_timer_can_tell_is_no_limit(minutes):
+    limit = Limit(minutes)
+    with limit.running():
+        limit.ask()
