@@ -152,3 +152,11 @@ def test_more_time_than_a_timer_can_tell_is_no_limit(minutes):
     limit = Limit(minutes)
     with limit.running():
         limit.ask()
+
+
+def test_a_full_disk_tells_no_file(monkeypatch, small):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("ident.report.check.check", full)
+    assert ident("check", small).err.startswith("ident: No space left on device")
