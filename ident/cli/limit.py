@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-
 _ENDLESS = 1e8  # minutes, more than a timer can be set to: "inf" is no limit, too
 
 
