@@ -195,11 +195,11 @@ def _share(
 ) -> tuple[tuple[RecordAttribution, ...], list[_Parts]]:
     """`mechanisms`: the amplitudes that switch each of them, by name; an amplitude of none of them stays on."""
     names, columns = tuple(mechanisms), list(mechanisms.values())
-    at_fit = dict(zip((r.name for r in fit.campaign.traces), fit.readings, strict=True))
+    at_fit = dict(zip(map(id, fit.campaign.traces), fit.readings, strict=True))  # those of one file are called alike
     turned = density.mirrored()
     measured = []
     for record, back in zip(records, turned.readings(np.asarray(fit.values)[None]), strict=True):
-        reading = at_fit[record.name]
+        reading = at_fit[id(record)]
         measured.append((offsets(record, reading) or (), offsets(record, (reading - back[0]) / 2) or ()))
     few = np.arange(len(draws)) % _SOME == 0
     switched = _switch((density, turned), draws[few], columns)
