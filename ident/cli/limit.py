@@ -22,8 +22,8 @@ class Limit:
     """
 
     def __init__(self, minutes: float | None):
-        limited = minutes is not None and minutes < _ENDLESS
-        self._end = time.monotonic() + 60.0 * minutes if limited else None
+        limited = None if minutes is None or not minutes < _ENDLESS else minutes
+        self._end = None if limited is None else time.monotonic() + 60.0 * limited
         self._held = False
 
     def ask(self) -> None:
