@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import os
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -141,7 +142,8 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
             read += found
             notes += told
     parts = [spec for spec, _ in read]
-    records = counted_from_rest(seen_together([record for _, record in read], notes), notes)
+    apart = _called_apart([record for _, record in read])
+    records = counted_from_rest(seen_together(apart, notes), notes)
     files = [one for one in (path, device_path, *effect_files) if one is not None]
     measured = [spec.path for spec in specs if spec.table is None]
     measured += [spec.drive_file for spec in specs if spec.drive_file is not None]
@@ -191,6 +193,16 @@ def _modes(model: Section, device: Device, linear: str) -> int | None:
             'remove it, or write device = { kind = "oscillator" } and no other linear model',
         )
     return told
+
+
+def _called_apart(records: Sequence[Record]) -> list[Record]:
+    """The records, numbered where several are columns of one file: a record is known by its name."""
+    found, times = list[Record](), Counter[str]()
+    for record in records:
+        times[record.name] += 1
+        again = times[record.name]
+        found.append(record if again == 1 else replace(record, name=f"{record.name} ({again})"))
+    return found
 
 
 def _with_common_noise(records: list[Record]) -> tuple[Record, ...]:

@@ -15,7 +15,7 @@ def change(run: str, effect: str, output: str | None, *, adding: bool, force: bo
     from ..report.run_folder import check_target, load_run, read_lineage, read_run, write_run
 
     name = Path(effect).stem.replace("_", "-") if effect.endswith(".py") else effect
-    folder = Path(output) if output else Path(f"{run.rstrip('/')}{'+' if adding else '-'}{name}")
+    folder = Path(output) if output else beside(Path(run), f"{'+' if adding else '-'}{name}")
     check_target(folder, force)
     read_run(run)  # a wrong folder is answered before anything is compiled
     progress("reading the parent run")
@@ -28,10 +28,12 @@ def change(run: str, effect: str, output: str | None, *, adding: bool, force: bo
 
     if adding and effect.endswith(".py"):
         trust(effect)  # named at the command line: that is to ask for it
-        files = (*parent.campaign.effect_files, Path(effect))
-        fresh = set(registry(files)) - set(registry(parent.campaign.effect_files))
+        files = parent.campaign.effect_files  # which the campaign may have it among
+        others = tuple(file for file in files if file.resolve() != Path(effect).resolve())
+        files = files if len(others) < len(files) else (*files, Path(effect))
+        own = set(registry(files)) - set(registry(others))
         parent = replace(parent, campaign=replace(parent.campaign, effect_files=files))
-        name = sorted(fresh)[0]
+        name = min(own - {*parent.model.names} or own)
     elif adding:
         name = effect
     if adding:
@@ -48,3 +50,9 @@ def change(run: str, effect: str, output: str | None, *, adding: bool, force: bo
     say_fit(after)
     say_sheet(change_sheet(lineage[-1:]))
     say_folder(folder)
+
+
+def beside(run: Path, ending: str) -> Path:
+    """A folder beside a run, with its name and an ending."""
+    run = run if run.name not in ("", "..") else run.resolve()
+    return run.parent / f"{run.name}{ending}"

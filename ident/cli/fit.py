@@ -100,6 +100,9 @@ def command(
     if minutes is not None and not found.converged:
         progress("stopped before the search had converged; --resume goes on")
         profiles = ()
+    for name in (name for name in profiles if not found[name].fitted):  # the model had it free: the fit is kept
+        progress(f"no profile of {name}: the records do not determine it, so that the fit holds it")
+    profiles = tuple(name for name in profiles if found[name].fitted)
     curves = [profile(found, name, robust=robust, report=progress) for name in profiles]
     options = {"sigma": sigma, "robust": robust, "starts": starts, "seed": seed}
     documents = {"profiles.json": {"format": 1, "profiles": [c.as_dict() for c in curves]}} if curves else {}
@@ -119,6 +122,8 @@ def command(
 def default_folder(campaign: tuple[str, ...]) -> Path:
     """`runs/` and the name of the campaign: of its folder, or of the first file."""
     path = Path(campaign[0]).resolve()
+    if path.is_dir():  # whatever is behind a point in its name
+        return Path("runs") / path.name
     return Path("runs") / (path.parent.name if path.name == "campaign.toml" else path.stem)
 
 

@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+_ENDLESS = 1e8  # minutes, more than a timer can be set to: "inf" is no limit, too
+
 
 class OutOfTime(Exception):
     """The minutes that were given are over."""
@@ -20,7 +22,8 @@ class Limit:
     """
 
     def __init__(self, minutes: float | None):
-        self._end = None if minutes is None else time.monotonic() + 60.0 * minutes
+        limited = None if minutes is None or not minutes < _ENDLESS else minutes
+        self._end = None if limited is None else time.monotonic() + 60.0 * limited
         self._held = False
 
     def ask(self) -> None:

@@ -116,7 +116,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
             raise
         place = str(error.filename or "")
         place = f"{place[:60]}…" if len(place) > 200 else place
-        return _fail(f"{place}: {error.strerror or error} — check that it can be read and written", 2)
+        where = f"{place}: " if place else ""  # a full disk tells no file
+        return _fail(f"{where}{error.strerror or error} — check that it can be read and written", 2)
     except MemoryError:
         return _fail("there is not enough memory for these records; thin them out, or fit fewer", 1)
     except Exception as error:  # the last resort of the program: whatever it is, the user gets one line

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..campaign.tables.table import is_number
 from ..errors import UserError
-from ..model import Model
+from ..model import FREQUENCY, QUALITY, Model
 from ..units import parse_quantity, unit
 from .access import position
 
@@ -30,8 +30,9 @@ def changed_values(model: Model, values: np.ndarray, changes: Mapping[str, float
             value = float(told)
         else:
             raise UserError(f"{told!r} is no number", where=name, do='give a number in SI units, or a text ("0.6 kHz")')
-        if not math.isfinite(value) or (parameter.positive and value < 0):
-            do = "give a finite number" + (" that is not negative" if parameter.positive else "")
+        more = index in (FREQUENCY, QUALITY)  # of an amplitude zero means that there is none
+        if not math.isfinite(value) or (parameter.positive and value < 0) or (more and value == 0):
+            do = "give a finite number" + (" above zero" if more else " that is not negative" * parameter.positive)
             raise UserError(f"{told} is not possible", where=name, do=do)
         values[index] = value
     return values

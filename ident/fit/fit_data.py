@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Sequence
 from functools import partial
+from numbers import Integral
 from typing import Any, get_args
 
 import numpy as np
@@ -56,11 +57,10 @@ def fit_data(
     until = time.monotonic() + seconds
     if sigma not in get_args(SigmaChoice):
         raise UserError(f"sigma = {sigma!r} is no such choice", do=f"choose one of {', '.join(get_args(SigmaChoice))}")
-    if not isinstance(starts, int) or starts < 0:
-        raise UserError(
-            f"starts = {starts!r} is no number of starts",
-            do="give how many random starts there shall be beside the others",
-        )
+    for name, number in (("starts", starts), ("seed", seed)):  # of NumPy, too
+        if not isinstance(number, Integral) or number < 0:
+            do = "give how many random starts there shall be beside the others, and a seed of 0 or more"
+            raise UserError(f"{name} = {number!r} is no such number", do=do)
     campaign = with_drives(read_campaign(data, **told))
     model = model_for(campaign, effects, report)
     if initial is not None:

@@ -15,6 +15,7 @@ from ..campaign.drive_alone import drive_alone
 from ..campaign.in_memory import table_of
 from ..campaign.load import read_table
 from ..campaign.record import Trace
+from ..errors import UserError
 from .change_values import changed_values
 from .reading import read_with_slopes
 
@@ -28,7 +29,8 @@ class Prediction(NamedTuple):
     """A model's reading for one drive, (n,) SI.
 
     **Arguments:** `error`: (n,) standard deviation of the `reading` by the errors of the fitted parameters; `noise`: of
-    a measurement beside it; `unknown`: parameters whose error is not in it, because the records do not determine them.
+    a measurement beside it, NaN where curves alone were fitted; `unknown`: parameters whose error is not in it, because
+    the records do not determine them.
     """
 
     name: str
@@ -41,7 +43,13 @@ class Prediction(NamedTuple):
 
     def band(self, level: float = 0.9, *, noise: bool = True) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper end, (n,) each, between which a measurement (or without `noise` the model) lies with a
-        probability of `level`, if the model is right."""
+        probability of `level`, if the model is right.
+
+        **Raises:** UserError if the noise of a measurement is not known.
+        """
+        if noise and not np.isfinite(self.noise):
+            what = "curves alone were fitted, so that nobody knows the noise of a measurement in time"
+            raise UserError(what, do="ask for the band of the model: band(noise=False)")
         half = ndtri(0.5 + level / 2) * np.sqrt(self.error**2 + (self.noise**2 if noise else 0.0))
         return self.reading - half, self.reading + half
 
@@ -67,7 +75,8 @@ def predict(fit: Fit, data: Any, values: Mapping[str, float | str] | None = None
     slope = by_value[:, kept]
     variance = np.einsum("ni,ij,nj->n", slope, covariance, slope) + record.noise.sigma**2 * np.sum(basis**2, axis=1)
     floors = [r.noise.sigma for r in fit.campaign.fitted]
-    noise = record.noise.sigma if np.any(record.response) else float(np.median(floors))
+    usual = float(np.median(floors)) if floors else np.nan
+    noise = record.noise.sigma if np.any(record.response) else usual
     names = [model.parameters[fit.free[k]].name for k in kept]
     unknown = tuple(name for name in names if "undetermined" in fit[name].flags)
     return Prediction(

@@ -100,6 +100,8 @@ _NULL = 1e-6
 @np.errstate(over="ignore", invalid="ignore")  # of a motion that hardly has a bound nothing is known
 def covariance(linear: Linearisation, prior_weight: np.ndarray) -> Covariance:
     """Covariance matrix of the fitted coordinates; `prior_weight` (p,) is 1/deviation in the same coordinates."""
+    if not len(prior_weight):  # every parameter is held
+        return Covariance(np.zeros((0, 0)), np.zeros((0, 0)), np.zeros(0), np.zeros(0), np.zeros((0, 0)))
     gram = linear.jacobian.T @ linear.jacobian + np.diag(prior_weight**2)
     lengths = np.sqrt(np.diag(gram))
     safe = np.where(lengths > 0, lengths, 1.0)

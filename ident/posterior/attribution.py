@@ -25,7 +25,7 @@ from ..fit.result import Fit
 from .density import Density, make_density
 from .evidence import log_evidence
 from .misfit import Doubts, misfit
-from .offset import Folded, Measure, Measured, Offset, fold, offsets
+from .offset import EVEN, Folded, Measure, Measured, Offset, fold, offsets
 from .pareto import TRUSTED
 from .shapley import shapley, subsets
 
@@ -46,7 +46,6 @@ _WEIGHED = 512  # importance draws of which they are chosen
 _MOST = 8  # mechanisms; 256 subsets of each draw
 _SEEN = 3.0  # standard errors from zero beyond which a record has an offset at all, and beyond which a model misses it
 _BIASED = 0.1  # mean of a drive over its rms, from which a reader may take what it does for an offset
-_EVEN = (0, 1, 3, 4)  # positions of the measures that are zero for symmetric physics; they decide
 
 
 class Share(NamedTuple):
@@ -153,6 +152,7 @@ def attribute(
         what = "no record has a periodic drive on which an offset could be folded"
         raise UserError(what, do="measure a sine for two periods or more")
     density = make_density(fit)
+    every = density.over(periodic)
     reasons: list[str] = []
     if draws is None:
         evidence = log_evidence(density, count=_WEIGHED, seed=seed)
@@ -167,7 +167,6 @@ def attribute(
         asked = "" if said else ": ask `ident diagnose`"
         reasons.append(f"the model does not describe the records ({wrong.reasons[0]}){asked}")
     reasons += said
-    every = make_density(fit, periodic)
     records, parts = _share(fit, every, periodic, draws, {name: _amplitudes(fit, name) for name in names})
     told = _judge(names, records, _together(parts, names), reasons)
     within: tuple[Share, ...] = ()
@@ -196,11 +195,11 @@ def _share(
 ) -> tuple[tuple[RecordAttribution, ...], list[_Parts]]:
     """`mechanisms`: the amplitudes that switch each of them, by name; an amplitude of none of them stays on."""
     names, columns = tuple(mechanisms), list(mechanisms.values())
-    at_fit = dict(zip((r.name for r in fit.campaign.traces), fit.readings, strict=True))
+    at_fit = dict(zip(map(id, fit.campaign.traces), fit.readings, strict=True))  # those of one file are called alike
     turned = density.mirrored()
     measured = []
     for record, back in zip(records, turned.readings(np.asarray(fit.values)[None]), strict=True):
-        reading = at_fit[record.name]
+        reading = at_fit[id(record)]
         measured.append((offsets(record, reading) or (), offsets(record, (reading - back[0]) / 2) or ()))
     few = np.arange(len(draws)) % _SOME == 0
     switched = _switch((density, turned), draws[few], columns)
@@ -228,9 +227,9 @@ def _read(
             seen, missed = _stands_out(symmetric.difference), _stands_out(offset.difference)
             # Of an offset of hundreds of errors a model may miss a few, and still say what makes it.
             explained = not missed or abs(offset.difference.value) < MINOR * abs(symmetric.difference.value)
-            counts = i in _EVEN and parts is not None and seen and explained
+            counts = i in EVEN and parts is not None and seen and explained
             shares = () if parts is None else parts.shares(names)
-            beyond = symmetric.difference if i in _EVEN else offset.data
+            beyond = symmetric.difference if i in EVEN else offset.data
             attributed.append(Attributed(offset, beyond, shares, seen, explained, counts))
             if counts and parts is not None:
                 counted.append(parts)
@@ -257,7 +256,7 @@ def _beyond_symmetry(record: Trace, reading: np.ndarray, back: np.ndarray) -> Fo
     whole, odd = fold(record, reading), fold(record, (reading - back) / 2)
     assert whole is not None and odd is not None  # periodic records were chosen
     measures = whole.measures.copy()
-    measures[:, _EVEN] -= odd.measures[:, _EVEN]
+    measures[:, EVEN] -= odd.measures[:, EVEN]
     return Folded(measures, whole.second - odd.second)
 
 
@@ -285,7 +284,7 @@ def _judge(
         (r.record.name, m.measure.name)
         for r in records
         for i, m in enumerate(r.measures)
-        if i in _EVEN and m.seen and not m.explained
+        if i in EVEN and m.seen and not m.explained
     ]
     counted = sum(m.counts for r in records for m in r.measures)
     if not counted and not missed:

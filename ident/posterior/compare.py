@@ -28,8 +28,8 @@ _DRAWS = 500  # of a posterior, by which left-out stretches are predicted
 
 
 class Weighed(NamedTuple):
-    """One model: its fit, evidence, `probability` among those compared, left-out and held-out scores, and what it fails
-    to describe."""
+    """One model: its fit, evidence, `probability` among those compared (NaN where none has evidence), left-out and
+    held-out scores, and what it fails to describe."""
 
     name: str
     fit: Fit
@@ -41,8 +41,9 @@ class Weighed(NamedTuple):
 
 
 class Comparison(NamedTuple):
-    """Models in the order given; the position of the `best`; `lead`, ln of its odds over the next, with `error`; and
-    whether the best one describes the records, which a verdict among models does not say."""
+    """Models in the order given; the position of the `best`; `lead`, ln of its odds over the next (NaN where one of the
+    two has no evidence), with `error`; and whether the best one describes the records, which a verdict among models
+    does not say."""
 
     models: tuple[Weighed, ...]
     best: int
@@ -64,8 +65,8 @@ def compare(fits: Sequence[tuple[str, Fit]], doubts: Doubts = lambda _: ()) -> C
         raise UserError("one run has nothing to be compared with", do="name two runs or more")
     _same_records(fits)
     evidences = [log_evidence(fit) for _, fit in fits]
-    values = np.array([e.value for e in evidences])
-    shares = np.exp(values - log_sum(values))
+    values = np.array([e.value if e.found else -np.inf for e in evidences])
+    shares = np.exp(values - log_sum(values)) if np.any(np.isfinite(values)) else np.full(len(values), np.nan)
     models = []
     for (name, fit), evidence, share in zip(fits, evidences, shares, strict=True):
         draws = evidence.resampled(_DRAWS)
@@ -96,26 +97,20 @@ def _same_records(fits: Sequence[tuple[str, Fit]]) -> None:
 
 
 def _judge(models: tuple[Weighed, ...], doubts: Doubts) -> Comparison:
-    order = sorted(range(len(models)), key=lambda i: -models[i].evidence.value)
+    order = sorted(range(len(models)), key=lambda i: -models[i].evidence.value if models[i].evidence.found else np.inf)
     first, second = models[order[0]], models[order[1]]
-    lead = first.evidence.value - second.evidence.value
+    both = first.evidence.found and second.evidence.found
+    lead = first.evidence.value - second.evidence.value if both else np.nan
     error = float(np.hypot(first.evidence.error, second.evidence.error))
-    names = _effects(first), _effects(second)
-    strength = next(word for limit, word in _WORDS if lead < limit)
-    odds = f"{np.exp(min(lead, 13.8)):.2g}" if lead < 13.8 else "more than a million"
-    difference = first.left_out.by_block - second.left_out.by_block
-    elpd, elpd_error = float(difference.sum()), float(np.sqrt(len(difference) * np.var(difference, ddof=1)))
-    parts = [
-        f"ln Z of [{names[0]}] exceeds that of [{names[1]}] by {lead:.1f} ± {error:.1f}: "
-        f"odds of {odds} to 1, {strength}."
-    ]
-    whom = "it" if elpd >= 0 else "the other"
-    parts.append(f"Left-out stretches of time prefer {whom} by {abs(elpd):.1f} ± {elpd_error:.1f} nats.")
-    if first.fit.holdout is not None and second.fit.holdout is not None:
-        ratios = (m.fit.holdout.error_over_noise for m in (first, second) if m.fit.holdout is not None)
-        parts.append("Held-out error over noise: {:.3g} against {:.3g}.".format(*ratios))
-    unsure = [m.name for m in (first, second) if not m.evidence.trusted]
-    decided = lead - 2 * error > DECISIVE and not unsure
+    parts = _how_far(first, second, lead, error) if both else []
+    without = [m.name for m in models if not m.evidence.found]
+    if without:
+        parts.append(
+            f"No evidence was found of {', '.join(without)}: the records are impossible at every draw near the fit, so "
+            "nothing is known of its odds."
+        )
+    unsure = [m.name for m in (first, second) if m.evidence.found and not m.evidence.trusted]
+    decided = lead - 2 * error > DECISIVE and not unsure and not without
     if unsure:
         parts.append(f"The evidence of {', '.join(unsure)} is not to be trusted (Pareto k above {TRUSTED}).")
     if lead <= DECISIVE:
@@ -128,6 +123,24 @@ def _judge(models: tuple[Weighed, ...], doubts: Doubts) -> Comparison:
         )
     verdict = "decided" if decided else "undecided"
     return Comparison(models, order[0], lead, error, verdict, " ".join(parts), not wrong)
+
+
+def _how_far(first: Weighed, second: Weighed, lead: float, error: float) -> list[str]:
+    """How far one model is ahead of another: by evidence, left-out stretches and held-out records."""
+    strength = next(word for limit, word in _WORDS if lead < limit)
+    odds = f"{np.exp(lead):.2g}" if lead < 13.8 else "more than a million"
+    difference = first.left_out.by_block - second.left_out.by_block
+    elpd, elpd_error = float(difference.sum()), float(np.sqrt(len(difference) * np.var(difference, ddof=1)))
+    whom = "it" if elpd >= 0 else "the other"
+    parts = [
+        f"ln Z of [{_effects(first)}] exceeds that of [{_effects(second)}] by {lead:.1f} ± {error:.1f}: "
+        f"odds of {odds} to 1, {strength}.",
+        f"Left-out stretches of time prefer {whom} by {abs(elpd):.1f} ± {elpd_error:.1f} nats.",
+    ]
+    if first.fit.holdout is not None and second.fit.holdout is not None:
+        ratios = (m.fit.holdout.error_over_noise for m in (first, second) if m.fit.holdout is not None)
+        parts.append("Held-out error over noise: {:.3g} against {:.3g}.".format(*ratios))
+    return parts
 
 
 def _effects(model: Weighed) -> str:

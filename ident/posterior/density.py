@@ -239,6 +239,12 @@ class Density:
             self, data=self.data._replace(anchor=anchor), starts=self.starts if starts is None else np.asarray(starts)
         )
 
+    def over(self, records: Sequence[Trace]) -> Density:
+        """The density of the same fit given other records, in the same coordinates and with the same priors."""
+        bare, own = _without_priors(self.fit, tuple(records)), self.data
+        data = bare.data._replace(anchor=own.anchor, scale=own.scale, lower=own.lower, upper=own.upper)
+        return replace(bare, data=data, priors=self.priors)
+
     def mirrored(self) -> Density:
         """The same density with every drive and every initial state turned round: what `readings` symmetric physics
         would answer with the same motion turned round."""
@@ -267,37 +273,13 @@ class Density:
         return replace(self, data=data, starts=kept["starts"], kick=kept["kick"])
 
 
-def make_density(fit: Fit, records: Sequence[Trace] | None = None) -> Density:
-    """The posterior density of a fit; or, in the same coordinates and with the same priors, that of other `records`.
+def make_density(fit: Fit) -> Density:
+    """The posterior density of a fit.
 
-    **Raises:** UserError where the fit moved nothing.
+    **Raises:** UserError where the fit moved nothing, or rests on sweeps.
     """
-    if fit.campaign.fitted_sweeps:
-        what = "this fit rests on sweeps, whose posterior is not sampled yet"
-        raise UserError(what, do="take the error bars of the fit (or a --profile), or fit the traces alone")
-    chosen = tuple(fit.campaign.fitted if records is None else records)
-    tape = _tape(fit, chosen)
-    campaign = Campaign("", chosen, fit.model.device)
-    static, data = assemble(fit.model, campaign, chosen, tape, fit.values, fit.scales)
-    if not static.free:
-        raise UserError(
-            "nothing in this model was fitted, so it has no posterior",
-            do='free a parameter (free = ["…"] under its [effect.…]) and fit again',
-        )
-    unknowns, kick = begin(data, static), np.ones(data.start_scale.shape[1])
-    if static.starts_free:
-        unknowns, found = fit_starts(static, data, unknowns)
-        static, data, unknowns = on_orbits(static, data, chosen, unknowns)
-        found = evaluate(static, data, unknowns) if data.steady else found
-    if static.starts_free:
-        kick = 1.0 / np.maximum(np.sqrt(np.sum(found.by_start**2, axis=1)), 1.0)
-    noises = tuple(record_noise(r, fit.sigma) for r in chosen)
-    bare = Density(fit, chosen, noises, static, data, np.asarray(unknowns.starts, float), kick, ())
-    if records is not None:
-        base = make_density(fit)
-        own = base.data
-        data = data._replace(anchor=own.anchor, scale=own.scale, lower=own.lower, upper=own.upper)
-        return replace(bare, data=data, priors=base.priors)
+    bare = _without_priors(fit, tuple(fit.campaign.fitted))
+    static, data = bare.static, bare.data
     columns = bare.linearise().columns / np.asarray(data.scale)
     signal = float(np.linalg.norm(data.response * data.weight))
     sizes = signal / np.where(columns > 0, columns, np.inf)
@@ -309,6 +291,29 @@ def make_density(fit: Fit, records: Sequence[Trace] | None = None) -> Density:
     )
     scale = 1.0 / np.where(columns > 0, columns, 1.0 / np.asarray(data.scale))
     return replace(bare, data=data._replace(scale=scale), priors=priors)
+
+
+def _without_priors(fit: Fit, records: tuple[Trace, ...]) -> Density:
+    """What records say of a fit's unknowns, in units of its own."""
+    if fit.campaign.fitted_sweeps:
+        what = "this fit rests on sweeps, whose posterior is not sampled yet"
+        raise UserError(what, do="take the error bars of the fit (or a --profile), or fit the traces alone")
+    campaign = Campaign("", records, fit.model.device)
+    static, data = assemble(fit.model, campaign, records, _tape(fit, records), fit.values, fit.scales)
+    if not static.free:
+        raise UserError(
+            "nothing in this model was fitted, so it has no posterior",
+            do='free a parameter (free = ["…"] under its [effect.…]) and fit again',
+        )
+    unknowns, kick = begin(data, static), np.ones(data.start_scale.shape[1])
+    if static.starts_free:
+        unknowns, found = fit_starts(static, data, unknowns)
+        static, data, unknowns = on_orbits(static, data, records, unknowns)
+        found = evaluate(static, data, unknowns) if data.steady else found
+    if static.starts_free:
+        kick = 1.0 / np.maximum(np.sqrt(np.sum(found.by_start**2, axis=1)), 1.0)
+    noises = tuple(record_noise(r, fit.sigma) for r in records)
+    return Density(fit, records, noises, static, data, np.asarray(unknowns.starts, float), kick, ())
 
 
 def _tape(fit: Fit, records: tuple[Trace, ...]) -> Tape:

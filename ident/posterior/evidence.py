@@ -44,12 +44,19 @@ class Evidence(NamedTuple):
     log_weights: np.ndarray
 
     @property
+    def found(self) -> bool:
+        """Whether there is any: ln Z is −∞ where the records are impossible at every draw."""
+        return bool(np.isfinite(self.value))
+
+    @property
     def trusted(self) -> bool:
-        return bool(np.isfinite(self.value) and self.shape <= TRUSTED)
+        return self.found and bool(self.shape <= TRUSTED)
 
     @property
     def words(self) -> str:
         """The number, how it was found, and whether it can be used."""
+        if not self.found:
+            return f"no evidence was found ({self.method}): the records are impossible at every draw"
         doubt = "" if self.trusted else f", not to be trusted: Pareto k = {self.shape:.2f} is above {TRUSTED}"
         return f"ln Z = {self.value:.2f} ± {self.error:.2f} ({self.method}, efficiency {self.efficiency:.2f}{doubt})"
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .block_likelihood import block_likelihood
-from .density import Density, make_density
+from .density import Density
 from .log_sum import log_sum
 from .pareto import TRUSTED, smooth
 
@@ -47,9 +47,7 @@ def heldout_score(density: Density, draws: np.ndarray) -> float | None:
     records = density.fit.campaign.heldout
     if not records:
         return None
-    outside = make_density(density.fit, records)
-    own, there = density.data, outside.data
-    x = (draws * np.asarray(own.scale) + np.asarray(own.anchor) - np.asarray(there.anchor)) / np.asarray(there.scale)
-    _, logs = outside.parts(x)
-    total = float(np.sum(log_sum(logs, axis=0) - np.log(len(x))))
+    outside = density.over(records)
+    _, logs = outside.parts(draws)
+    total = float(np.sum(log_sum(logs, axis=0) - np.log(len(draws))))
     return total / sum(noise.count for noise in outside.noises)

@@ -39,6 +39,8 @@ MEASURES = (
     Measure("at drive zeros, mean", "m"),
     Measure("at drive zeros, gap", "m"),
 )
+EVEN = (0, 1, 3, 4)
+"""Positions of the measures that are zero for symmetric physics; they decide what makes an offset."""
 
 
 class Measured(NamedTuple):

@@ -198,9 +198,16 @@ def run_key(density: Density, seed: int) -> str:
         for array in (record.time, record.drive, record.response):
             told.update(np.ascontiguousarray(array, float).tobytes())
         told.update(repr((record.name, record.noise, record.start, record.load, record.skip)).encode())
-        if record.differs:  # else the key of a chain stays what it was
+        # What is as usual is not told, so that the key of a chain stays what it was.
+        if record.differs:
             told.update(repr(record.own).encode())
+        if record.edge is not None:
+            told.update(f"held {record.edge!r}".encode())
+        if record.measures != "displacement":
+            told.update(record.measures.encode())
     model = density.fit.model
+    if model.form != "oscillator":
+        told.update(model.form.encode())
     settings = [(e.name, sorted(e.settings.items())) for e in model.effects]
     priors = [tuple(p) for p in density.priors]
     template = np.asarray(density.data.template, float)

@@ -10,6 +10,7 @@ import numpy as np
 from ..campaign.device import Device
 from ..campaign.record import Trace
 from ..posterior.attribution import Attributed, Attribution, Share
+from ..posterior.offset import EVEN, MEASURES
 from ..units import plain_micro
 from .figures.picture import draw_kept
 from .figures.style import FAINT, HELDOUT, INK, MODEL, RESIDUAL, new_axes, new_figure, shortened
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 # Told apart by the colour-blind (Okabe & Ito), the first three as elsewhere in the report.
 _COLOURS = (MODEL, RESIDUAL, HELDOUT, "#009e73", "#cc79a7", "#56b4e9", "#f0e442", INK)
-_SHOWN = ("mean over periods", "2nd harmonic", "dwell asymmetry", "at drive zeros, mean")
+_SHOWN = tuple(MEASURES[i].name for i in EVEN)
 _NARROW = 0.001  # width of a share from which its interval is told
 _BROAD = 0.02  # and from which whole percents tell it
 _FIXED = {"rad": Scale(np.pi / 180, "deg"), "1": Scale(0.01, "%")}

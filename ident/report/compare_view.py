@@ -8,8 +8,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..posterior.compare import DECISIVE, Comparison, Weighed
 from .figures.style import HELDOUT, INK, MODEL, RESIDUAL, key, label, new_axes, new_figure
+from .posterior_json import finite
 from .words.sheet import Column, Sheet
 
 if TYPE_CHECKING:
@@ -26,7 +29,7 @@ def compare_dict(found: Comparison) -> dict[str, Any]:
         "models": [_model(m) for m in found.models],
         "verdict": found.verdict,
         "best": found.models[found.best].name,
-        "lead": found.lead,
+        "lead": finite(found.lead),
         "lead_error": found.error,
         "describes_the_records": found.describes,
         "words": found.words,
@@ -43,24 +46,33 @@ def headline(document: Mapping[str, Any]) -> str:
 
 
 def _ahead(document: Mapping[str, Any]) -> Mapping[str, Any]:
-    return max(document["models"], key=lambda m: m["log_evidence"])
+    return _ordered(document)[0]
+
+
+def _ordered(document: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """The models, the best first; those without evidence, which JSON has as null, last."""
+    return sorted(document["models"], key=lambda m: -_number(m["log_evidence"], -math.inf))
+
+
+def _number(told: float | None, else_: float = math.nan) -> float:
+    """A number as JSON has it, where null stands for one that is not finite."""
+    return else_ if told is None else told
 
 
 def _model(one: Weighed) -> dict[str, Any]:
-    shape = one.evidence.shape
     holdout = one.fit.holdout
     return {
         "run": one.name,
         "effects": list(one.fit.model.names),
-        "log_evidence": one.evidence.value,
+        "log_evidence": finite(one.evidence.value),
         "log_evidence_error": one.evidence.error,
         "log_evidence_laplace": one.evidence.laplace,
-        "pareto_k": shape if math.isfinite(shape) else None,
+        "pareto_k": finite(one.evidence.shape),
         "efficiency": one.evidence.efficiency,
         "trusted": one.evidence.trusted,
-        "probability": one.probability,
-        "elpd": one.left_out.elpd,
-        "elpd_error": one.left_out.error,
+        "probability": finite(one.probability),
+        "elpd": finite(one.left_out.elpd),
+        "elpd_error": finite(one.left_out.error),
         "elpd_bad_blocks": one.left_out.bad,
         "heldout_log_score": one.heldout,
         "holdout_error_over_noise": None if holdout is None else holdout.error_over_noise,
@@ -70,19 +82,23 @@ def _model(one: Weighed) -> dict[str, Any]:
 
 def compare_sheet(document: Mapping[str, Any]) -> Sheet:
     """Every model with its evidence and scores, the best first."""
-    models = sorted(document["models"], key=lambda m: -m["log_evidence"])
+    models = _ordered(document)
     best = models[0]
     folders = [Path(m["run"]).absolute() for m in models]
     shared = os.path.commonpath([folder.parent for folder in folders])
     rows, marks = [], []
     for m, folder in zip(models, folders, strict=True):
         holdout = m["holdout_error_over_noise"]
+        ahead = _number(m["log_evidence"]) - _number(best["log_evidence"])
+        predicts = _number(m["elpd"]) - _number(best["elpd"])
         doubt = [] if m["trusted"] else ["evidence not to be trusted"]
+        doubt = ["no evidence"] if m["log_evidence"] is None else doubt
         doubt += [] if m["describes_the_records"] else ["does not describe the records"]
         rows.append((str(folder.relative_to(shared)), " + ".join(m["effects"]) or "linear",
-                     f"{m['log_evidence'] - best['log_evidence']:.1f} ± {m['log_evidence_error']:.2f}",
+                     f"{ahead:.1f} ± {m['log_evidence_error']:.2f}" if math.isfinite(ahead) else "–",
                      _probability(m["probability"]),
-                     f"{m['elpd'] - best['elpd']:.1f}", "–" if holdout is None else f"{holdout:.3g}",
+                     f"{predicts:.1f}" if math.isfinite(predicts) else "–",
+                     "–" if holdout is None else f"{holdout:.3g}",
                      "; ".join(doubt)))  # fmt: skip
         marks.append("total" if m is best else "warning" if doubt else "")
     columns = (
@@ -94,25 +110,27 @@ def compare_sheet(document: Mapping[str, Any]) -> Sheet:
     return Sheet("Models compared", columns, tuple(rows), tuple(marks), note)
 
 
-def _probability(share: float) -> str:
+def _probability(share: float | None) -> str:
+    if share is None:
+        return "–"
     return f"{100 * share:.3g} %" if share > 1e-4 else "< 0.01 %"
 
 
 def compare_figure(document: Mapping[str, Any]) -> Figure:
     """How far each model is behind the best, in nats of evidence (bar) and of left-out prediction (dot)."""
-    models = sorted(document["models"], key=lambda m: -m["log_evidence"])
+    models = _ordered(document)
     height = 0.5 * len(models) + 1.75
     figure = new_figure(10.6, height)
     axes = new_axes(figure, 0.36, 0.82 / height, 0.56, 1 - 1.6 / height)
     best = models[0]
-    behind = [best["log_evidence"] - m["log_evidence"] for m in models]
-    missed = [max(best["elpd"] - m["elpd"], 0.0) for m in models]
+    behind = [_number(best["log_evidence"]) - _number(m["log_evidence"]) for m in models]
+    missed = [np.maximum(_number(best["elpd"]) - _number(m["elpd"]), 0.0) for m in models]  # keeps NaN: no dot
     places = [-i for i in range(len(models))]
     colours = [MODEL if i == 0 else HELDOUT for i in range(len(models))]
-    axes.barh(places, [max(b, 0.0) for b in behind], height=0.55, color=colours)
+    axes.barh(places, np.nan_to_num(np.maximum(behind, 0.0)), height=0.55, color=colours)
     axes.plot(missed, places, "o", color=INK, ms=5)
     axes.set_xscale("symlog", linthresh=_LINEAR)
-    axes.set_xlim(0, max(20.0, 3.0 * max([*behind, *missed])))
+    axes.set_xlim(0, max(20.0, 3.0 * max([0.0, *filter(math.isfinite, [*behind, *missed])])))
     axes.axvline(DECISIVE, color=RESIDUAL, lw=1.2, ls="--")
     axes.set_ylim(places[-1] - 0.6, 0.6)
     above = axes.get_xaxis_transform()
@@ -130,9 +148,12 @@ def compare_figure(document: Mapping[str, Any]) -> Figure:
     axes.tick_params(axis="y", length=0)
     axes.minorticks_off()
     axes.xaxis.set_major_formatter("{x:g}")
-    for place, b, m in zip(places, behind, models, strict=True):
-        text = f"best: {100 * m['probability']:.3g} %" if m is best else f"{b:.1f}" if b < 1000 else f"{b:.0f}"
-        reached = max(b, best["elpd"] - m["elpd"], 0.0)
+    for place, b, dot, m in zip(places, behind, missed, models, strict=True):
+        known = math.isfinite(b)
+        text = (f"{b:.1f}" if b < 1000 else f"{b:.0f}") if known else "no evidence"
+        if m is best and known:
+            text = f"best: {100 * m['probability']:.3g} %"
+        reached = max(0.0, *filter(math.isfinite, (0.0, b, dot)))
         at = (
             DECISIVE if _BEFORE < reached < DECISIVE or m is best and reached < DECISIVE else reached
         )  # not on its line

@@ -100,7 +100,7 @@ _HERE = -100  # AT_FDCWD of Linux
 def _exchange(new: Path, old: Path) -> None:
     """The two folders change names, at once; where a system cannot do that, one after the other."""
     names = os.fsencode(new), os.fsencode(old)
-    with suppress(OSError, AttributeError):
+    with suppress(OSError, AttributeError, TypeError):  # the last is Windows, which has no library of its own program
         library = ctypes.CDLL(None, use_errno=True)
         if sys.platform == "darwin":
             done = library.renamex_np(*names, _SWAP)
@@ -128,6 +128,8 @@ def _clean(parent: Path, mark: str) -> None:
 
 
 def _lives(process: int) -> bool:
+    if sys.platform == "win32":  # where signal 0 is no question but Ctrl-C: what was left stays there
+        return True
     try:
         os.kill(process, 0)
     except ProcessLookupError:

@@ -36,19 +36,24 @@ def posterior_dict(posterior: Posterior) -> dict[str, Any]:
 def evidence_dict(evidence: Evidence) -> dict[str, Any]:
     """An evidence as plain numbers."""
     return {
-        "value": evidence.value,
+        "value": finite(evidence.value),
         "error": evidence.error,
         "method": evidence.method,
-        "pareto_k": evidence.shape if math.isfinite(evidence.shape) else None,
+        "pareto_k": finite(evidence.shape),
         "efficiency": evidence.efficiency,
         "laplace": evidence.laplace,
         "trusted": evidence.trusted,
     }
 
 
+def finite(number: float) -> float | None:
+    """A number as JSON can write it."""
+    return number if math.isfinite(number) else None
+
+
 def _parameter(marginal: Marginal, device: Device) -> dict[str, Any]:
     prior = marginal.prior
-    limits = [limit if math.isfinite(limit) else None for limit in (prior.lower, prior.upper)]
+    limits = [finite(prior.lower), finite(prior.upper)]
     return {
         "name": prior.name,
         "mean": marginal.mean,

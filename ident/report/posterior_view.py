@@ -38,6 +38,8 @@ def verdict_words(document: Mapping[str, Any]) -> str:
 
 def evidence_words(told: Mapping[str, Any]) -> str:
     """The evidence in one sentence, from `posterior.json`."""
+    if told["value"] is None:
+        return f"No evidence was found ({told['method']}): the records are impossible at every draw."
     k = "none" if told["pareto_k"] is None else f"{told['pareto_k']:.2f}"
     doubt = "" if told["trusted"] else f"; not to be trusted, because k is above {TRUSTED}"
     return (

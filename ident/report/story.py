@@ -40,6 +40,8 @@ def moved_sheet(entry: Mapping[str, Any]) -> Sheet | None:
     """Parameters that the missing effect had biased: those that moved by more than three of their standard errors."""
     rows = []
     for name, told in entry["parameters"].items():
+        if told["before"] is None or told["after"] is None:  # not finite, which JSON has as null: moved from nowhere
+            continue
         error, shift = told["standard_error"], told["after"] - told["before"]
         if error and abs(shift) > 3 * error and told["before"]:
             rows.append(

@@ -14,7 +14,7 @@ from jax import Array, lax
 
 from ..effects.effect import AbstractEffect, Drive, State
 from .lane import Numbers
-from .runge_kutta import runge_kutta, stages, steps_of
+from .runge_kutta import by_steps, runge_kutta, stages
 
 Hidden = tuple[Array, ...]
 
@@ -66,7 +66,7 @@ def memory_along(effect: AbstractEffect, hidden: Hidden, seen: Seen) -> tuple[Hi
         return hidden, hidden
 
     grids = (seen.z, seen.v, seen.voltage, seen.rate, seen.time)
-    end, path = lax.scan(advance, hidden, steps_of(grids))
+    end, path = lax.scan(advance, hidden, by_steps(grids))
     at_steps = tuple(jnp.concatenate([a[None], b]) for a, b in zip(hidden, path, strict=True))
     rates = jax.vmap(rate)(at_steps, tuple(jnp.asarray(grid)[::2] for grid in grids))
     return end, tuple(_with_midpoints(h, r, seen.step) for h, r in zip(at_steps, rates, strict=True))

@@ -28,7 +28,7 @@ from jax import Array, lax
 
 from ..effects.effect import AbstractEffect
 from .lane import Numbers
-from .runge_kutta import runge_kutta, stages, steps_of
+from .runge_kutta import by_steps, runge_kutta, stages
 from .steady_memory import driven_memory
 from .system import Equation, System, assemble, derivative, reading, slices, tangents
 
@@ -113,7 +113,7 @@ def march(equation: Equation, there: Driven, y: Array, level: Any, circle: Numbe
         return after, (jnp.stack(y), shown, jnp.stack(onward), seen, there.step * jnp.stack(turn))
 
     # Cosine and sine are those of all points: only a remembered force has to be kept for each.
-    inputs = steps_of((circle[0], circle[1], *there.push))
+    inputs = by_steps((circle[0], circle[1], *there.push))
     end, (state, *slopes) = lax.scan(advance, tuple(y), inputs)
     shown, onward, seen, turn = slopes
     return Path(state, shown, jnp.stack(end), onward, seen, turn)

@@ -33,11 +33,11 @@ def with_stages(
     return after, (y, second, third, last)
 
 
-def steps_of(grids: tuple[Numbers, ...]) -> Any:
+def by_steps(grids: tuple[Numbers, ...]) -> Any:
     """Inputs on the half-step grid, (2 n + 1,) each, as a scan takes them: at beginning, middle and end of n steps."""
     return tuple((grid[:-1:2], grid[1::2], grid[2::2]) for grid in grids)
 
 
 def stages(x: tuple[tuple[Any, ...], ...]) -> list[tuple[Any, ...]]:
-    """One step of `steps_of`, as `runge_kutta` takes it."""
+    """One step of `by_steps`, as `runge_kutta` takes it."""
     return [tuple(grid[i] for grid in x) for i in range(3)]

@@ -23,7 +23,7 @@ from ..programs import program
 from .kinks import bend, between, crept, halved, limits_of, sticks
 from .lane import Numbers
 from .memory import Remembered, Seen, forgotten, remembered_force
-from .runge_kutta import runge_kutta, stages, steps_of, with_stages
+from .runge_kutta import by_steps, runge_kutta, stages, with_stages
 from .system import Block, Equation, System, assemble, begun, derivative, reading, slices, tangents
 from .tape import BLOCK, BLOCKS, Chunk, Tape
 
@@ -231,7 +231,7 @@ def march(
                 after, dafter = lax.cond(missed > rate * allowed, divided, lambda: (after, dafter))
             return (after, dafter), (shown, y[0], y[1], dshown)
 
-        inputs = (steps_of((voltage, rate, time)), steps_of(forces), pushes and steps_of(pushes))
+        inputs = (by_steps((voltage, rate, time)), by_steps(forces), pushes and by_steps(pushes))
         (y, dy), said = lax.scan(advance, (y, dy), inputs)
         out = jax.tree.map(lambda a, b: lax.dynamic_update_index_in_dim(a, b, k, 0), tuple(out), said)
         return (y, dy, memories, *out)

@@ -10,6 +10,8 @@ from scipy.signal import cont2discrete, lfilter
 
 import ident
 from ident.campaign.noise.floor import noise_floor
+from ident.campaign.quality.suspect import suspects_by_data
+from ident.report.words.data import remarks
 
 FREQUENCY, QUALITY, RATE, NOISE = 480.0, 30.0, 400_000.0, 2e-8
 
@@ -43,6 +45,16 @@ def test_an_oversampled_record_is_thinned_with_an_honest_floor_and_fitted(table)
     for name, truth in (("frequency", FREQUENCY), ("quality", QUALITY)):
         one = found[name]
         assert one.error is not None and abs(one.value - truth) < 4 * one.error
+
+
+def test_what_was_clipped_is_said_of_a_record_that_is_thinned(table):
+    """The filter against aliases rounds a plateau off, so that no sample of those kept sticks to a limit."""
+    name, limit = "displacement (m)", 0.97 * float(np.max(table["displacement (m)"]))
+    campaign = ident.read_campaign(table | {name: np.clip(table[name], -limit, limit)}, device=DEVICE, start="rest")
+    (record,) = campaign.traces
+    assert record.step > 10 / RATE
+    (suspect,) = (one for one in suspects_by_data(campaign) if one.kind == "clipping")
+    assert any(f"{suspect.size / 100:.1%} of the response sticks" in remark for remark in remarks(record, campaign))
 
 
 def test_a_given_noise_is_less_by_what_the_filter_takes_away(table):

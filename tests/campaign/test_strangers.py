@@ -245,6 +245,23 @@ def test_times_of_day():
     assert clock_seconds(["05:33.5", "noon"]) is None
 
 
+@pytest.mark.parametrize(
+    ("cells", "seconds"),
+    [
+        (["59:59.8", "59:59.9", "00:00.0", "00:00.1"], ["3599.8", "3599.9", "3600.0", "3600.1"]),
+        (["59:59.9", "1:00:00.0"], ["3599.9", "3600.0"]),
+        (["59:59", "60:00", "99:59", "10:00"], ["3599", "3600", "5999", "600"]),  # it counts minutes on
+        (["12:59:59", "01:00:00", "12:00:00", "01:00:00"], ["46799", "46800", "86400", "90000"]),
+        (["11:59:59", "12:00:00"], ["43199", "43200"]),
+        (["11:59:59 AM", "12:00:00 PM", "11:59:59 PM", "12:00:00 AM"], ["43199", "43200", "86399", "86400"]),
+        (["23:59:59", "00:00:00"], ["86399", "86400"]),
+        (["00:59:59", "12:59:59", "01:00:00"], ["3599", "46799", "3600"]),  # a clock of 24 hours that was set back
+    ],
+)
+def test_a_clock_begins_anew_after_its_largest_field(cells, seconds):
+    assert clock_seconds(cells) == seconds
+
+
 def _without(text, lost):
     """A table without some of its rows, counted from the first below the header."""
     lines = text.splitlines()

@@ -14,7 +14,7 @@ from experiments.hidden_effects.campaigns import campaign_of
 from experiments.hidden_effects.generator import draw, write
 from ident.campaign import Campaign, Trace, read_campaign
 from ident.campaign.quality.clipping import clipped_mask
-from ident.campaign.quality.suspect import ALL, Suspect, suspects_by_data
+from ident.campaign.quality.suspect import ALL, Suspect, set_aside, suspects_by_data
 from ident.campaign.record import Channel, NoiseFloor
 from ident.diagnosis.diagnose import diagnose
 from ident.diagnosis.document import diagnosis_dict
@@ -183,6 +183,21 @@ def test_what_the_data_alone_tell(clean):
     clipped = spoiled(clean, first.name, **changes)
     assert [(s.file, s.kind) for s in suspects_by_data(clipped)] == [(first.name, "clipping")]
     assert suspects_by_data(clean) == ()
+
+
+def test_of_a_file_that_is_listed_twice_one_record_stays(tmp_path):
+    """What is set aside is known by its name, and so are columns of one table that are records of their own."""
+    time = np.arange(400) * 1e-4
+    table = np.column_stack([time, *(np.sin(2 * np.pi * hz * time - 0.1 * k) for hz in (250, 330) for k in (0, 1))])
+    np.savetxt(tmp_path / "a.csv", table, delimiter=",", header="time (s),u,z,u2,z2", comments="")
+    listed = '[[record]]\nfile = "a.csv"\nstart = "unknown"\ncolumns = {{ time = 1, drive = {}, response = {} }}\n'
+    text = 'device = { kind = "oscillator" }\n' + "".join(listed.format(*c) for c in ((2, 3), (4, 5), (2, 3)))
+    (tmp_path / "campaign.toml").write_text(text, encoding="utf-8")
+    campaign = read_campaign(tmp_path)
+    assert [record.name for record in campaign.records] == ["a.csv", "a.csv (2)", "a.csv (3)"]
+    suspects = suspects_by_data(campaign)
+    assert [(s.file, s.kind) for s in suspects] == [("a.csv (3)", "duplicate")]
+    assert [record.name for record in set_aside(campaign, suspects).records] == ["a.csv", "a.csv (2)"]
 
 
 def record_of(response: np.ndarray) -> Trace:

@@ -61,6 +61,15 @@ def test_a_new_campaign_is_fitted_as_it_is_and_never_overwritten(tmp_path):
     assert document["fitted"]["error_over_noise"] < 1.15 and document["holdout"]["error_over_noise"] < 1.15
 
 
+def test_an_effect_is_added_by_its_file_also_where_the_campaign_has_that_already(tmp_path):
+    folder = tmp_path / "mine"
+    assert ident("new", folder).code == 0
+    assert ident("fit", folder, "--effects", "", "-o", tmp_path / "plain").code == 0
+    outcome = ident("add", tmp_path / "plain", folder / "my_effect.py", "-o", tmp_path / "more", "--json")
+    assert outcome.code == 0, outcome.err
+    assert json.loads(outcome.out)["effects"] == ["gas-drag"]
+
+
 def test_simulate_writes_what_the_fit_says_in_columns_with_units(clean, tmp_path):
     home, _ = clean
     outcome = ident("simulate", home / "run", "--record", "sine_3V_500Hz.csv", "-o", tmp_path / "model.csv")

@@ -6,6 +6,7 @@ import json
 import shutil
 import tomllib
 
+import numpy as np
 import pytest
 
 from ident.errors import UserError
@@ -131,3 +132,19 @@ def test_an_interrupted_fit_leaves_nothing_half_written(clean, tmp_path, monkeyp
     assert outcome.code == 1
     assert outcome.err.splitlines()[-1].startswith("ident: stopped")
     assert list((tmp_path / "runs").iterdir()) == []
+
+
+def test_a_parameter_that_the_fit_holds_has_no_profile_and_the_fit_is_kept(tmp_path):
+    """One steady sine: the quality factor is free in the model, and held once the records are seen."""
+    time = np.arange(1600) * 2.5e-5
+    turn = 2 * np.pi * 480.0 * time
+    response = 5.0 * np.sin(turn - 0.3) + 1e-3 * np.random.default_rng(0).standard_normal(1600)
+    table = np.column_stack([time, np.sin(turn), response])
+    np.savetxt(tmp_path / "a.csv", table, delimiter=",", header="time (s),drive (V),response (V)", comments="")
+    what = 'device = { kind = "oscillator", output = "V" }\n[[record]]\nfile = "a.csv"\nstart = "unknown"\n'
+    (tmp_path / "campaign.toml").write_text(what, encoding="utf-8")
+    outcome = ident("fit", tmp_path, "-o", tmp_path / "run", "--profile", "quality", "--profile", "gain")
+    assert outcome.code == 0, outcome.err
+    assert "no profile of quality" in outcome.err and (tmp_path / "run" / "run.json").is_file()
+    (told,) = json.loads((tmp_path / "run" / "profiles.json").read_text(encoding="utf-8"))["profiles"]
+    assert told["name"] == "oscillator.gain"

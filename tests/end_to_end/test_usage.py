@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 import subprocess
 import sys
@@ -10,6 +11,9 @@ from pathlib import Path
 import pytest
 
 import ident as package
+from ident.cli.changed import beside
+from ident.cli.fit import default_folder
+from ident.cli.limit import Limit
 from ident.cli.main import ident as commands
 from tests.end_to_end.user import DATA, ROOT, assert_one_line, ident
 
@@ -127,3 +131,32 @@ def test_a_folder_that_cannot_be_made_is_told_before_anything_is_fitted():
         outcome = ident("discover", DATA / "oscillator", "-o", "/proc/found")
         assert_one_line(outcome, "/proc/found", "nothing can be written there")
         assert "fitting" not in outcome.err
+
+
+def test_a_run_is_called_as_its_campaign_is(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "stage.2").mkdir()
+    for given, name in (("stage.2", "stage.2"), ("stage.2/campaign.toml", "stage.2"), ("sine.8V.csv", "sine.8V")):
+        assert default_folder((given,)) == Path("runs") / name
+
+
+def test_a_changed_run_lies_beside_its_parent_however_that_is_called(tmp_path, monkeypatch):
+    (tmp_path / "a").mkdir()
+    monkeypatch.chdir(tmp_path / "a")
+    for run in (".", "../a/", str(tmp_path / "a")):
+        assert beside(Path(run), "+cubic-stiffness").resolve() == tmp_path / "a+cubic-stiffness"
+
+
+@pytest.mark.parametrize("minutes", [math.inf, 1e300, math.nan])
+def test_more_time_than_a_timer_can_tell_is_no_limit(minutes):
+    limit = Limit(minutes)
+    with limit.running():
+        limit.ask()
+
+
+def test_a_full_disk_tells_no_file(monkeypatch, small):
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("ident.report.check.check", full)
+    assert ident("check", small).err.startswith("ident: No space left on device")

@@ -123,9 +123,26 @@ def test_a_new_drive_begins_at_rest_and_parameters_can_be_set(found):
     np.testing.assert_allclose(said.reading, found.predict(held).reading, atol=1e-10)
     sharper = found.predict({"t": held.time, "u": held.drive}, {"quality": 60, "frequency": "0.45 kHz"})
     assert np.max(np.abs(sharper.reading)) > 2 * np.max(np.abs(said.reading))
-    for name, told in (("qualty", 40), ("quality", -1), ("quality", "40 mm"), ("quality", None)):
+    for name, told in (("qualty", 40), ("quality", -1), ("quality", "40 mm"), ("quality", None), ("quality", 0),
+                       ("frequency", "0 Hz")):  # fmt: skip
         with pytest.raises(ident.UserError):
             found.predict(held, {name: told})
+
+
+def test_a_new_drive_that_was_sampled_unevenly_is_put_on_a_grid(found):
+    time = (np.arange(600) + np.random.default_rng(1).uniform(-0.05, 0.05, 600)) * 2.5e-5
+    said = found.predict({"t": time, "u": 5.0 * np.sin(2 * np.pi * 450.0 * time)})
+    np.testing.assert_allclose(said.drive, 5.0 * np.sin(2 * np.pi * 450.0 * said.time), atol=0.02)
+
+
+def test_of_curves_alone_nobody_knows_the_noise_of_a_measurement_in_time():
+    found = ident.fit(DATA / "platform_sweeps", (), seconds=1e-3)  # wherever the search is by then
+    time = np.arange(200) * 2.5e-5
+    said = found.predict({"t": time, "u": np.sin(2 * np.pi * 300.0 * time)})
+    with pytest.raises(ident.UserError, match="noise=False"):
+        said.band()
+    low, high = said.band(noise=False)
+    assert np.isnan(said.noise) and np.all(low <= high)
 
 
 def test_simulate_says_what_the_fit_says(found):

@@ -4,7 +4,10 @@ import numpy as np
 from scipy import signal
 
 from ident.campaign.record import NoiseFloor
+from ident.fit.fit import fit
 from ident.fit.uncertainty import Linearisation, _spread, covariance
+from ident.model import build_model
+from tests.posterior.records import campaign, record
 
 
 def test_coloured_noise_widens_the_error_bars_as_monte_carlo_says():
@@ -37,3 +40,13 @@ def test_a_prior_determines_what_the_data_leave_open():
     found = covariance(linear, np.array([0.0, 10.0]))
     assert found.null.shape == (2, 0)
     np.testing.assert_allclose(found.matrix[1, 1], 0.01, rtol=1e-6)
+
+
+def test_a_fit_that_holds_every_parameter_is_a_fit():
+    names = ("frequency", "quality", "gain")
+    held = {"frequency": 71.3, "quality": 14.0, "gain": 1.9e5, "fixed": names}
+    data = campaign(record(1), oscillator=held)
+    found = fit(build_model(data, ()), data)
+    assert found.free == () and found.covariance.shape == (0, 0) and found.combinations == ()
+    assert [found.value(name) for name in names] == [71.3, 14.0, 1.9e5] and found["quality"].error is None
+    assert np.all(found.predict(data.traces[0]).error == 0.0)

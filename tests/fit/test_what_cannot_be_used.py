@@ -31,9 +31,10 @@ def found():
     ("given", "says"),
     [
         ({"sigma": "fited"}, "choose one of known, scaled, fitted"),
-        ({"starts": -1}, "is no number of starts"),
+        ({"starts": -1}, "is no such number"),
         ({"initial": [1.0, 2.0]}, "give 3 finite numbers, SI: platform.frequency"),
-        ({"starts": 1.5}, "is no number of starts"),
+        ({"starts": 1.5}, "is no such number"),
+        ({"seed": -1}, "seed = -1 is no such number"),
         ({"initial": "none"}, "is no value of each parameter"),
         ({"initial": [np.nan] * 3}, "is no value of each parameter"),
         ({"effects": (3,)}, "3 is neither the name of an effect nor a class of one"),
@@ -44,6 +45,10 @@ def found():
 def test_settings_that_cannot_be_used(given, says):
     with pytest.raises(UserError, match=says.replace("(", r"\(")):
         ident.fit(_sine(), **{"effects": (), **given}, start="rest")
+
+
+def test_numbers_of_numpy_are_numbers():
+    assert len(ident.fit(_sine(), (), start="rest", starts=np.int64(1), seed=np.int64(2)).starts) == 2
 
 
 def test_a_complex_column_is_no_column_of_numbers():

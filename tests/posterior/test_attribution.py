@@ -104,3 +104,13 @@ def test_symmetric_physics_has_no_offset_while_it_settles():
         ahead, back = (d.readings(values)[0] for d in (density, density.mirrored()))
         even = np.max(np.abs(ahead + back)) / np.max(np.abs(ahead))
         assert even > 0.02 if with_stress else even < 1e-9
+
+
+def test_records_of_one_file_are_not_taken_for_one_another():
+    """Two records may be columns of one table, and are then called alike."""
+    one = shortened("platform_317hz", ("residual-stress",), samples=800)
+    called = {id(r): replace(r, name="table.csv") for r in one.campaign.records}
+    alike = replace(one, campaign=replace(one.campaign, records=tuple(called[id(r)] for r in one.campaign.records)))
+    told = [attribute(fit, fit.values[None]).records for fit in (one, alike)]
+    models = [[m.offset.model for r in records for m in r.measures] for records in told]
+    assert len(told[0]) > 1 and models[0] == models[1]

@@ -12,12 +12,15 @@ from scipy.special import logsumexp
 from ident.campaign.campaign import Prior
 from ident.fit.fit import fit
 from ident.model import build_model
+from ident.posterior import compare as comparison
+from ident.posterior import density as densities
 from ident.posterior.bent import fit_bent
 from ident.posterior.density import make_density
 from ident.posterior.evidence import log_evidence
 from ident.posterior.laplace import Laplace, find_peak
 from ident.posterior.mixture import fit_mixture
 from ident.posterior.pareto import smooth
+from ident.report.compare_view import compare_dict, compare_figure, compare_sheet
 from tests.posterior.records import SIGMA, campaign, record
 
 HELD = {"oscillator": {"frequency": 71.3, "quality": 14.0, "fixed": ("frequency", "quality")}}
@@ -170,3 +173,36 @@ def test_the_peak_is_where_the_density_is_largest():
     steps = np.linspace(-0.2, 0.2, 41)[:, None] * np.sqrt(laplace.covariance[0, 0])
     around = laplace.density.log_posterior(steps)
     assert around.max() - laplace.peak < 1e-4
+
+
+@pytest.mark.parametrize("gone", [{"b"}, {"a", "b"}])
+def test_a_model_without_evidence_is_told_of_and_decides_nothing(gone, monkeypatch):
+    """ln Z = −∞: none of its draws allows the records."""
+    one, other = linear_fit(record(1, samples=300)), linear_fit(record(1, samples=300))
+    lost = {id(fit) for name, fit in (("a", one), ("b", other)) if name in gone}
+
+    def evidence(fit):
+        found = log_evidence(fit)
+        return found._replace(value=-np.inf, shape=np.inf) if id(fit) in lost else found
+
+    monkeypatch.setattr(comparison, "log_evidence", evidence)
+    found = comparison.compare([("b", other), ("a", one)])
+    assert f"No evidence was found of {', '.join(sorted(gone, reverse=True))}" in found.words
+    assert found.verdict == "undecided" and np.isnan(found.lead) and "prefer" not in found.words
+    assert found.models[1].probability == 1.0 if gone == {"b"} else np.isnan(found.models[1].probability)
+    assert found.best == (1 if gone == {"b"} else 0)
+    assert "no evidence" in evidence(other).words
+    sheet = compare_sheet(compare_dict(found))
+    assert sheet.rows[-1][2] == "–" and "no evidence" in sheet.rows[-1][-1]
+    assert np.isfinite(compare_figure(compare_dict(found)).axes[0].get_xlim()).all()
+
+
+def test_a_density_over_other_records_keeps_coordinates_and_priors_and_is_put_together_once(monkeypatch):
+    base = make_density(linear_fit(record(1, samples=300), record(2, samples=300, holdout=True)))
+    base, put_together = base.moved(np.full(base.size, 0.3)), []
+    real = densities.assemble
+    monkeypatch.setattr(densities, "assemble", lambda *given: put_together.append(1) or real(*given))
+    other = base.over(base.fit.campaign.heldout)
+    assert len(put_together) == 1 and other.priors is base.priors and [r.name for r in other.records] == ["2.csv"]
+    x = np.random.default_rng(0).standard_normal((3, base.size))
+    np.testing.assert_array_equal(other.values(x), base.values(x))

@@ -151,6 +151,19 @@ def test_a_chain_that_is_damaged_cut_short_or_anothers_is_refused(undisturbed, t
         read_chain(path, run_key(posterior.density, 1))
 
 
+def test_a_chain_is_anothers_where_the_drive_is_held_otherwise_or_the_equation_of_motion_is_another(found):
+    density = make_density(found)
+    first, *rest = density.records
+
+    def read_so(**changed):
+        return replace(density, records=(replace(first, **changed), *rest))
+
+    shaken = replace(density, fit=replace(found, model=replace(found.model, form="shaken")))
+    others = [read_so(edge=0.0), read_so(edge=0.5), read_so(measures="velocity"), shaken]
+    assert len({run_key(one, 0) for one in (density, *others)}) == 5
+    assert run_key(replace(density), 0) == run_key(density, 0)
+
+
 def test_the_draws_of_a_finished_chain_serve_its_own_fit_alone(found, undisturbed, tmp_path):
     path, posterior = undisturbed
     draws = chain_draws(found, path, 200)

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
+
 from ident.report.attribution_view import attribution_sheet
 from ident.report.compare_view import compare_figure, compare_sheet, headline
+from ident.report.posterior_view import evidence_words
 
 
 def document(verdict: str = "decided", described: bool = True, behind: float = 35.4) -> dict[str, Any]:
@@ -42,6 +45,21 @@ def test_the_line_of_decision_runs_through_no_word() -> None:
     assert len(boxes) == 3 and not any(box.x0 < at < box.x1 and box.y0 < top for box in boxes)
     assert "does not describe them" in figure.texts[-1].get_text()
     assert "logarithmic beyond 10" in axes.get_xlabel()
+
+
+@pytest.mark.parametrize("lost", [[0], [0, 1]])
+def test_a_model_without_evidence_has_a_row_and_a_bar_of_no_length(lost: list[int]) -> None:
+    told = document(described=False)
+    for i in lost:
+        told["models"][i] |= {"log_evidence": None, "probability": None if len(lost) > 1 else 0.0, "elpd": None}
+        told["models"][i] |= {"trusted": False}
+    sheet = compare_sheet(told)
+    assert sheet.rows[-1][2] == "–" and "no evidence" in sheet.rows[-1][-1]
+    figure = compare_figure(told)
+    figure.canvas.draw()
+    assert [text.get_text() for text in figure.axes[0].texts].count("no evidence") == len(lost)
+    assert "undecided" in headline(told | {"verdict": "undecided"})
+    assert evidence_words({"value": None, "method": "importance sampling"}).startswith("No evidence was found")
 
 
 def test_a_share_has_its_interval_and_the_note_says_how_it_passes_100_percent() -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from ident.report import new_folder as folders
 from ident.report.new_folder import new_folder
 
 WRITER = """
@@ -60,3 +61,24 @@ def test_a_writer_killed_at_any_moment_leaves_one_whole_run(tmp_path):
     with new_folder(target) as folder:  # the next writer cleans up
         (folder / "run.json").write_text("z")
     assert [p.name for p in tmp_path.iterdir()] == ["run"]
+
+
+def test_where_folders_cannot_change_names_at_once_and_no_process_may_be_asked(tmp_path, monkeypatch):
+    """As on Windows, where a signal 0 is Ctrl-C, and a program is no library."""
+
+    def no_library(name, **_):
+        raise TypeError("bad argument type for built-in operation")
+
+    def kill(process, number):
+        raise AssertionError("somebody was sent Ctrl-C")
+
+    target = tmp_path / "run"
+    monkeypatch.setattr(folders.ctypes, "CDLL", no_library)
+    for text in ("old", "new"):
+        with new_folder(target) as folder:
+            (folder / "run.json").write_text(text)
+    assert (target / "run.json").read_text() == "new" and [p.name for p in tmp_path.iterdir()] == ["run"]
+    with monkeypatch.context() as there:
+        there.setattr(folders.sys, "platform", "win32")
+        there.setattr(folders.os, "kill", kill)
+        assert folders._lives(2**22 + 1)

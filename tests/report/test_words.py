@@ -76,6 +76,8 @@ def test_the_terminal_text_fits_its_window(make_fit, width):
     assert max(len(line) for line in text.splitlines()) <= width
     assert "\x1b" not in text
     assert "…" not in text  # nothing is cut off
+    marked = [line for line in text.splitlines() if line.startswith("! ")]
+    assert len(marked) == sum(sentence.warning for sentence in sentences(make_fit(misfit=0.4))) > 0
 
 
 def test_what_is_determined_of_the_undetermined(make_fit):

@@ -158,18 +158,12 @@ def find_transient(
     """The pole of the transient by separable least squares; None if there is no transient to be seen.
 
     **Arguments:** `response` (n,), `drive_rate`: rad per sample or None, `count`: harmonics of the drive, `avoid`:
-    rates of lines that are no transient unless they
-    die (mains hum).
+    rates of lines that are no transient unless they die (mains hum).
     """
-    n = len(response)
-    rest = beside(orthonormal(harmonic_columns(n, drive_rate, count))[0], response)
-    rates = np.concatenate([_peaks(rest), _peaks(rest[: max(n // 4, 64)])])
-    near = [any(abs(rate - line) < 7.0 / n for line in avoid) for rate in rates]
-    rates = np.array([rate for rate, hum in zip(rates, near, strict=True) if not hum or dies(rest, rate)])
-    if len(rates) == 0:
+    rates = _lines(response, drive_rate, count, avoid)
+    if not rates:
         return None
-    fastest = max(float(np.max(rates)), drive_rate or 0.0)
-    block = max(1, int(2 * np.pi / fastest / 8))
+    block = max(1, int(2 * np.pi / max(*rates, drive_rate or 0.0) / 8))
     thin = _thinned(response, block)[:FIRST]
     thin_rate = None if drive_rate is None else drive_rate * block
     length = len(thin)
@@ -183,7 +177,26 @@ def find_transient(
         basis = np.linalg.qr(columns / np.linalg.norm(columns, axis=0).clip(1e-300))[0]
         return thin - basis @ (basis.T @ thin)
 
-    starts = [np.array([rate * block, np.log(decay / length)]) for rate in rates for decay in (2.0, 8.0)]
+    best = _nearest(misfit, [rate * block for rate in rates], length)
+    return Pole(float(best[0]) / block, float(np.exp(best[1])) / block)
+
+
+def _lines(response: np.ndarray, drive_rate: float | None, count: int, avoid: tuple[float, ...]) -> list[float]:
+    """Rates (rad per sample) of the lines that stand out beside the drive's harmonics, in the whole or at its
+    beginning; without those to `avoid` that stay."""
+    n = len(response)
+    rest = beside(orthonormal(harmonic_columns(n, drive_rate, count))[0], response)
+    rates = np.concatenate([_peaks(rest), _peaks(rest[: max(n // 4, 64)])])
+    return [
+        float(rate) for rate in rates
+        if not any(abs(rate - line) < 7.0 / n for line in avoid) or dies(rest, rate)
+    ]  # fmt: skip
+
+
+def _nearest(misfit: Callable[[np.ndarray, int], np.ndarray], rates: list[float], length: int) -> np.ndarray:
+    """Rate and ln of the decay, per sample, of least misfit: from the best of some starts, first with the transient's
+    own columns, then with those of its products."""
+    starts = [np.array([rate, np.log(decay / length)]) for rate in rates for decay in (2.0, 8.0)]
     costs = [float(np.sum(misfit(start, 1) ** 2)) for start in starts]
     best = starts[int(np.argmin(costs))]
     low, high = np.array([1e-3, np.log(0.1 / length)]), np.array([np.inf, np.log(100.0 / length)])
@@ -191,7 +204,7 @@ def find_transient(
     for level, steps in ((1, 3), (2, 5)):
         best = np.clip(best, low, high)
         best = _minimised(lambda point, level=level: misfit(point, level), best, scale, low, high, steps)
-    return Pole(float(best[0]) / block, float(np.exp(best[1])) / block)
+    return best
 
 
 def _minimised(

@@ -43,45 +43,22 @@ def uniform_time(column: Column, factor: float, notes: list[str]) -> np.ndarray:
     resolution = _resolution(column)
     if not step > 0:
         step = float((printed[-1] - printed[0]) / (n - 1))
-    index = np.arange(n)
-    if step > 0:
-        slope, origin = np.polyfit(index, printed - printed[0], 1)
-        origin += printed[0]
-        worst = float(np.max(np.abs(printed - (origin + slope * index))))
-    else:
-        slope, origin, worst = step, printed[0], math.inf
+    slope, grid = _line_through(printed, step)
+    off = np.abs(printed - grid)
+    worst = float(np.max(off))
     if slope > 0 and worst <= 0.75 * resolution:  # rounding in print, and nothing else
         if worst > 0.05 * slope:
             what = f"printed times are rounded by up to {worst / slope:.0%} of the sampling interval"
             notes.append(f"{column.file}: {what}; a uniform grid is assumed.")
-        return factor * (origin + slope * index)
-    back = np.flatnonzero(steps <= 0)
-    if len(back):
-        row = int(back[0]) + 1
-        word = "repeats" if steps[back[0]] == 0 else "runs backwards"
-        more = f" (and {len(back) - 1} more times)" if len(back) > 1 else ""
-        do = (
-            "delete the repeated rows"
-            if word == "repeats"
-            else "sort the rows, or split the file where it starts again"
-        )
-        raise UserError(f"time {word}{more}", where=column.place(row), do=do)
-    gaps = gaps_in(steps, step, 2 * resolution)
-    if len(gaps):
-        row = int(gaps[0]) + 1
-        size = format_quantity(float(steps[gaps[0]]) * factor, "s")
-        more = f" (and {len(gaps) - 1} more)" if len(gaps) > 1 else ""
-        do = "give the parts before and after as two records, or resample"
-        raise UserError(
-            f"a gap of {size} in a record sampled every {step * factor:.6g} s{more}", where=column.place(row), do=do
-        )
-    jitter = worst / slope if slope > 0 else math.inf
-    even = slope > 0 and float(np.max(steps)) < _LONGEST_STEP * step  # a clock that waits: off any grid, and no gap
+        return factor * grid
+    _check_forwards(column, steps)
+    _check_gaps(column, factor, steps, step, resolution)
+    jitter = worst / slope  # of times that go forwards the line does, too
+    even = float(np.max(steps)) < _LONGEST_STEP * step  # a clock that waits: off any grid, and no gap
     if jitter > MOST_JITTER and not even:
-        row = int(np.argmax(np.abs(printed - (origin + slope * index))))
         do = "resample the record on uniform times (for example with scipy.interpolate.CubicSpline)"
         what = f"sampling is not uniform: a sample is {jitter:.0%} of an interval off the uniform grid"
-        raise UserError(what, where=column.place(row), do=do)
+        raise UserError(what, where=column.place(int(np.argmax(off))), do=do)
     if jitter > _STILL_UNIFORM:
         told = f"jitter by up to {jitter:.1%} of an interval"
         if jitter > MOST_JITTER:
@@ -92,7 +69,40 @@ def uniform_time(column: Column, factor: float, notes: list[str]) -> np.ndarray:
         )
     if jitter > MOST_JITTER:  # the line through times that wander does not begin and end where they do
         return factor * np.linspace(printed[0], printed[-1], n)
-    return factor * (origin + slope * index)
+    return factor * grid
+
+
+def _line_through(printed: np.ndarray, step: float) -> tuple[float, np.ndarray]:
+    """The slope of the line through printed times, and the line; by their first one where no `step` goes forwards."""
+    index = np.arange(len(printed))
+    if not step > 0:
+        return step, printed[0] + step * index
+    slope, origin = np.polyfit(index, printed - printed[0], 1)
+    return slope, origin + printed[0] + slope * index
+
+
+def _check_forwards(column: Column, steps: np.ndarray) -> None:
+    """A `UserError` where time repeats or runs backwards."""
+    back = np.flatnonzero(steps <= 0)
+    if not len(back):
+        return
+    more = f" (and {len(back) - 1} more times)" if len(back) > 1 else ""
+    word, do = "runs backwards", "sort the rows, or split the file where it starts again"
+    if steps[back[0]] == 0:
+        word, do = "repeats", "delete the repeated rows"
+    raise UserError(f"time {word}{more}", where=column.place(int(back[0]) + 1), do=do)
+
+
+def _check_gaps(column: Column, factor: float, steps: np.ndarray, step: float, resolution: float) -> None:
+    """A `UserError` where some of the steps are gaps."""
+    gaps = gaps_in(steps, step, 2 * resolution)
+    if not len(gaps):
+        return
+    size = format_quantity(float(steps[gaps[0]]) * factor, "s")
+    more = f" (and {len(gaps) - 1} more)" if len(gaps) > 1 else ""
+    what = f"a gap of {size} in a record sampled every {step * factor:.6g} s{more}"
+    do = "give the parts before and after as two records, or resample"
+    raise UserError(what, where=column.place(int(gaps[0]) + 1), do=do)
 
 
 def gaps_in(steps: np.ndarray, step: float, print_off: float = 0.0) -> np.ndarray:

@@ -11,7 +11,6 @@ import numpy as np
 from ..drive import drive_frequency
 from ..period import fourier_basis, least_squares
 from ..record import NoiseFloor, Trace
-from .clipping import clipped_fraction
 
 
 @dataclass(frozen=True)
@@ -24,7 +23,8 @@ class Judgement:
     - `frequency`: of the drive, Hz, rms(V̇)/rms(V)/2π; `periods`: of the drive in the record, or None.
     - `amplitude`: half the peak-to-peak drive, V; `distortion`: rms of the drive's harmonics over its fundamental
       (for a drive that has one fundamental), else None.
-    - `samples_per_period`; `clipped`: share of the response that sticks to its limits.
+    - `samples_per_period`; `clipped`: share of the response that stuck to its limits as it was
+      recorded, before aliases were filtered out of it; 0 where only a few samples did.
     - `drift`: change of the mean response over the record, m; `size`: rms of the response, m.
     - `noise`: the noise floor, with its method and relative error.
     - `start_fits`: whether the data agree with the start that is claimed (None: nothing to test); `remarks`: in words.
@@ -79,7 +79,7 @@ def judge(record: Trace) -> Judgement:
         amplitude=float(np.ptp(record.drive)) / 2,
         distortion=distortion,
         samples_per_period=rate / frequency if frequency > 0 else math.inf,
-        clipped=clipped_fraction(record.response),
+        clipped=record.stuck,
         drift=drift,
         size=size,
         noise=record.noise,

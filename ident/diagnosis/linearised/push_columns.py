@@ -14,7 +14,7 @@ from ...programs import program
 from ...response import Tape
 from ...response.kinks import STIFF
 from ...response.lane import Numbers
-from ...response.runge_kutta import runge_kutta, stages, steps_of
+from ...response.runge_kutta import by_steps, runge_kutta, stages
 from ...response.tape import BLOCK, BLOCKS
 from .columns import Dynamics
 
@@ -55,7 +55,7 @@ def answer(
     def one_block(k: Any, state: tuple) -> tuple:
         *y, out = state
         y = tuple(jnp.where(first[k] > 0, 0.0, x) for x in y)
-        inputs = steps_of((pushes[k].T / along.mass[k], along.stiffness[k], along.damping[k]))
+        inputs = by_steps((pushes[k].T / along.mass[k], along.stiffness[k], along.damping[k]))
         y, said = lax.scan(partial(_step, steps[k]), y, (inputs, along.by_z[k], along.by_v[k], along.by_a[k]))
         return *y, lax.dynamic_update_index_in_dim(out, said, k, 0)
 

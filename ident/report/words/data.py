@@ -11,7 +11,6 @@ import numpy as np
 from ...campaign.campaign import Campaign
 from ...campaign.device import Platform
 from ...campaign.drive import drive_frequency
-from ...campaign.quality.clipping import CLIPPED
 from ...campaign.quality.judge import judge
 from ...campaign.record import SAME_LEVEL, Record, Sweep, Trace
 from ...units import significant
@@ -145,7 +144,7 @@ def remarks(record: Record, campaign: Campaign) -> tuple[str, ...]:
     if isinstance(record, Sweep):
         return sweep_remarks(record, campaign)
     found = judge(record)
-    clipped = (f"{found.clipped:.1%} of the response sticks to a limit",) if found.clipped > CLIPPED else ()
+    clipped = (f"{found.clipped:.1%} of the response sticks to a limit",) if found.clipped > 0 else ()
     return (*clipped, *found.remarks)
 
 

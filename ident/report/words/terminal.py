@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from ...errors import visible
 from ...fit.result import Fit
 from .linear import linear_sheet
-from .sentences import sentences, verdict
+from .sentences import Sentence, sentences, verdict
 from .sheet import plain, rich_sheet
 from .tables import combination_sentences, correlation_sentences, parameter_sheet, record_sheet, start_sheet
 
@@ -20,11 +21,11 @@ def fit_view(fit: Fit) -> Group:
     from rich.console import Group
 
     parts: list[RenderableType] = [_paragraph(verdict(fit)), rich_sheet(parameter_sheet(fit))]
-    parts += _list("Undetermined", combination_sentences(fit))
-    parts += _list("Strong correlations", correlation_sentences(fit))
+    parts += _list("Undetermined", map(Sentence, combination_sentences(fit)))
+    parts += _list("Strong correlations", map(Sentence, correlation_sentences(fit)))
     parts += [rich_sheet(record_sheet(fit)), rich_sheet(start_sheet(fit))]
     parts += [rich_sheet(sheet) for sheet in [linear_sheet(fit)] if sheet is not None]
-    parts += _list("To know", tuple(("! " if s.warning else "") + s.text for s in sentences(fit)))
+    parts += _list("To know", sentences(fit))
     return Group(*parts)
 
 
@@ -40,20 +41,15 @@ def _paragraph(text: str) -> RenderableType:
     return Padding(Text(visible(text)), (0, 0, 1, 0))
 
 
-def _list(title: str, items: tuple[str, ...]) -> list[RenderableType]:
+def _list(title: str, items: Iterable[Sentence]) -> list[RenderableType]:
     """Sentences with a hanging indent under a heading; nothing if there are none."""
     from rich.padding import Padding
     from rich.table import Table
     from rich.text import Text
 
-    if not items:
-        return []
     grid = Table.grid(padding=(0, 1))
     grid.add_column(width=1)
     grid.add_column(overflow="fold")
-    for item in items:
-        warning = item.startswith("! ")
-        grid.add_row(
-            "!" if warning else "·", Text(visible(item[2:] if warning else item)), style="yellow" if warning else ""
-        )
-    return [Text(title, style="bold"), Padding(grid, (0, 0, 1, 0))]
+    for text, warning in items:
+        grid.add_row("!" if warning else "·", Text(visible(text)), style="yellow" if warning else "")
+    return [Text(title, style="bold"), Padding(grid, (0, 0, 1, 0))] if grid.rows else []
