@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import math
 import os
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -197,11 +196,15 @@ def _modes(model: Section, device: Device, linear: str) -> int | None:
 
 def _called_apart(records: Sequence[Record]) -> list[Record]:
     """The records, numbered where several are columns of one file: a record is known by its name."""
-    found, times = list[Record](), Counter[str]()
+    found, taken = list[Record](), {record.name for record in records}
+    known = set[str]()
     for record in records:
-        times[record.name] += 1
-        again = times[record.name]
-        found.append(record if again == 1 else replace(record, name=f"{record.name} ({again})"))
+        name, again = record.name, 1
+        while name in known or (again > 1 and name in taken):
+            again += 1
+            name = f"{record.name} ({again})"
+        known.add(name)
+        found.append(record if again == 1 else replace(record, name=name))
     return found
 
 

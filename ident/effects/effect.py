@@ -241,8 +241,9 @@ class AbstractEffect:
 
     @classmethod
     def in_its_form(cls, there: Linear, usual: Mapping[str, float]) -> tuple[Linear, dict[str, float]] | None:
-        """The linear part and the numbers by which this effect makes the same linear device as the one of which it is
-        another form does beside a linear part, with its `usual` numbers; None if there are none."""
+        """The linear part and the numbers by which this effect makes the same linear device as the one, of `form_of`
+        the only one, of which it is another form does beside a linear part, with its `usual` numbers; None if there
+        are none. Without it the form begins where its score leads in the place of the other."""
         return None
 
     def unused(self) -> tuple[str, ...]:

@@ -54,7 +54,8 @@ def check_written(effect: type[AbstractEffect]) -> None:
 def _check_told(effect: type[AbstractEffect]) -> None:
     """Whether what it says of itself is what others read: one word in brackets is no tuple, and would be read letter
     by letter."""
-    for name, kind, said in (("mistaken_for", str, '("cubic-stiffness",)'), ("alike", Likeness, "(SAME_LOSS,)")):
+    names = [(name, str, '("cubic-stiffness",)') for name in ("mistaken_for", "contains", "form_of")]
+    for name, kind, said in (*names, ("alike", Likeness, "(SAME_LOSS,)")):
         told = getattr(effect, name)
         if type(told) not in (tuple, list) or not all(isinstance(one, kind) for one in told):
             what = f"{effect.__name__}.{name} is no tuple of {'names' if kind is str else 'likenesses'}"

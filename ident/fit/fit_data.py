@@ -58,9 +58,8 @@ def fit_data(
     if sigma not in get_args(SigmaChoice):
         raise UserError(f"sigma = {sigma!r} is no such choice", do=f"choose one of {', '.join(get_args(SigmaChoice))}")
     for name, number in (("starts", starts), ("seed", seed)):  # of NumPy, too
-        if not isinstance(number, Integral) or number < 0:
-            do = "give how many random starts there shall be beside the others, and a seed of 0 or more"
-            raise UserError(f"{name} = {number!r} is no such number", do=do)
+        if not isinstance(number, Integral) or isinstance(number, bool) or number < 0:
+            raise UserError(f"{name} = {number!r} is no such number", do="give a whole number, 0 or more")
     campaign = with_drives(read_campaign(data, **told))
     model = model_for(campaign, effects, report)
     if initial is not None:

@@ -127,11 +127,10 @@ def refined(regression: Regression, effect: type[AbstractEffect], found: Confirm
     own = [start_of(freer, first._replace(values=one), regression.fit.scales) for one in (first.values, *first.near)]
     candidate = found.candidate._replace(dof=found.candidate.dof + len(names))
     # Where the plain law has ended a search stands well from its first step, and would win a race that it loses.
-    for starts in ([np.concatenate([found.values[: -len(one)], one]) for one in own], [found.values]):
-        again = weigh(regression, freer, candidate, starts, most)
-        if again.possible and clearly_better(again, found):
-            return again
-    return found
+    begun = [[np.concatenate([found.values[: -len(one)], one]) for one in own], [found.values]]
+    tried = [weigh(regression, freer, candidate, starts, most) for starts in begun]
+    best = min(tried, key=lambda one: (not one.possible, one.chi2))
+    return best if best.possible and clearly_better(best, found) else found
 
 
 def _refitted(

@@ -101,7 +101,8 @@ class Look:
         if any(leaves_noise(found, self.regression) for found in tried):
             return tried
         known, more = {found.candidate.name for found in tried}, []
-        enough = best_drop(tried, self.regression) - self._near
+        kept = best_drop(tried, self.regression)
+        enough = (kept if np.isfinite(kept) else self.promise) - self._near
         for candidate in (one for one in self.candidates if one.name not in known):
             effect = self.library[candidate.name]
             finer = score(self.regression, {effect.name: all_free(effect)}) if is_refined(effect) else []
@@ -196,5 +197,5 @@ def possible(candidates: list[Candidate], tried: list[Confirmed]) -> list[Candid
 
 
 def best_drop(tried: list[Confirmed], regression: Regression) -> float:
-    """The most that a refit of a possible effect kept; what the best one promised, if there is none yet."""
+    """The most that a refit of a possible effect kept; infinite if there is none."""
     return max((regression.best_chi2 - found.chi2 for found in tried if found.possible), default=np.inf)

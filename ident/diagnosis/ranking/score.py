@@ -45,14 +45,7 @@ def score(
     A family of which the model has a member is none: that one with other numbers would stand in its place, not beside.
     Nor is another form of an effect, which would stand in the place of that, unless `forms` are asked for.
     """
-    there = regression.fit.model.effects
-    missing = [
-        effect
-        for effect in library.values()
-        if effect.name not in regression.fit.model.names
-        and not any(is_family_of(effect, one) for one in there)
-        and (forms or not effect.form_of)
-    ]
+    missing = _missing(regression, library, forms)
     new = [effect for effect in missing if effect not in regression.scored]
     regression.scored.update(
         zip(new, at_once(lambda effect: _score_one(regression, effect), new, report, "scores"), strict=True)
@@ -60,9 +53,21 @@ def score(
     return best_first([c for effect in missing if (c := regression.scored[effect]) is not None], regression.n)
 
 
+def _missing(regression: Regression, library: Registry, forms: bool = False) -> list[type[AbstractEffect]]:
+    """The effects that `score` asks for."""
+    model = regression.fit.model
+    return [
+        effect
+        for effect in library.values()
+        if effect.name not in model.names
+        and not any(is_family_of(effect, one) for one in model.effects)
+        and (forms or not effect.form_of)
+    ]
+
+
 def score_beside(regressions: Sequence[Regression], library: Registry) -> list[list[Candidate]]:
     """Every candidate on several regressions of one fit that differ in what they absorb: the columns are the same."""
-    effects = [effect for effect in library.values() if effect.name not in regressions[0].fit.model.names]
+    effects = _missing(regressions[0], library)
 
     def on_each(effect: type[AbstractEffect]) -> list[Candidate | None]:
         asked = _asked(regressions[0], effect)

@@ -26,7 +26,7 @@ def with_finer_laws(last: Fit, start: Fit, report: Report) -> Fit:
     fitted ones clearly choose that; `start`: the fit before any effect was added."""
     for effect in last.model.effects:
         names = {f"{effect.name}.{p.name}" for p in effect.parameters if p.refines}
-        if not names - last.model.freed or foretold(last):
+        if not names - last.model.freed or last.model.carries(effect.name) or foretold(last):
             continue
         report(f"does {effect.name} need its finer numbers to carry over?")
         try:
@@ -43,7 +43,7 @@ def _finer(last: Fit, effect: type[AbstractEffect], start: Fit) -> Fit | None:
     """The fit with all numbers of an effect, which begin where its score leads: a law that was too plain may have bent
     its shapes."""
     below = prepare(try_without(working(last), effect.name, start))
-    scored = score(below, {effect.name: effect})
+    scored = score(below, {effect.name: effect}, forms=True)
     if not scored:
         return None
     plain = confirm(below, effect, scored[0], ENOUGH, values_without(last, effect.name), refining=False)

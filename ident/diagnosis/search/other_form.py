@@ -47,7 +47,8 @@ def in_another_form(
     campaign names. `start`: the fit before any effect was added."""
     own = [one for one in current.model.effects if one.name not in current.campaign.effects]
     for one in (one for one in own if not current.model.carries(one.name)):
-        for form in (effect for effect in library.values() if one.name in effect.form_of):
+        others = (effect for effect in library.values() if effect.name not in current.model.names)
+        for form in (effect for effect in others if one.name in effect.form_of):
             report(f"does {form.name} say more than {one.name}?")
             try:
                 after = _instead(current, one, form, start)

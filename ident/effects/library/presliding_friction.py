@@ -8,14 +8,17 @@ from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
 from ..likeness import CONSTANT_FRICTION, SAME_LOSS
 from ..memory import within
 
+_BEYOND = 1.5  # of the level at which it slides: beyond, only an overshoot of the solver
+
 
 class PreslidingFriction(AbstractEffect):
     """A contact of bristles that bend before they slip: F = −F_s (h + τ h'), h' = (ż − |ż| h/g)/z_y.
 
     F_s breaks it loose; it slides at g F_s, g = s + (1 − s) e^(−(ż/v_S)²) (Stribeck). Before, it is a spring F_s/z_y
     with a damper τ F_s/z_y (the LuGre model: σ₀ = F_s/z_y, σ₁ = τ σ₀). Guides, belts, seals, bearings: z_y from
-    micrometres to some percent of the travel. Where z_y is short this is `stribeck-friction`; where s = 1 and τ = 0,
-    `bouc-wen` with n = 1, β = ½. It is looked for in the place of these, where they leave more than noise.
+    micrometres to some percent of the motion. Where z_y and τ are short this is `stribeck-friction`; where s = 1 and
+    τ = 0, `bouc-wen` with n = 1, β = ½. It is looked for in the place of these, where they leave more than noise. A
+    damper that is strong beside the slip, τ |ż| ≫ z_y, would drive the motion at times: τ keeps below a tenth period.
     """
 
     name = "presliding-friction"
@@ -27,7 +30,7 @@ class PreslidingFriction(AbstractEffect):
     mistaken_for = ("coulomb-friction", "stribeck-friction", "bouc-wen")
     alike = (CONSTANT_FRICTION, SAME_LOSS)
     form_of = ("coulomb-friction", "stribeck-friction", "bouc-wen")
-    contains = ("coulomb-friction", "stribeck-friction", "bouc-wen")
+    contains = ("coulomb-friction", "stribeck-friction")
     steps_per_period = 250
     has_kink = True
     hidden_units = ("1",)
@@ -42,7 +45,7 @@ class PreslidingFriction(AbstractEffect):
     )
     damping = shape(
         "s", "damping while it sticks, in units of its stiffness, τ",
-        grid=(0.02,), limits=(-0.01, 1.0), scale="period", positive=False,
+        grid=(0.0,), limits=(-0.001, 0.1), scale="period", positive=False,
     )  # fmt: skip
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
@@ -54,4 +57,5 @@ class PreslidingFriction(AbstractEffect):
 
     def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
         level = self.sliding + (1.0 - self.sliding) * jnp.exp(-((state.v / self.fall) ** 2))
-        return ((state.v - jnp.abs(state.v) * within(state.hidden[0], 1.5) / level) / self.travel,)
+        # Bounded as `slip` is: too large a step costs accuracy, never stability.
+        return ((state.v - jnp.abs(state.v) * within(state.hidden[0] / level, _BEYOND)) / self.travel,)
