@@ -19,7 +19,7 @@ from ...fit import Fit, fit
 from ...fit.rebuild import fit_at
 from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG, Left, behind, criteria
-from ..evidence.enough import MOST_OF_IT, adequate
+from ..evidence.enough import adequate
 from ..evidence.held_out import foretold
 from ..linearised.regression import Regression
 from ..linearised.shorten import one_stretch_each
@@ -48,10 +48,6 @@ def with_own_zeros(current: Fit, look: Look) -> Campaign | None:
     (scored,) = score_beside([beside], look.library)
     zeros = _best(beside, significant(scored), best_pair(beside, scored), more, look)
     if behind(zeros, _best(regression, look.real, look.pair, 0, look)) > -VERY_STRONG:
-        return None
-    # Beside a law that explains most of it they are asked once that is in: what moves the mean of a record, as a square
-    # does, is a zero of its own until then, and would be read out of the records.
-    if any(found.possible and found.gain > MOST_OF_IT for found in look.tried):
         return None
     look.report("has the sensor a zero of its own in each record?")
     found = differing(one_stretch_each(current), (LEVEL,))
