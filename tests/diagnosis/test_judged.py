@@ -13,7 +13,7 @@ from ident.errors import UserError
 
 def test_what_is_refused_is_refused_before_the_library_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(judged, "missing", lambda *_: pytest.fail("the library was asked"))
-    campaign = SimpleNamespace(fitted_sweeps=(object(),), effect_files=())
+    campaign = SimpleNamespace(fitted=(), fitted_sweeps=(object(),), effect_files=())
     of_sweeps: Any = SimpleNamespace(campaign=campaign, model=SimpleNamespace(names=()))
     with pytest.raises(UserError, match="rests on sweeps"):
         judged.sample(of_sweeps)
