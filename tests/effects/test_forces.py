@@ -164,6 +164,15 @@ def test_a_presliding_contact_is_a_spring_with_a_damper_until_it_slides():
     assert_agrees(effect, physics, KINKED)
 
 
+def test_a_presliding_contact_without_a_fall_is_the_fullest_loop():
+    contact = make("presliding-friction", friction=1e-3, travel=2e-6, sliding=1.0, fall=4e-3, damping=0.0)
+    loop = make("bouc-wen", friction=1e-3, travel=2e-6, sharpness=1.0, fullness=1.0)
+    for h, v in ((0.4, 3e-3), (0.4, -3e-3), (-0.9, 1e-2), (-0.9, -1e-2)):
+        at = (State(1e-6, v, (h,)), Drive(0.0, 0.0, 0.0, 0.0), 0.0)
+        assert contact.rate(*at) == pytest.approx(loop.rate(*at))
+        assert contact.force(*at) == pytest.approx(loop.force(*at))
+
+
 def test_an_attached_mass_is_moved_by_the_stage_and_moves_it():
     share, fa, qa = 0.15, 700.0, 12.0
     wa, k = 2 * np.pi * fa, 0.15 * K

@@ -6,9 +6,7 @@ import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
 from ..likeness import CONSTANT_FRICTION, SAME_LOSS
-from ..memory import within
-
-_BEYOND = 1.5  # of the level at which it slides: beyond, only an overshoot of the solver
+from ..memory import slip, within
 
 
 class PreslidingFriction(AbstractEffect):
@@ -17,7 +15,7 @@ class PreslidingFriction(AbstractEffect):
     F_s breaks it loose; it slides at g F_s, g = s + (1 − s) e^(−(ż/v_S)²) (Stribeck). Before, it is a spring F_s/z_y
     with a damper τ F_s/z_y (the LuGre model: σ₀ = F_s/z_y, σ₁ = τ σ₀). Guides, belts, seals, bearings: z_y from
     micrometres to some percent of the motion. Where z_y and τ are short this is `stribeck-friction`; where s = 1 and
-    τ = 0, `bouc-wen` with n = 1, β = ½. It is looked for in the place of these, where they leave more than noise. A
+    τ = 0, `bouc-wen` with n = 1, β = 1. It is looked for in the place of these, where they leave more than noise. A
     damper that is strong beside the slip, τ |ż| ≫ z_y, would drive the motion at times: τ keeps below a tenth period.
     """
 
@@ -57,5 +55,4 @@ class PreslidingFriction(AbstractEffect):
 
     def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
         level = self.sliding + (1.0 - self.sliding) * jnp.exp(-((state.v / self.fall) ** 2))
-        # Bounded as `slip` is: too large a step costs accuracy, never stability.
-        return ((state.v - jnp.abs(state.v) * within(state.hidden[0] / level, _BEYOND)) / self.travel,)
+        return (state.v / self.travel * (1.0 - slip(state.hidden[0] / level, state.v, 1.0, 1.0)),)
