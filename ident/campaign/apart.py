@@ -9,8 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from ..units import kept_unit
-from .device import Device, Platform
+from .device import Device, response_unit
 from .late import in_time
 from .record import Kind, Sweep, Trace, common_order
 
@@ -54,10 +53,11 @@ def curves(trace: Trace) -> np.ndarray:
     """The curves that the numbers of a baseline multiply, (3, n): a level, a line and a parabola, as large as the
     signal; the first is that of a level alone."""
     t = np.linspace(-1.0, 1.0, len(trace.time))
-    return _signal(trace) * np.stack([np.ones_like(t), t, 1.5 * t**2 - 0.5])
+    return signal_of(trace) * np.stack([np.ones_like(t), t, 1.5 * t**2 - 0.5])
 
 
-def _signal(trace: Trace) -> float:
+def signal_of(trace: Trace) -> float:
+    """What a level or a baseline is counted in: the rms of the response about its mean."""
     return float(np.std(trace.response[trace.counted]))
 
 
@@ -103,10 +103,9 @@ def size_of(trace: Trace) -> float:
 
 def times_of(trace: Trace, kind: Kind) -> float:
     """By what a number of a trace is multiplied to be told."""
-    return TOLD[kind].times * (1.0 if TOLD[kind].unit else _signal(trace))
+    return TOLD[kind].times * (1.0 if TOLD[kind].unit else signal_of(trace))
 
 
 def told_in(kind: Kind, traces: Sequence[Trace], device: Device) -> str:
-    """The unit in which the numbers of some traces are told, if it is that of their readings in SI."""
-    output = "m" if isinstance(device, Platform) else kept_unit(device.output) or device.output
-    return TOLD[kind].unit or output + ("", "/s", "/s^2")[common_order(traces)]
+    """The unit in which the numbers of some traces are told: the kind's own, or else that of their readings, SI."""
+    return TOLD[kind].unit or response_unit(device) + ("", "/s", "/s^2")[common_order(traces)]

@@ -53,6 +53,12 @@ class Oscillator:
 Device = Platform | Oscillator
 
 
+def response_unit(device: Device) -> str:
+    """The unit in which the displacements of a device are kept, "m" or, of an oscillator, that of its `output`."""
+    own = device.output if isinstance(device, Oscillator) else "m"
+    return kept_unit(own) or own
+
+
 def drive_unit(device: Device) -> str:
     """The unit in which the drives of a device are kept, "V" or, of an oscillator, that of its `input`."""
     own = device.input if isinstance(device, Oscillator) else "V"

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import UserError
 from ..units import LENGTH, VOLTAGE
-from .device import Oscillator, Platform
+from .device import Device, Oscillator
 from .guess import guess_kind, match_any
 from .held_drive import jumps
 from .load import load_record
@@ -53,7 +53,7 @@ class Proposal:
 
 def proposal_of(
     source: Source,
-    device: Platform | Oscillator,
+    device: Device,
     told: Mapping[str, str | int] | None,
     folder: Path,
     segment: int | None,

@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import UserError
 from .added_drive import with_drive
 from .by_content import assumed_units, columns_by_content, with_units
-from .device import Oscillator, Platform
+from .device import Device, Oscillator
 from .drive import drive_frequency
 from .guess import guess_device, renamed
 from .load import read_table
@@ -78,9 +78,7 @@ def propose(paths: Sequence[Path], folder: Path, columns: Mapping[str, str | int
     return "\n".join(_line(part) for part in parts).rstrip() + "\n"
 
 
-def _head(
-    folder: Path, device: Platform | Oscillator, notes: Sequence[str], columns: Mapping[str, str | int]
-) -> list[str]:
+def _head(folder: Path, device: Device, notes: Sequence[str], columns: Mapping[str, str | int]) -> list[str]:
     """What stands above the records."""
     parts = [f"title = {toml_text(folder.resolve().name)}"]
     if isinstance(device, Oscillator):

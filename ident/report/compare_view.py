@@ -12,7 +12,7 @@ import numpy as np
 
 from ..posterior.compare import DECISIVE, Comparison, Weighed
 from .figures.style import HELDOUT, INK, MODEL, RESIDUAL, key, label, new_axes, new_figure
-from .posterior_json import finite
+from .words.quantity import finite
 from .words.sheet import Column, Sheet
 
 if TYPE_CHECKING:
@@ -153,7 +153,7 @@ def compare_figure(document: Mapping[str, Any]) -> Figure:
         text = (f"{b:.1f}" if b < 1000 else f"{b:.0f}") if known else "no evidence"
         if m is best and known:
             text = f"best: {100 * m['probability']:.3g} %"
-        reached = max(0.0, *filter(math.isfinite, (0.0, b, dot)))
+        reached = max(filter(math.isfinite, (0.0, b, dot)))
         at = (
             DECISIVE if _BEFORE < reached < DECISIVE or m is best and reached < DECISIVE else reached
         )  # not on its line

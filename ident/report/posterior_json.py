@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from ..campaign.device import Device
 from ..posterior.evidence import Evidence
 from ..posterior.result import Marginal, Posterior
-from .words.quantity import display_unit
+from .words.quantity import display_unit, finite
 
 
 def posterior_dict(posterior: Posterior) -> dict[str, Any]:
@@ -44,11 +43,6 @@ def evidence_dict(evidence: Evidence) -> dict[str, Any]:
         "laplace": evidence.laplace,
         "trusted": evidence.trusted,
     }
-
-
-def finite(number: float) -> float | None:
-    """A number as JSON can write it."""
-    return number if math.isfinite(number) else None
 
 
 def _parameter(marginal: Marginal, device: Device) -> dict[str, Any]:

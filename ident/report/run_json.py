@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from ..fit.result import Estimate, Fit
 from ..units import plain_micro
 from .words.linear import linear_dict
 from .words.own_numbers import own_numbers_dict
-from .words.quantity import display_unit
+from .words.quantity import display_unit, finite
 from .words.tables import combination_sentences, flag_words
 
 
@@ -47,8 +46,8 @@ def run_dict(fit: Fit) -> dict[str, Any]:
 def _parameter(estimate: Estimate, fit: Fit) -> dict[str, Any]:
     entry = {
         "name": estimate.name,
-        "value": _number(estimate.value),
-        "standard_error": None if estimate.standard_error is None else _number(estimate.standard_error),
+        "value": finite(estimate.value),
+        "standard_error": None if estimate.standard_error is None else finite(estimate.standard_error),
         "unit": display_unit(estimate.unit, fit.model.device, plain=True),
         "flags": list(estimate.flags),
     }
@@ -61,11 +60,11 @@ def _score(score: Score | RecordScore, record: Record) -> dict[str, Any]:
     channel = record.response_channel
     return {
         "n": int(score.n),
-        "rmse": _number(score.rmse / channel.factor),
+        "rmse": finite(score.rmse / channel.factor),
         "unit": plain_micro(channel.unit),
-        "noise_rmse": _number(score.noise_rmse / channel.factor),
-        "error_over_noise": _number(score.error_over_noise),
-        "error_over_signal": _number(score.error_over_signal),
+        "noise_rmse": finite(score.noise_rmse / channel.factor),
+        "error_over_noise": finite(score.error_over_noise),
+        "error_over_signal": finite(score.error_over_signal),
     }
 
 
@@ -78,7 +77,7 @@ def _sweep(score: RecordScore, curve: CurveReading, fit: Fit) -> dict[str, Any]:
     return {
         **_record(score, curve.sweep),
         "kind": "sweep",
-        "peak": _number(float(np.max(curve.sweep.amplitude)) / factor),
+        "peak": finite(float(np.max(curve.sweep.amplitude)) / factor),
         "apart": int(np.count_nonzero(curve.apart)),
         "levels": [_level(run, curve, fit) for run in curve.runs],
     }
@@ -89,10 +88,10 @@ def _level(run: RunReading, curve: CurveReading, fit: Fit) -> dict[str, Any]:
     counted = ~run.apart & np.isfinite(run.reading)
     difference = (sweep.amplitude[run.run.rows] - run.reading)[counted]
     return {
-        "drive": _number(run.run.level / sweep.drive_channel.factor),
+        "drive": finite(run.run.level / sweep.drive_channel.factor),
         "direction": "up" if run.run.up else "down",
         "n": int(np.count_nonzero(counted)),
-        "rmse": _number(float(np.sqrt(np.mean(difference**2))) / factor) if np.any(counted) else None,
+        "rmse": finite(float(np.sqrt(np.mean(difference**2))) / factor) if np.any(counted) else None,
         "jump": None if run.jump is None else jump_dict(run.jump, fit),
     }
 
@@ -107,8 +106,4 @@ def jump_error(jump: Jump, fit: Fit) -> float | None:
     if jump.slope is None:
         return None
     slope = jump.slope[list(fit.free)]
-    return _number(float(np.sqrt(max(slope @ fit.covariance @ slope, 0.0))))
-
-
-def _number(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
+    return finite(float(np.sqrt(max(slope @ fit.covariance @ slope, 0.0))))

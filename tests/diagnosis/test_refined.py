@@ -12,7 +12,7 @@ from ident.diagnosis.linearised.regression import prepare
 from ident.diagnosis.ranking.confirm import confirm
 from ident.diagnosis.ranking.look import first_look
 from ident.diagnosis.ranking.score import score
-from ident.diagnosis.ranking.starts import all_free, is_refined
+from ident.diagnosis.ranking.starts import all_free, refinements
 from ident.effects.registry import built_in
 from tests.effects.test_drive import plays
 
@@ -109,7 +109,7 @@ def test_an_effect_is_scored_with_what_refines_it():
     assert not any(p.fitted for p in effect().declared() if p.refines)
 
 
-@pytest.mark.parametrize("name", [name for name, effect in built_in().items() if is_refined(effect)])
+@pytest.mark.parametrize("name", [name for name, effect in built_in().items() if refinements(effect)])
 def test_a_law_with_all_its_numbers_has_them_where_its_program_reads_them(name):
     effect = built_in()[name]
     assert [p.name for p in all_free(effect).parameters] == [p.name for p in effect.parameters]

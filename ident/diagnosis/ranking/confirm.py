@@ -31,6 +31,7 @@ from .starts import (
     is_possible,
     mirrored,
     nearly_absent,
+    refinements,
     shapes_of,
     start_of,
     with_effect,
@@ -118,7 +119,7 @@ def leaves_noise(found: Confirmed, regression: Regression) -> bool:
 
 def refined(regression: Regression, effect: type[AbstractEffect], found: Confirmed, most: int) -> Confirmed:
     """A refit with what refines its law free, where the records clearly choose that."""
-    names = {f"{effect.name}.{p.name}" for p in effect.parameters if p.refines}
+    names = refinements(effect)
     if not names or not np.isfinite(found.chi2):
         return found
     freer = replace(found.model, freed=found.model.freed | names)

@@ -22,7 +22,7 @@ from .confirm import Confirmed, confirm, leaves_noise
 from .pairs import Pair, best_pair
 from .refits import bent_readings, by_refits
 from .score import score, significant
-from .starts import all_free, is_refined
+from .starts import all_free, refinements
 from .weigh import Candidate
 
 _SHORTLIST = 3  # twice as many if refits keep less than the scores promised
@@ -100,15 +100,15 @@ class Look:
         tried = self._by_usual_laws
         if any(leaves_noise(found, self.regression) for found in tried):
             return tried
-        known, more = {found.candidate.name for found in tried}, []
-        kept = best_drop(tried, self.regression)
+        known, kept = {found.candidate.name for found in tried}, best_drop(tried, self.regression)
         enough = (kept if np.isfinite(kept) else self.promise) - self._near
-        for candidate in (one for one in self.candidates if one.name not in known):
-            effect = self.library[candidate.name]
-            finer = score(self.regression, {effect.name: all_free(effect)}) if is_refined(effect) else []
-            if finer and finer[0].promised(self.regression) > enough:
-                self.report(f"confirming {candidate.name} with its finer numbers")
-                more.append(confirm(self.regression, effect, candidate))
+        rest = {one.name: one for one in self.candidates if one.name not in known}
+        laws = {name: all_free(self.library[name]) for name in rest if refinements(self.library[name])}
+        promising = {one.name for one in score(self.regression, laws) if one.promised(self.regression) > enough}
+        more = []
+        for name in (name for name in rest if name in promising):
+            self.report(f"confirming {name} with its finer numbers")
+            more.append(confirm(self.regression, self.library[name], rest[name]))
         # Where more is missing numbers to spare bend to it: an axis with friction had been given a tilted push.
         return [*tried, *(found for found in more if leaves_noise(found, self.regression))]
 

@@ -136,9 +136,9 @@ def is_possible(model: Model, values: np.ndarray, effect: AbstractEffect, scales
     return not sizes or min(sizes) >= -_ABSENT * max(map(abs, sizes))
 
 
-def is_refined(effect: type[AbstractEffect]) -> bool:
-    """Whether an effect has numbers that only refine its law."""
-    return any(p.refines for p in effect.parameters)
+def refinements(effect: AbstractEffect | type[AbstractEffect]) -> frozenset[str]:
+    """The numbers of an effect that only refine its law, as a model calls them."""
+    return frozenset(f"{effect.name}.{p.name}" for p in effect.parameters if p.refines)
 
 
 @lru_cache

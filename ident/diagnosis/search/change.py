@@ -16,9 +16,9 @@ from ...fit.solve import MAX_STEPS
 from ...fit.starts import starting_points
 from ...pulse import Report
 from ...threads import one_thread
-from ..linearised.regression import prepare
-from ..linearised.shorten import CRAWLS
-from ..ranking.confirm import confirm
+from ..linearised.regression import Regression, prepare
+from ..linearised.shorten import CRAWLS, working
+from ..ranking.confirm import Confirmed, confirm
 from ..ranking.score import score
 from ..ranking.starts import is_possible, shapes_of, start_of, with_effect, with_one, without_unseen
 
@@ -88,6 +88,18 @@ def try_without(parent: Fit, name: str, start: Fit) -> Fit:
     found = refit(model, parent.campaign, race.values, ENOUGH)
     without = fit_at(model, parent.campaign, found.values, converged=False)  # what is kept of it is fitted to its end
     return without if still_possible(without, parent) else fit_at(model, parent.campaign, rest, converged=False)
+
+
+def from_its_score(
+    parent: Fit, name: str, effect: type[AbstractEffect], start: Fit, most: int, refining: bool = True
+) -> tuple[Regression, Confirmed] | None:
+    """A refit of an effect in the place of the one called `name`, from where its score leads there, and the regression
+    of the fit without either; None if its score says nothing. `start`, as of `try_without`."""
+    below = prepare(try_without(working(parent), name, start))
+    scored = score(below, {effect.name: effect}, forms=True)
+    if not scored:
+        return None
+    return below, confirm(below, effect, scored[0], most, values_without(parent, name), refining)
 
 
 def still_possible(after: Fit, before: Fit) -> bool:

@@ -9,32 +9,32 @@ from __future__ import annotations
 
 from ...effects.effect import AbstractEffect
 from ...fit import Fit
-from ...fit.rebuild import values_without
 from ...pulse import Report
 from ..evidence.criterion import clearly_better
 from ..evidence.held_out import foretold, hurts
 from ..linearised.regression import prepare
 from ..linearised.shorten import CRAWLS, working
 from ..linearised.trajectory import Diverged
-from ..ranking.confirm import accept, confirm, refined
-from ..ranking.score import score
-from .change import ENOUGH, try_without
+from ..ranking.confirm import accept, refined
+from ..ranking.starts import refinements
+from .change import ENOUGH, from_its_score
 
 
 def with_finer_laws(last: Fit, start: Fit, report: Report) -> Fit:
     """A fit with what refines its laws free, one law after the other, where held-out records are not foretold and the
     fitted ones clearly choose that; `start`: the fit before any effect was added."""
     for effect in last.model.effects:
-        names = {f"{effect.name}.{p.name}" for p in effect.parameters if p.refines}
-        if not names - last.model.freed or last.model.carries(effect.name) or foretold(last):
+        if not refinements(effect) - last.model.freed or last.model.carries(effect.name) or foretold(last):
             continue
         report(f"does {effect.name} need its finer numbers to carry over?")
         try:
             finer = _finer(last, type(effect), start)
-            better = finer is not None and clearly_better(prepare(working(finer)), prepare(working(last)))
+            if finer is None:
+                continue
+            better = clearly_better(prepare(working(finer)), prepare(working(last)))
         except Diverged:
             continue
-        if finer is not None and better and not hurts(last, finer):
+        if better and not hurts(last, finer):
             last = finer
     return last
 
@@ -42,10 +42,9 @@ def with_finer_laws(last: Fit, start: Fit, report: Report) -> Fit:
 def _finer(last: Fit, effect: type[AbstractEffect], start: Fit) -> Fit | None:
     """The fit with all numbers of an effect, which begin where its score leads: a law that was too plain may have bent
     its shapes."""
-    below = prepare(try_without(working(last), effect.name, start))
-    scored = score(below, {effect.name: effect}, forms=True)
-    if not scored:
+    found = from_its_score(last, effect.name, effect, start, ENOUGH, refining=False)
+    if found is None:
         return None
-    plain = confirm(below, effect, scored[0], ENOUGH, values_without(last, effect.name), refining=False)
+    below, plain = found
     finer = refined(below, effect, plain, CRAWLS)
     return accept(finer, last) if finer is not plain else None

@@ -25,9 +25,8 @@ from ..evidence.held_out import hurts
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import CRAWLS, working
 from ..linearised.trajectory import Diverged
-from ..ranking.confirm import accept, confirm
-from ..ranking.score import score
-from .change import try_without
+from ..ranking.confirm import accept
+from .change import from_its_score
 from .steps import Step
 
 
@@ -52,15 +51,12 @@ def in_another_form(
             report(f"does {form.name} say more than {one.name}?")
             try:
                 after = _instead(current, one, form, start)
-                left = None if after is None else prepare(working(after))
+                if after is None:
+                    continue
+                left = prepare(working(after))
             except Diverged:
                 continue
-            if (
-                after is not None
-                and left is not None
-                and clearly_better(left, regression)
-                and not hurts(current, after)
-            ):
+            if clearly_better(left, regression) and not hurts(current, after):
                 report(f"{form.name} in the place of {one.name}: error over noise {after.fitted.error_over_noise:.3g}")
                 return Instead(one.name, form.name, after, left)
     return None
@@ -104,12 +100,8 @@ def _instead(current: Fit, one: AbstractEffect, form: type[AbstractEffect], star
 
 
 def _where_its_score_leads(current: Fit, one: AbstractEffect, form: type[AbstractEffect], start: Fit) -> Fit | None:
-    below = prepare(try_without(working(current), one.name, start))
-    scored = score(below, {form.name: form}, forms=True)
-    if not scored:
-        return None
-    found = confirm(below, form, scored[0], CRAWLS, values_without(current, one.name))
-    return accept(found, current) if found.possible else None
+    found = from_its_score(current, one.name, form, start, CRAWLS)
+    return accept(found[1], current) if found is not None and found[1].possible else None
 
 
 def _the_same_linear_device(current: Fit, one: AbstractEffect, form: type[AbstractEffect]) -> np.ndarray | None:

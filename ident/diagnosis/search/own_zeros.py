@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...campaign.apart import TOLD, as_it_came, curves, read_apart
+from ...campaign.apart import TOLD, as_it_came, read_apart, signal_of
 from ...campaign.campaign import Campaign
 from ...campaign.record import Trace
 from ...fit import Fit, fit
@@ -73,26 +73,21 @@ def with_zeros_anew(last: Fit, report: Report) -> Fit:
     told = _read_so(as_they_came, found)
     errors = dict(zip(found.names, found.errors[:, 0], strict=True))
     pairs = zip(last.campaign.traces, told.traces, strict=True)
-    moved = [abs(_zero(now) - _zero(before)) > MOVED * errors[now.name] * _size(now) for before, now in pairs]
+    moved = [abs(_zero(now) - _zero(before)) > MOVED * errors[now.name] * signal_of(now) for before, now in pairs]
     return fit(last.model, told, initial=last.values) if any(moved) else last
 
 
 def _read_so(campaign: Campaign, found: Differing) -> Campaign:
     """The records of a campaign by the zeros that were found, of long ones in a stretch of each."""
     levels = {trace.name: _zero(trace) for trace in found.fit.campaign.traces}
-    share = lambda trace: levels[trace.name] / _size(trace) if _size(trace) else 0.0
+    share = lambda trace: levels[trace.name] / signal_of(trace) if signal_of(trace) else 0.0
     read = tuple(read_apart(r, LEVEL, [share(r)]) if isinstance(r, Trace) else r for r in campaign.records)
     return found.said_in(replace(campaign, records=read))
 
 
 def _zero(trace: Trace) -> float:
     """The zero by which a record is read, in the unit of its response."""
-    return trace.number(LEVEL) * _size(trace)
-
-
-def _size(trace: Trace) -> float:
-    """What a level is counted in."""
-    return float(curves(trace)[0, 0])
+    return trace.number(LEVEL) * signal_of(trace)
 
 
 def _best(regression: Regression, effects: Sequence[Candidate], pair: Pair | None, more: int, look: Look) -> Left:

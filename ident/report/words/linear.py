@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from ...fit.linear.start_model import linear_choice
 from ...fit.result import Fit
+from .quantity import finite
 from .sheet import Column, Mark, Sheet
 from .tables import percent_text
 
@@ -57,9 +57,9 @@ def linear_dict(fit: Fit) -> dict[str, Any]:
             "model": c.words,
             "form": c.form,
             "constant": c.level,
-            "error_over_signal": c.left if math.isfinite(c.left) else None,
+            "error_over_signal": finite(c.left),
             "numbers": c.numbers,
-            "criterion": c.criterion if math.isfinite(c.criterion) else None,
+            "criterion": finite(c.criterion),
             "chosen": c is choice.chosen,
         }
         for c in choice.candidates

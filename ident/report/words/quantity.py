@@ -151,6 +151,11 @@ def show_in(value: float, error: float | None, chosen: Scale, digits: int = 4) -
     return Shown(signed(f"{round(value, decimals):.{places}f}"), f"{round(error, decimals):.{places}f}", chosen.unit)
 
 
+def finite(value: float) -> float | None:
+    """A number as JSON can write it."""
+    return float(value) if math.isfinite(value) else None
+
+
 def neat(value: float, digits: int = 4) -> str:
     """Significant digits of a number without zeros behind the point: 317, not 317.0."""
     text = significant(value, digits)

@@ -73,12 +73,11 @@ def record_sheet(fit: Fit) -> Sheet:
         Column(f"rms error ({common.unit})", True, True), Column(f"noise floor ({common.unit})", True, True),
         Column("error/noise", True), Column("of signal", True),
     )  # fmt: skip
-    own = {r.name: r for r in fit.campaign.traces if r.own is not None}
+    own = {r.name: size_of(r) for r in fit.campaign.traces if r.own is not None}
     if own:
-        kind = next(TOLD[r.own[0]] for r in own.values() if r.own is not None)
-        largest = max(abs(size_of(r)) for r in own.values())
-        told = Scale(1.0, kind.unit) if kind.unit else scale(largest, unit, fit.model.device)
-        sizes = [f"{size_of(own[s.name]) / told.factor:+.3g}" if s.name in own else "" for s in ordered]
+        kind = next(TOLD[r.own[0]] for r in fit.campaign.traces if r.own is not None)
+        told = Scale(1.0, kind.unit) if kind.unit else scale(max(map(abs, own.values())), unit, fit.model.device)
+        sizes = [f"{own[s.name] / told.factor:+.3g}" if s.name in own else "" for s in ordered]
         rows = [(*row, size) for row, size in zip(rows, [*sizes, *("" for _ in totals)], strict=True)]
         columns = (*columns, Column(f"own {kind.what} ({told.unit})", True, True))
     return Sheet("Error per record", columns, tuple(rows), tuple(marks), note)
