@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from .campaign import Campaign
 from .device import Device, response_unit
 from .late import in_time
 from .record import Kind, Sweep, Trace, common_order
@@ -88,7 +89,15 @@ def as_it_came(record: Trace | Sweep) -> Trace | Sweep:
     """A record as it came, of a trace that was read by a level of its own: that does not change its size."""
     if not isinstance(record, Trace) or record.own is None or record.own[0] != "level":
         return record
-    return replace(record, own=None, response=record.response + record.number("level") * curves(record)[0])
+    return replace(
+        record, own=None, floats=False, response=record.response + record.number("level") * curves(record)[0]
+    )
+
+
+def floating(campaign: Campaign) -> Campaign:
+    """The campaign with the zeros of its records' own, if they have such, fitted anew with every model."""
+    of_zero = lambda r: isinstance(r, Trace) and r.own is not None and TOLD[r.own[0]].of_zero
+    return replace(campaign, records=tuple(replace(r, floats=True) if of_zero(r) else r for r in campaign.records))
 
 
 def size_of(trace: Trace) -> float:

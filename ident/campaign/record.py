@@ -76,6 +76,7 @@ class Trace:
     - `outliers`: samples of the file that left the curve; in `response` the curve takes their place.
     - `masked`: (n,) whether a sample says nothing, as where the response sticks to the limit of a range; none if None.
     - `own`: None, or the kind of numbers by which it differs from the others, and these (see `apart`).
+    - `floats`: whether a zero of its own is fitted with every model, beside the one by which it is read.
     - `stuck`: share of the samples that stick to a limit; others that say nothing are missing.
     - `measures`: what the response is; m stands for m/s or m/s² where it is no displacement.
     - `between`: what the campaign says of the drive between its samples; `edge`: None if it is a smooth curve, else it
@@ -104,6 +105,7 @@ class Trace:
     masked: np.ndarray | None = None
     stuck: float = 0.0
     own: tuple[Kind, tuple[float, ...]] | None = None
+    floats: bool = False
     between: Between = "auto"
     edge: float | None = None
 

@@ -16,6 +16,7 @@ from .linear.guess import DataScales, LinearGuess
 from .passes import Passes, lay_passes
 from .problem import Data, Static, Unknowns
 from .start_scale import size_of_hidden
+from .zeros import lay_zeros
 
 _TIED_FOR = 0.25  # of a period of the resonance: displacement and velocity at the start, two numbers, need no more
 _ON = 0.1  # of a limit: data scales of other records of the same device differ by that
@@ -57,6 +58,7 @@ def assemble(
         np.array([0.0 if p is None else 1.0 / p.deviation for p in priors]),
         curves,
         passes,
+        zeros=lay_zeros(records),
     )
     moving = bool(np.any(data.start_scale))
     static = Static(equation, free, moving, len(fitted) + states * moving)

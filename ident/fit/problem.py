@@ -22,6 +22,7 @@ from .coordinates import slopes, to_coordinates, to_values
 from .curves import Curves
 from .passes import Passed, Passes
 from .steady import Steady
+from .zeros import Zero, best_by
 
 
 class Static(NamedTuple):
@@ -50,7 +51,7 @@ class Data(NamedTuple):
     - `lower`, `upper`: (p,) bounds of the fitted ones (see coordinates); `scale`, `anchor`: (p,) unit and origin of x.
     - `prior_mean`, `prior_weight`: (p,) SI; weight 1/deviation, 0 without a prior.
     - `curves`: the points of the sweeps that had settled, if there are any, and `passes`: of the others; `steady`: the
-      records that start on a periodic orbit.
+      records that start on a periodic orbit; `zeros`: the records that have one of their own.
     - `misfit`: error over noise, one at the least, against which an unlikely history counts: where a model misses by a
       hundred noise floors, one of thirty times the drive would else pay for mimicking a little of that.
     """
@@ -70,6 +71,7 @@ class Data(NamedTuple):
     passes: Passes | None = None
     steady: tuple[Steady, ...] = ()
     misfit: float = 1.0
+    zeros: tuple[Zero, ...] = ()
 
     def misfit_of(self, found: Evaluation) -> float:
         """The `misfit` of what a model leaves."""
@@ -85,6 +87,14 @@ class Data(NamedTuple):
         squares = [float(np.sum(found.residuals[own] ** 2)) / max(np.count_nonzero(self.weight[own]), 1)
                    for own in self.tape.slices]  # fmt: skip
         return [math.sqrt(x) if math.isfinite(x) else math.inf for x in squares]
+
+    def with_zeros(self, readings: np.ndarray) -> np.ndarray:
+        """Readings (samples,) with the zeros of the records' own that fit best beside them."""
+        return readings + best_by(self.zeros, self.tape.slices, self.weight, (self.response - readings)[None])[0]
+
+    def beside_zeros(self, slopes: np.ndarray) -> np.ndarray:
+        """Derivatives (k, samples) of readings, by what these zeros do not take up."""
+        return slopes - best_by(self.zeros, self.tape.slices, self.weight, slopes)
 
     @property
     def count(self) -> int:
@@ -126,25 +136,21 @@ def in_ranges(
 class Evaluation(NamedTuple):
     """A model at one point.
 
-    **Arguments:** `values`, (m,) SI; its `response`; `residuals` (model − measured)/σ, (numbers,), and their
-    derivatives `by_x` (p, numbers) and `by_start` (s, samples), by the initial state of each sample's own record, empty
-    if none is unknown; `starts`, (records, s) the initial states, SI; `steady`, its responses with the amplitudes of
-    the sweeps; `passed`, its readings of those that had not settled.
+    **Arguments:** `values`, (m,) SI; its `response` and `readings`, (samples,) m; `residuals` (model − measured)/σ,
+    (numbers,), and their derivatives `by_x` (p, numbers) and `by_start` (s, samples), by the initial state of each
+    sample's own record, empty if none is unknown; `starts`, (records, s) the initial states, SI; `steady`, its
+    responses with the amplitudes of the sweeps; `passed`, its readings of those that had not settled.
     """
 
     values: np.ndarray
     response: Response
+    readings: np.ndarray
     residuals: np.ndarray
     by_x: np.ndarray
     by_start: np.ndarray
     starts: np.ndarray
     steady: Controlled | None = None
     passed: Passed | None = None
-
-    @property
-    def readings(self) -> np.ndarray:
-        """(samples,) m."""
-        return self.response.readings
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a motion without bound is refused for its cost
@@ -165,8 +171,8 @@ def evaluate(static: Static, data: Data, unknowns: Unknowns) -> Evaluation:
         begin[one.record] = orbit.start if orbit.found else np.nan
         kicks[:p, one.record] = orbit.slopes
     found = respond(static.equation, tape, values, begin, directions, kicks)
-    residuals = (found.readings - data.response) * data.weight
-    change = found.slopes * data.weight
+    shown, change = data.with_zeros(found.readings), data.beside_zeros(found.slopes) * data.weight
+    residuals = (shown - data.response) * data.weight
     change[~np.isfinite(change)] = 0.0
     by_start = change[p : p + starts]
     left, by_x, steady, passed = [residuals], [change[:p]], None, None
@@ -181,7 +187,7 @@ def evaluate(static: Static, data: Data, unknowns: Unknowns) -> Evaluation:
     left = [np.where(np.abs(part) < WORST, part, WORST) for part in left]
     by_x = [np.where(np.isfinite(part), part, 0.0) for part in by_x]
     rows, slope = np.concatenate(left), np.concatenate(by_x, axis=1)
-    return Evaluation(values, found, rows, slope, by_start, begin, steady, passed)
+    return Evaluation(values, found, shown, rows, slope, by_start, begin, steady, passed)
 
 
 def reweighed(static: Static, data: Data, values: np.ndarray) -> Data:
@@ -216,4 +222,4 @@ def readings(static: Static, data: Data, unknowns: Unknowns) -> np.ndarray:
     values = physical(static, data, unknowns.x)
     for one in data.steady:
         begin[one.record] = one.at(static.equation, values, nothing[:0], width).start
-    return respond(static.equation, data.tape, values, begin, nothing, kicks).readings
+    return data.with_zeros(respond(static.equation, data.tape, values, begin, nothing, kicks).readings)

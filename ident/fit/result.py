@@ -24,6 +24,7 @@ from .predict import Prediction, predict
 from .problem import Data, Evaluation, Static, Unknowns, readings
 from .steady import no_orbit
 from .uncertainty import Covariance, Linearisation
+from .zeros import numbers_of_zeros
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -162,11 +163,12 @@ class Fit:
 
     @property
     def freedom(self) -> int:
-        """How many numbers the records need: determined parameters, and combinations of those that are not.
+        """How many numbers the records need: determined parameters, combinations of those that are not, and zeros that
+        records have of their own.
 
         Of an effect's several amplitudes those that are zero within two errors could as well be left out.
         """
-        needed = len(self.combinations)
+        needed = len(self.combinations) + numbers_of_zeros(self.campaign.fitted)
         small: dict[str, list[bool]] = {}
         for i in self.free:
             parameter, estimate = self.model.parameters[i], self.estimates[i]

@@ -34,7 +34,8 @@ def start_rows(fit: Fit) -> np.ndarray:
         units[one.record] = one.unit
     kicks = np.swapaxes(units[:, :, None] * np.eye(units.shape[1]), 0, 1)
     still = np.zeros((len(kicks), len(found.values)))
-    moved = respond(static.equation, data.tape, found.values, found.starts, still, kicks).slopes * data.weight
+    there = respond(static.equation, data.tape, found.values, found.starts, still, kicks)
+    moved = data.beside_zeros(there.slopes) * data.weight
     return np.where(np.isfinite(moved), moved, 0.0)
 
 
@@ -56,7 +57,7 @@ def begun_otherwise(fit: Fit) -> list[tuple[str, float]]:
     for k in range(2):
         kicks[k, claimed, k] = 1.0
     moved = respond(static.equation, data.tape, found.values, begin, np.zeros((2, len(found.values))), kicks)
-    columns = moved.slopes * data.weight
+    columns = data.beside_zeros(moved.slopes) * data.weight
     columns = columns / np.maximum(np.linalg.norm(columns, axis=1, keepdims=True), 1e-300)
     samples = columns.shape[1]
     own = np.zeros((2 * len(claimed), samples))

@@ -12,6 +12,7 @@ from ...campaign.noise.autoregression import predictors, variance_of
 from ...campaign.noise.hum import MAINS, told_apart
 from ...campaign.noise.recursive import convolved
 from ...campaign.record import Trace
+from ...fit.zeros import zero_curves
 
 _ORDER = 12  # of an autoregression that whitens rows
 _PERIODS = 1.5  # of a line from which it holds less than a tenth of a constant, 2/(π periods)²
@@ -23,8 +24,8 @@ class Whitening(NamedTuple):
 
     **Arguments:** `counted`: slice of the record; `filter`: (p + 1,) FIR coefficients; `begin`: (p, p) what they are
     for the first samples, which have less before them to be predicted from; `scale`: of the white noise, m; `basis`:
-    (n, q) orthonormal, already whitened: initial states and mains hum; `masked`: (n,), if there are such, the samples
-    that say nothing: their rows are zero.
+    (n, q) orthonormal, already whitened: initial states, mains hum, a zero of its own; `masked`: (n,), if there are
+    such, the samples that say nothing: their rows are zero.
     """
 
     counted: slice
@@ -53,6 +54,7 @@ def whitening_of(record: Trace, by_start: np.ndarray | None) -> Whitening:
     if by_start is not None:
         seen = [(row, float(np.max(np.abs(row[whitening.counted])))) for row in by_start]
         local += [row / size for row, size in seen if size > _DIED_OUT * float(np.max(np.abs(by_start)))]
+    local += list(zero_curves(record))
     whitened = _filter(whitening, np.reshape(local, (-1, n)))
     u, s, _ = np.linalg.svd(whitened.T, full_matrices=False)
     return whitening._replace(basis=u[:, s > 1e-6 * np.max(s, initial=0.0)])

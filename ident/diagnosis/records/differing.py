@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ...campaign.apart import TOLD, Kind, Told, size_of, times_of, told_in
+from ...campaign.apart import TOLD, Kind, Told, floating, size_of, times_of, told_in
 from ...campaign.campaign import Campaign
 from ...fit import Fit, fit
 from ...fit.rebuild import values_without
@@ -65,9 +65,10 @@ class Differing(NamedTuple):
         return f"The {which} agree only if each has a {self._told.what} of its own"
 
     def said_in(self, campaign: Campaign) -> Campaign:
-        """The campaign with these words in its notes, in place of those that told other numbers of the kind."""
+        """The campaign with these words in its notes, in place of those that told other numbers of the kind; zeros are
+        from now on fitted with every model."""
         others = [note for note in campaign.notes if not note.startswith(self._opening)]
-        return replace(campaign, notes=(*others, self.words))
+        return replace(floating(campaign), notes=(*others, self.words))
 
     def moved(self, before: Differing) -> bool:
         """Whether a number has moved by more than is little beside its error."""

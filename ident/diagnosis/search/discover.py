@@ -36,7 +36,7 @@ from .fewer_modes import without_a_mode, without_its_mode
 from .further_mode import with_its_mode
 from .once_more import another_minimum, begun_with, drive_beside, lower_start, with_other_starts
 from .other_form import in_another_form, steps_in_another_form
-from .own_zeros import with_own_zeros, with_zeros_anew
+from .own_zeros import with_own_zeros
 from .rivals import rivals_of
 from .steps import Ended, Step, Walked
 from .together import both, hidden_by_each_other
@@ -210,14 +210,11 @@ def _with_settled_linear_side(
     steps: list[Step], regression: Regression, start: Fit, look: Look
 ) -> tuple[list[Step], Regression]:
     """The steps with what the linear side of the last fit needs by now, and the regression of that: a constant, a mode
-    less or more, the zeros of the records, another form of a part; `look`: before the last of them."""
+    less or more, another form of a part; `look`: before the last of them."""
     library, report = look.library, look.report
     current, regression = with_its_constant(steps[-1].fit, regression, library, report)
     fewer = without_its_mode(current, start, [step.added for step in steps], look.first, report)
     current, regression = fewer or _with_its_mode(current, regression, look)
-    # What was missing has bent the zeros: else a common one would have to straighten them.
-    if (zeros := with_zeros_anew(current, report)) is not current:
-        current, regression = zeros, prepare(working(zeros))
     steps = [*steps[:-1], steps[-1]._replace(fit=current)]
     return steps_in_another_form(steps, regression, start, library, report)
 

@@ -19,7 +19,7 @@ from ...fit import Fit, fit
 from ...fit.rebuild import fit_at
 from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG, Left, behind, criteria
-from ..evidence.enough import adequate
+from ..evidence.enough import SAME_SHAPE, adequate
 from ..evidence.held_out import foretold
 from ..linearised.regression import Regression
 from ..linearised.shorten import one_stretch_each
@@ -47,7 +47,11 @@ def with_own_zeros(current: Fit, look: Look) -> Campaign | None:
         return None
     (scored,) = score_beside([beside], look.library)
     zeros = _best(beside, significant(scored), best_pair(beside, scored), more, look)
-    if behind(zeros, _best(regression, look.real, look.pair, 0, look)) > -VERY_STRONG:
+    one_for_all = _best(regression, look.real, look.pair, 0, look)
+    # What bends the mean a little otherwise than the law that is found is its finer shape.
+    gain = float(one_for_all.left @ one_for_all.left - zeros.left @ zeros.left)
+    same = gain < SAME_SHAPE * look.first.above_noise
+    if same or behind(zeros, one_for_all) > -VERY_STRONG:
         return None
     look.report("has the sensor a zero of its own in each record?")
     found = differing(one_stretch_each(current), (LEVEL,))
