@@ -259,12 +259,14 @@ _SHOWN = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ
 def format_quantity(value: float, name: str = "", digits: int = 4) -> str:
     """An SI value for people: `format_quantity(1.2e-8, "m")` is "12 nm".
 
-    Simple units get a prefix; compound units ("N/m^3") and numbers without unit are printed as they are.
+    Simple units and their rates ("m/s^2") get a prefix; compound units ("N/m^3") and numbers without unit are printed
+    as they are.
     """
     if name in ("", "1") or not math.isfinite(value):
         return f"{value:.{digits}g}" + (f" {name}" if name not in ("", "1") else "")
     scale, symbol = (1e3, "g") if name == "kg" else (1.0, name)
-    if symbol not in _PREFIXED or symbol == "rad" or value == 0.0:
+    simple = symbol.removesuffix("/s^2").removesuffix("/s")
+    if simple not in _PREFIXED or simple == "rad" or value == 0.0:
         return f"{value:.{digits}g} {name}"
     size = abs(value * scale)
     for power, prefix in _SHOWN:
