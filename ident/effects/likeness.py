@@ -95,6 +95,10 @@ LOOP_OF_THE_DRIVE = Likeness(
     why="three laws for one loop of the drive",
     separate="a multisine or changing levels well below resonance: the inner loops differ",
 )
+SATURATES = Likeness(
+    why="at one frequency all are a drive that gives less at a higher voltage",
+    separate="the third harmonic of a sine well below the resonance, at the highest voltage and at two frequencies",
+)
 SLOW_CHANGE = Likeness(
     why="all are a slow change within the record",
     separate="the same record at two frequencies, and repeated after a pause",

@@ -22,7 +22,7 @@ from ident.fit import fit
 from ident.fit.linear.guess import DataScales
 from ident.model import Model
 
-SCALES = DataScales(displacement=1e-5, velocity=0.03, voltage=9.0, period=2e-3, duration=0.04)
+SCALES = DataScales(displacement=1e-5, velocity=0.03, voltage=9.0, period=2e-3, duration=0.04, slew=2e4)
 STIFFNESSES = ("residual-stress", "cubic-stiffness", "quadratic-stiffness", "voltage-stiffness")
 
 

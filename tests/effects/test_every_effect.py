@@ -25,14 +25,14 @@ INTERFACE = (
     "electrostriction, electrostatic-force, creep, drive-lag, sensor-nonlinearity, sensor-lag, sensor-crosstalk, "
     "sensor-drift, sensor-offset, ac-coupling, stribeck-friction, bilinear-stiffness, attached-mass, "
     "stiffness-heating, damping-heating, drive-heating, "
-    "coil-heating, force-factor, variable-inertia, contact-loss, presliding-friction"
+    "coil-heating, force-factor, variable-inertia, contact-loss, presliding-friction, slew-limit, drive-saturation"
 )  # what outside programs rely on
 NAMES = sorted(built_in())
 GENERAL = [name for name in NAMES if not built_in()[name].platform_only]
 
 # Shapes sized for the records of the harness: z some µm, v some cm/s, V some volts, 2 ms periods, 16 ms long.
 SCALES = {"displacement": 5e-6, "velocity": 2e-2, "voltage": 7.0, "period": 2e-3, "duration": 0.016,
-          "induction": 350.0, "nearness": 2e5, "one": 1.0}  # fmt: skip
+          "induction": 350.0, "nearness": 2e5, "slowness": 7e-5, "one": 1.0}  # fmt: skip
 
 
 def sized(effect: type[AbstractEffect], share: int = 0) -> dict[str, float]:

@@ -81,7 +81,7 @@ class Maker:
             starts=(Start(120.0, 1.0, 9, True), Start(150.0, 1.0000001, 11, True)),
             sigma="known",
             converged=True,
-            scales=DataScales(8e-6, 1e-2, 8.0, 2e-3, 0.1),
+            scales=DataScales(8e-6, 1e-2, 8.0, 2e-3, 0.1, 2e4),
             spectrum=Covariance(np.eye(p), np.zeros((p, 0)), np.ones(p), np.ones(p), np.eye(p)),
             linear=Linearisation(np.zeros((4, p)), np.zeros(4), np.eye(p)),
             solved=cast(Solved, None),  # no page looks at the arrays

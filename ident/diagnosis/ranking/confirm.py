@@ -16,6 +16,7 @@ from ...fit.minimise import minimise, refit
 from ...fit.problem import WORST
 from ...fit.rebuild import fit_at
 from ...fit.solve import How
+from ...fit.zeros import numbers_of_zeros
 from ...model import Model
 from ..evidence.criterion import behind, clearly_better
 from ..evidence.enough import worth_a_name
@@ -211,7 +212,7 @@ def _weighed(
     gain = 1.0 - (chi2 - regression.n) / regression.excess
     values = found.values
     possible = np.isfinite(chi2) and is_possible(model, values, model.effects[-1], regression.fit.scales)
-    numbers = numbers_told(regression, model, found, left)
+    numbers = numbers_told(regression, model, found, left) + numbers_of_zeros(regression.fit.campaign.fitted)
     return Confirmed(candidate, model, values, chi2, gain, left, numbers, bool(possible), found.best.found.starts)
 
 

@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, amplitude, shape
-from ..likeness import SLOW_CHANGE
+from ..likeness import SATURATES, SLOW_CHANGE
 
 LEAST = 0.05  # of 1 + eθ, whatever a search tries
 _STRAIGHT = 1e-6  # of e: nearer to zero the power is an exponential
@@ -25,8 +25,8 @@ class DriveHeating(AbstractEffect):
         "W. Klippel, Nonlinear modeling of the heat transfer in loudspeakers, 2004, J. Audio Eng. Soc. 52, 3 "
         "(coil alone, §2)"
     )
-    mistaken_for = ("creep", "damping-heating")
-    alike = (SLOW_CHANGE,)
+    mistaken_for = ("creep", "damping-heating", "drive-saturation")
+    alike = (SLOW_CHANGE, SATURATES)
     hidden_units = ("V^2",)
     settles_to_a_mean = True
 

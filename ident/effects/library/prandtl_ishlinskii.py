@@ -34,7 +34,7 @@ class PrandtlIshlinskii(AbstractEffect):
         "Kuhnen, Modeling, identification and compensation of complex hysteretic nonlinearities: a modified "
         "Prandtl-Ishlinskii approach, 2003, Eur. J. Control 9, 407, §2"
     )
-    mistaken_for = ("bouc-wen-drive", "pzt-hysteresis", "drive-lag", "creep")
+    mistaken_for = ("bouc-wen-drive", "pzt-hysteresis", "drive-lag", "creep", "slew-limit")
     alike = (LOOP_OF_THE_DRIVE, SHIFT_OF_PHASE)
     hidden_units = ("V",) * _PLAYS
 

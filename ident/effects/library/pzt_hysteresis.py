@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from ...campaign.device import Platform
 from ...mechanics import Scalar, drive_force_coefficient, l_beam, polynomial_strain
 from ..effect import AbstractEffect, Drive, amplitude
-from ..likeness import LOOP_OF_THE_DRIVE, SHIFT_OF_PHASE
+from ..likeness import LOOP_OF_THE_DRIVE, SATURATES, SHIFT_OF_PHASE
 from ..section import device_section
 
 
@@ -22,8 +22,9 @@ class PztHysteresis(AbstractEffect):
     name = "pzt-hysteresis"
     equation = "F = K_f [−η E³ + (ζ/ω³) Ė³]"
     source = "Sensors 2020, 20, 3959, Eq. 12"
-    mistaken_for = ("prandtl-ishlinskii", "bouc-wen-drive", "cubic-stiffness", "drive-lag")
-    alike = (LOOP_OF_THE_DRIVE, SHIFT_OF_PHASE)
+    mistaken_for = ("prandtl-ishlinskii", "bouc-wen-drive", "cubic-stiffness", "drive-lag", "drive-saturation",
+                     "slew-limit")  # fmt: skip
+    alike = (LOOP_OF_THE_DRIVE, SATURATES, SHIFT_OF_PHASE)
 
     eta = amplitude("m^3/V^3", "cubic saturation η")
     zeta = amplitude("m^3/V^3", "loop width ζ")

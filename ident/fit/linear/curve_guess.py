@@ -92,10 +92,14 @@ def curve_scales(sweeps: Sequence[Sweep], frequency: float) -> DataScales:
     largest = lambda values: max(float(np.max(v)) for v in values)
     displacement = largest(s.amplitude for s in sweeps)
     velocity = largest(2 * np.pi * s.frequency * s.amplitude for s in sweeps)
-    return DataScales(displacement, velocity, largest(s.acting for s in sweeps), 1 / frequency, _RING_UPS / frequency)
+    voltage = largest(s.acting for s in sweeps)
+    slew = largest(2 * np.pi * s.frequency * s.acting for s in sweeps) / np.sqrt(2)
+    return DataScales(displacement, velocity, voltage, 1 / frequency, _RING_UPS / frequency, slew)
 
 
 def joined_scales(one: DataScales, other: DataScales) -> DataScales:
     """The larger of two of each; the durations of traces."""
-    larger = {name: max(getattr(one, name), getattr(other, name)) for name in ("displacement", "velocity", "voltage")}
+    larger = {
+        name: max(getattr(one, name), getattr(other, name)) for name in ("displacement", "velocity", "voltage", "slew")
+    }
     return one._replace(**larger)

@@ -40,13 +40,15 @@ class LinearGuess(NamedTuple):
 
 
 class DataScales(NamedTuple):
-    """The largest values in the records, by which shape parameters are placed (SI)."""
+    """The largest values in the records, by which shape parameters are placed (SI); `slew`, of the rms rate of the
+    voltage, V/s."""
 
     displacement: float
     velocity: float
     voltage: float
     period: float
     duration: float
+    slew: float
     one: float = 1.0
 
     @property
@@ -58,6 +60,11 @@ class DataScales(NamedTuple):
     def nearness(self) -> float:
         """One over the displacement, as of something that acts from so far away."""
         return 1.0 / self.displacement
+
+    @property
+    def slowness(self) -> float:
+        """One over the rms rate of the voltage, as of an amplifier that can just follow it."""
+        return 1.0 / self.slew
 
 
 def guess_linear(
@@ -140,7 +147,8 @@ def _scales(records: tuple[Trace, ...], frequency: float) -> DataScales:
             velocity = max(velocity, float(np.percentile(np.abs(slope), 99.5)) / omega**record.order)
     voltage = max(float(np.max(np.abs(r.drive))) for r in records) or 1.0  # where nothing drives, any scale does
     duration = max(r.into + float(r.time[-1] - r.time[0]) for r in records)  # since its record began
-    return DataScales(displacement, velocity, voltage, 1.0 / frequency, duration)
+    slew = max(float(np.std(np.diff(r.drive))) / r.step for r in records) or voltage * omega
+    return DataScales(displacement, velocity, voltage, 1.0 / frequency, duration, slew)
 
 
 def _frequencies(records: Sequence[Trace], nominal: float | None) -> np.ndarray:
