@@ -29,7 +29,7 @@ from .linearised.regression import Regression, prepare
 from .linearised.shorten import working
 from .next_record.experiments import NextExperiment, next_experiments, rank_experiments
 from .ranking.look import Look, first_look
-from .records.between import differing
+from .records.between import alike, differing
 from .records.differing import without_common_zero
 from .search.conclude import concluded, concluded_or_sharper
 from .search.discover import Keep, walk_on
@@ -247,10 +247,10 @@ def _records_differ(asked: _Asked, seen: _Seen, apart: Apart | None) -> Diagnosi
             return None
     walk = lambda one: concluded(walk_on(Walked(one.begun(start)), asked.library, asked.report))
     found = walk(one)
-    again = differing(fit(found.final.model, start.campaign, initial=found.final.values), (one.kind,))
+    again = differing(fit(found.final.model, start.campaign, initial=found.final.values), alike(one.kind))
     if again is None:
         return None
-    if again.moved(one):
+    if again.kind != one.kind or again.moved(one):
         found = walk(again)
     if not adequate(found.regression):
         return None

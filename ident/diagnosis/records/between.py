@@ -50,6 +50,12 @@ def kinds_of(campaign: Campaign) -> Sequence[Kind]:
     return KINDS if all(trace.driven for trace in campaign.traces) else [k for k in KINDS if not TOLD[k].of_time]
 
 
+def alike(kind: Kind | Literal["drive"]) -> Sequence[Kind | Literal["drive"]]:
+    """The kinds of numbers between which a law that was missing may have decided: what it did to the mean of a record,
+    as its motion grew, had looked like a drift of the sensor."""
+    return [k for k in KINDS if TOLD[k].of_zero] if kind != "drive" and TOLD[kind].of_zero else [kind]
+
+
 def rows_of(regression: Regression, kind: Kind) -> np.ndarray:
     """What the numbers of each record do to it, along the measured motion: whitened, (numbers, n)."""
     records, fit = regression.fit.campaign.fitted, regression.fit

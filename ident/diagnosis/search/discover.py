@@ -21,7 +21,7 @@ from ..evidence.coloured_noise import behind_in_colour
 from ..evidence.criterion import VERY_STRONG, Left, behind, clearly_better, criteria
 from ..evidence.enough import Role, adequate, laws_differ_by, not_worth_adding, role_of
 from ..evidence.family import is_that_member
-from ..evidence.held_out import hurts
+from ..evidence.held_out import foretold, hurts
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, working
 from ..linearised.trajectory import Diverged
@@ -37,7 +37,7 @@ from .further_mode import with_its_mode
 from .once_more import another_minimum, begun_with, drive_beside, lower_start, with_other_starts
 from .other_form import in_another_form, steps_in_another_form
 from .own_zeros import with_own_zeros
-from .rivals import rivals_of
+from .rivals import beside_the_tried, rivals_of
 from .steps import Ended, Step, Walked
 from .together import both, hidden_by_each_other
 
@@ -257,13 +257,13 @@ def _best_step(current: Fit, look: Look, gains: dict[str, float]) -> tuple[list[
     """Confirm the best candidates by refits and take the best one, or two that hide each other; the regression of the
     fit with them too."""
     regression, first, library, tried = look.regression, look.first, look.library, look.tried
+    worth_it = not not_worth_adding(regression, best_drop(tried, regression), first)
+    best = _best(tried, regression, current, first) if worth_it else None
+    if best is not None and adequate(best.left) and not foretold(best.fit):
+        tried = [*tried, *beside_the_tried(best.confirmed.candidate.name, tried, look)]
+        best = _best(tried, regression, current, first)
     kept = {found.candidate.name: found.gain for found in tried}
     gains.update(kept)
-    best = (
-        None
-        if not_worth_adding(regression, best_drop(tried, regression), first)
-        else _best(tried, regression, current, first)
-    )
     single = best and (best.confirmed.candidate.name, best.left)
     if names := hidden_by_each_other(regression, look.candidates, single, first, library):
         look.report(f"trying {' and '.join(names)} together")

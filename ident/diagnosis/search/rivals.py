@@ -1,11 +1,15 @@
-"""What stood against an effect when it was added: the names between which that step chose."""
+"""What stands against an effect when it is added: the names between which that step chooses."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
+from ..evidence.equivalences import mistaken
+from ..ranking.confirm import Confirmed, confirm
+from ..ranking.look import Look
 from ..ranking.weigh import Candidate
+from ..side_by_side import at_once
 
 _KEPT = 5  # of a step: those that were refitted, then the best of the others
 
@@ -17,6 +21,18 @@ class Rival(NamedTuple):
     name: str
     predicted_gain: float
     confirmed_gain: float | None = None
+
+
+def beside_the_tried(name: str, tried: Iterable[Confirmed], look: Look) -> list[Confirmed]:
+    """Refits of the laws for which an effect is mistaken and whose scores had not promised enough to be tried.
+
+    A score is of first order: an even force moves the mean and makes a second harmonic, and only its square a
+    resonance. Where held-out records are not foretold by a law that leaves noise, that is no reason against another.
+    """
+    known = {found.candidate.name for found in tried}
+    likely = mistaken(look.library[name], look.library) - known
+    asked = [candidate for candidate in look.candidates if candidate.name in likely]
+    return at_once(lambda one: confirm(look.regression, look.library[one.name], one), asked, look.report, "rivals")
 
 
 def rivals_of(added: str, candidates: Iterable[Candidate], gains: Mapping[str, float]) -> tuple[Rival, ...]:
