@@ -83,6 +83,37 @@ def test_a_negative_drive_lag_is_a_lead():
     assert_agrees(make("drive-lag", time=-shift), physics, 2e-2)
 
 
+@pytest.mark.parametrize("time", [2e-6, 3e-5])
+@pytest.mark.parametrize("fastest", [9e3, 1.6e4])  # V/s, where the drive needs 24,000
+def test_an_amplifier_follows_no_faster_than_it_can(fastest, time):
+    def rates(t, z, v, h):
+        return (np.clip((voltage(t) - h[0]) / time, -fastest, fastest),)
+
+    physics = Physics(lambda t, z, v, h: GAIN * 0.8 * (h[0] - voltage(t)), rates, start=(0.0,))
+    effect = make("slew-limit", share=0.8, slowness=1 / fastest, time=time)
+    assert_agrees(effect, physics, KINKED)
+
+
+@pytest.mark.parametrize("limit", [0.2, 0.5, 0.56, 0.8, 1.3])  # of the fastest change of the sine
+def test_an_amplifier_that_has_long_been_driven_too_fast(limit):
+    """A straight ramp from where the sine became too fast, or a triangle."""
+    t = np.linspace(0.0, 30 * np.pi, 200_001)
+    w = np.zeros_like(t)
+    for k in range(1, len(t)):  # each step as far as it may go
+        w[k] = w[k - 1] + np.clip(
+            3 * np.sin(t[k]) - w[k - 1], -3 * limit * (t[k] - t[k - 1]), 3 * limit * (t[k] - t[k - 1])
+        )
+    last = slice(-13_000, None, 37)
+    drive = Drive(3 * np.sin(t[last]), 3 * np.cos(t[last]), 1.0, 1.0)
+    found = make("slew-limit", slowness=1 / (3 * limit), time=1e-6).settled(3.0, drive)[0]
+    np.testing.assert_allclose(found, w[last], atol=2e-3)
+
+
+def test_a_drive_levels_off_as_a_tanh_does():
+    physics = Physics(lambda t, z, v, h: GAIN * (6.0 * np.tanh(voltage(t) / 6.0) - voltage(t)))
+    assert_agrees(make("drive-saturation", cubic=1 / (3 * 36), levelling=1.2), physics, 0.01)
+
+
 @pytest.mark.parametrize("sharpness", [1.0, 2.0])
 @pytest.mark.parametrize("travel", [0.8, 3.0])
 def test_bouc_wen_drive_in_its_textbook_form(sharpness, travel):
@@ -146,12 +177,14 @@ def test_the_warmth_of_a_sine_that_has_lasted_for_ever(time):
     np.testing.assert_allclose(warm[0], exact.y[0], atol=1e-6)
 
 
-@pytest.mark.parametrize("name", ["bouc-wen-drive", "creep", "drive-heating", "drive-lag", "prandtl-ishlinskii"])
+@pytest.mark.parametrize(
+    "name", ["bouc-wen-drive", "creep", "drive-heating", "drive-lag", "prandtl-ishlinskii", "slew-limit"]
+)
 def test_memories_of_the_drive_alone_are_told_and_have_the_tangents_of_a_difference(name):
     drive = _seen(voltage(TIME), voltage_rate(TIME), TIME[1])
     effect = make(name)
     assert follows_drive_alone(effect)
-    at = {p.name: 1e-3 if p.unit == "s" else 0.7 for p in effect.parameters}
+    at = {p.name: {"s": 1e-3, "s/V": 1e-4}.get(p.unit, 0.7) for p in effect.parameters}
 
     def force(values, gain):
         bound = effect.with_values(**dict(zip(at, values, strict=True)))

@@ -19,6 +19,7 @@ from tests.effects.harness import (
 )
 
 K, C = STIFFNESS, DAMPING
+STRING = 8e-6  # m, at which a spring levels off
 SMOOTH, KINKED = 1e-5, 2e-3  # of the effect's own size, with 4 steps per sample
 
 SMOOTH_LAWS = {
@@ -116,6 +117,24 @@ def test_a_contact_loses_energy_on_the_side_where_a_stop_stands():
     found = np.array(both.force(State(z, v), Drive(0.0, 0.0, 1.0, 1.0), 0.0))
     deep = np.maximum(z - gap, 0.0) + np.maximum(-z - 0.9 * gap, 0.0)
     np.testing.assert_allclose(found, -damping * (deep / gap) ** power * v, atol=1e-18)
+
+
+@pytest.mark.parametrize(
+    ("law", "k3", "u", "accuracy"),
+    [
+        (lambda x: np.tanh(x), -1 / 3, 0.63, 1e-3),
+        (lambda x: np.sin(x), -1 / 6, np.sqrt(1 / 20), 5e-3),
+        (lambda x: 2 * x - x / np.sqrt(1 + x * x), 0.476, 0.80, 1e-2),
+    ],
+)
+def test_a_cubic_spring_that_levels_off_is_many_others(law, k3, u, accuracy):
+    """A saturating spring, a pendulum, a stretched string: what is left of each without its straight part."""
+    x = np.linspace(-1.3, 1.3, 41)
+    spring = make("cubic-stiffness", k3=k3 / STRING**3, levelling=u / STRING)
+    found = -np.array(spring.force(State(STRING * x, 0 * x, ()), Drive(0.0, 0.0, 1.0, 1.0), 0.0))
+    np.testing.assert_allclose(found, law(x) - x, atol=accuracy * np.max(np.abs(law(x) - x)))
+    steep = make("cubic-stiffness", k3=k3, levelling=-0.5)
+    assert float(steep.force(State(1.0, 0.0, ()), Drive(0.0, 0.0, 1.0, 1.0), 0.0)) == pytest.approx(-k3 / 0.75)
 
 
 def test_power_laws_contain_the_named_ones():
