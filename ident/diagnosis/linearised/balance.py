@@ -158,11 +158,14 @@ def _searched(
     """Where Levenberg's and Marquardt's search from x ends; numbers that stay `above` zero by their logarithms."""
     left, slopes = at(x)
     damping, cost = 1e-3, float(left @ left)
-    if not (np.isfinite(cost) and np.all(np.isfinite(slopes))):
-        return x  # nothing to go by
+    if not np.isfinite(cost):
+        return x
     for _ in range(_ROUNDS):
         slopes = slopes * np.where(above, x, 1.0)[:, None]
-        gram = slopes @ slopes.T
+        with np.errstate(all="ignore"):
+            gram = slopes @ slopes.T
+        if not np.all(np.isfinite(gram)):  # nothing to go by: from here on a step has no bound
+            break
         units = np.maximum(np.diag(gram), 1e-300)
         move = np.linalg.lstsq(gram + damping * np.diag(units), slopes @ left, rcond=1e-14)[0]
         with np.errstate(all="ignore"):

@@ -54,7 +54,7 @@ def whitening_of(record: Trace, by_start: np.ndarray | None) -> Whitening:
     if by_start is not None:
         seen = [(row, float(np.max(np.abs(row[whitening.counted])))) for row in by_start]
         local += [row / size for row, size in seen if size > _DIED_OUT * float(np.max(np.abs(by_start)))]
-    local += list(zero_curves(record))
+    local += [row / np.max(np.abs(row)) for row in zero_curves(record)]
     whitened = _filter(whitening, np.reshape(local, (-1, n)))
     u, s, _ = np.linalg.svd(whitened.T, full_matrices=False)
     return whitening._replace(basis=u[:, s > 1e-6 * np.max(s, initial=0.0)])
