@@ -271,9 +271,11 @@ def format_quantity(value: float, name: str = "", digits: int = 4) -> str:
     size = abs(value * scale)
     for power, prefix in _SHOWN:
         if size >= power * (1 - 0.5 * 10.0**-digits):
-            return f"{value * scale / power:.{digits}g} {prefix}{symbol}"
-    power, prefix = _SHOWN[-1]
-    return f"{value * scale / power:.{digits}g} {prefix}{symbol}"
+            break
+    else:
+        power, prefix = _SHOWN[-1]
+    shown = float(f"{value * scale / power:.{digits}g}")  # 900 of two digits, not 9e+02
+    return f"{shown:.15g} {prefix}{symbol}"
 
 
 def significant(value: float, digits: int = 3) -> str:

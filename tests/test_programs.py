@@ -65,7 +65,7 @@ def test_records_that_cross_a_chunk_are_marched_through_as_one():
     long = Trace("long.csv", t, np.sin(2 * np.pi * 7.0 * t), 0.0 * t, *told)  # type: ignore[arg-type]
     short = Trace("short.csv", t[:333], np.sin(2 * np.pi * 3.0 * t[:333]), 0.0 * t[:333], *told)  # type: ignore[arg-type]
     model = Model(Oscillator(), (built_in()["cubic-stiffness"](Oscillator()),))
-    values = np.array([10.0, 50.0, 2000.0, 300.0])
+    values = np.array([10.0, 50.0, 2000.0, 300.0, 0.0])
     found = read(model, values, [short, long, short])[1]
     omega = 2 * np.pi * 10.0
     rates = lambda t, y: (y[1], 2000.0 * np.sin(2 * np.pi * 7.0 * t) - omega / 50.0 * y[1] - omega**2 * y[0]

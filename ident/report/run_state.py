@@ -56,7 +56,7 @@ def state(fit: Fit) -> dict[str, Any]:
         # An estimate, and with sigma = "fitted" a result: another version might find another.
         "noise": [asdict(record.noise) for record in fit.campaign.records],
         # What of a trace was estimated: how it differs from the others, and where a drive that is held changes.
-        "traces": [[trace.own, trace.edge, trace.floats] for trace in fit.campaign.traces],
+        "traces": [[trace.own, trace.edge, *([True] if trace.floats else ())] for trace in fit.campaign.traces],
         "left_out": [asdict(suspect) for _, suspect in fit.campaign.left_out],
         "stronger": [None if s.stronger is None else s.stronger.tolist() for s in fit.campaign.sweeps],
     }
@@ -92,11 +92,9 @@ def _floor(told: dict[str, Any]) -> NoiseFloor:
 
 def as_it_was(record: Trace, told: Sequence[Any]) -> Trace:
     """A trace with the noise floor of a run, read as the run had read it: `told` of it in its state."""
-    own, edge, *more = told  # older versions did not tell the rest
+    own, edge, *floats = told  # whether a zero of its own is fitted is told where it is
     read_so = record if own is None else read_apart(record, *own)
-    return replace(
-        read_so, noise=record.noise, edge=edge, floats=bool(more and more[0])
-    )  # both are kept as they were after that
+    return replace(read_so, noise=record.noise, edge=edge, floats=any(floats))  # both are kept as they were after that
 
 
 def _model(document: dict[str, Any], campaign: Campaign, folder: Path) -> tuple[Model, np.ndarray]:

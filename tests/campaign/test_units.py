@@ -104,6 +104,7 @@ def test_base_units():
     ],
 )
 def test_values_for_people(value, unit, text):
+    assert format_quantity(8.99e-10, "m", 2) == "900 pm"
     assert format_quantity(value, unit) == text
 
 

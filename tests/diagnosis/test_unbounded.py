@@ -37,7 +37,7 @@ def bounded() -> Fit:
 def lost(bounded: Fit) -> Fit:
     """The same with a spring that lets go."""
     softening = bounded.model + built_in()["cubic-stiffness"]()
-    found = fit(softening, bounded.campaign, initial=np.append(VALUES, -1e9), most=5)
+    found = fit(softening, bounded.campaign, initial=np.append(VALUES, [-1e9, 0.0]), most=5)
     assert not np.isfinite(found.fitted.error_over_noise)
     return found
 

@@ -31,7 +31,7 @@ def driven() -> Campaign:
 def test_a_softening_spring_lets_go():
     campaign = driven()
     softening = Model(campaign.device) + built_in()["cubic-stiffness"]()
-    escapes, stays = np.append(VALUES, -1e9), np.append(VALUES, 0.0)
+    escapes, stays = np.append(VALUES, [-1e9, 0.0]), np.append(VALUES, [0.0, 0.0])
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         lost = minimise(softening, campaign, How(most=5), initial=escapes)

@@ -34,7 +34,7 @@ def model(campaign: Campaign) -> Model:
 
 
 TRUE = np.array(
-    [overtones.FREQUENCY, overtones.QUALITY, overtones.GAIN, overtones.QUADRATIC, 0.0, 0.3 * overtones.CUBIC]
+    [overtones.FREQUENCY, overtones.QUALITY, overtones.GAIN, overtones.QUADRATIC, 0.0, 0.3 * overtones.CUBIC, 0.0]
 )
 
 
@@ -55,7 +55,7 @@ def test_harmonics_have_the_slopes_of_differences(campaign: Campaign) -> None:
 
 def test_two_springs_are_told_apart_by_harmonics(campaign: Campaign) -> None:
     without = replace(campaign, records=tuple(replace(s, overtones=()) for s in campaign.sweeps))
-    start = TRUE * np.array([1, 1, 1, 0.8, 1, 1.5])
+    start = TRUE * np.array([1, 1, 1, 0.8, 1, 1.5, 1])
     told, untold = (fit(model(one), one, initial=start) for one in (campaign, without))
     assert 0.8 < told.fitted.error_over_noise < 1.15
     off = (told.values - TRUE) / [e.error or np.nan for e in told.estimates]

@@ -34,5 +34,5 @@ def test_a_start_that_is_turns_away_at_the_end_is_found(begun, noise):
     """From what the first samples say of it one step for the whole record led to 1.2 to 73 noise floors."""
     record, device = _record(begun, noise), Oscillator("m", "m/s^2")
     model = Model(device) + built_in()["cubic-stiffness"](device)
-    (told,) = read(model, np.array([HERTZ, QUALITY, 1.0, -SOFTER * OMEGA**2]), [record])
+    (told,) = read(model, np.array([HERTZ, QUALITY, 1.0, -SOFTER * OMEGA**2, 0.0]), [record])
     assert np.sqrt(np.mean((record.response - told) ** 2)) < 1.05 * noise

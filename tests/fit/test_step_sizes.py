@@ -25,7 +25,7 @@ def campaign(cubic: float = 0.0) -> Campaign:
     channel = Channel("V", 1.0)
     record = Trace("two tones.csv", t, drive, np.ones_like(t), channel, channel, noise=NoiseFloor(1e-9), start="rest")
     model = Model(Oscillator(), (built_in()["cubic-stiffness"](),))
-    read_off = read(model, np.append(VALUES, cubic), [record])[0]
+    read_off = read(model, np.append(VALUES, [cubic, 0.0]), [record])[0]
     sigma = 1e-3 * float(np.std(read_off))
     noisy = read_off + np.random.default_rng(7).normal(0.0, sigma, SAMPLES)
     told = Trace("two tones.csv", t, drive, noisy, channel, channel, noise=NoiseFloor(sigma), start="rest")

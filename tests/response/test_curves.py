@@ -27,7 +27,7 @@ STEPS = 128
 def duffing(cubic: float = CUBIC) -> Periodic:
     device = Oscillator()
     model = Model(device) + built_in()["cubic-stiffness"](device)
-    return Periodic(Equation(model), np.array([FREQUENCY, QUALITY, GAIN, cubic]), STEPS)
+    return Periodic(Equation(model), np.array([FREQUENCY, QUALITY, GAIN, cubic, 0.0]), STEPS)
 
 
 def points(frequency: np.ndarray, amplitude: np.ndarray) -> Points:
@@ -303,7 +303,7 @@ def test_a_motion_too_far_from_its_neighbour_is_reached_by_points_between() -> N
     """Beside a second well the mean of a motion moves far with its amplitude: from 164 to 160 Hz one search is lost."""
     device, squared = Oscillator(), (2 * np.pi * 211.0) ** 2
     model = Model(device) + built_in()["quadratic-stiffness"](device) + built_in()["cubic-stiffness"](device)
-    values = np.array([211.0, 36.0, 0.028e-6 * squared, -0.116883e6 * squared, 0.0, 0.003247e12 * squared])
+    values = np.array([211.0, 36.0, 0.028e-6 * squared, -0.116883e6 * squared, 0.0, 0.003247e12 * squared, 0.0])
     frequency = np.array(
         [206.0, 204, 202, 200, 198, 196, 194, 192, 190, 188, 186, 184, 181, 178, 175, 172, 168, 164, 160]
     )

@@ -123,7 +123,7 @@ def test_an_orbit_to_which_nothing_comes_back_is_not_stable() -> None:
     """Of the three motions of a Duffing oscillator beyond its fold, the middle one."""
     kind = built_in()["cubic-stiffness"]
     equation = Equation(Model(Oscillator(), (kind(Oscillator()),)))
-    values = np.array([FREQUENCY, 20.0, GAIN, 1.2 * STIFFNESS / SIZE**2])
+    values = np.array([FREQUENCY, 20.0, GAIN, 1.2 * STIFFNESS / SIZE**2, 0.0])
     time = 0.5 * STEP * np.arange(2 * int(3 / 560.0 / STEP) + 1)
     omega = 2 * np.pi * 560.0
     lane = Lane(STEP, 1.5 * np.cos(omega * time), -1.5 * omega * np.sin(omega * time), omega)
@@ -131,7 +131,7 @@ def test_an_orbit_to_which_nothing_comes_back_is_not_stable() -> None:
     found: list[Orbit] = []
     for a in np.linspace(-1, 1, 13):
         for b in np.linspace(-1, 1, 13):
-            one = find_orbit(equation, prelude, values, np.zeros((0, 4)), unit * np.array([a, b]), unit)
+            one = find_orbit(equation, prelude, values, np.zeros((0, 5)), unit * np.array([a, b]), unit)
             if one.found and all(np.max(np.abs(one.start - other.start) / unit) > 1e-3 for other in found):
                 found.append(one)
     assert sorted(orbit.stable for orbit in found) == [False, True, True]

@@ -21,7 +21,7 @@ def sine(hertz: float, volts: float, periods: int, per_period: int = 64, **more)
 def test_a_duffing_oscillator_agrees_with_scipy():
     record = sine(1.3, 2.0, 12, noise=NoiseFloor(1e-9))
     model = Model(Oscillator(), (built_in()["cubic-stiffness"](),))
-    found = read(model, np.array([1.0, 12.0, 5.0, 40.0]), [record])[0]
+    found = read(model, np.array([1.0, 12.0, 5.0, 40.0, 0.0]), [record])[0]
     omega = 2 * np.pi
 
     def rates(t, y):
