@@ -269,11 +269,8 @@ def format_quantity(value: float, name: str = "", digits: int = 4) -> str:
     if simple not in _PREFIXED or simple == "rad" or value == 0.0:
         return f"{value:.{digits}g} {name}"
     size = abs(value * scale)
-    for power, prefix in _SHOWN:
-        if size >= power * (1 - 0.5 * 10.0**-digits):
-            break
-    else:
-        power, prefix = _SHOWN[-1]
+    near = (one for one in _SHOWN if size >= one[0] * (1 - 0.5 * 10.0**-digits))
+    power, prefix = next(near, _SHOWN[-1])
     shown = float(f"{value * scale / power:.{digits}g}")  # 900 of two digits, not 9e+02
     return f"{shown:.15g} {prefix}{symbol}"
 
