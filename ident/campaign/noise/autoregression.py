@@ -17,7 +17,7 @@ import numpy as np
 
 MAX_ORDER = 6  # of an autoregression for the colour of noise
 FLICKER_ORDER = 12  # of one in the place of flicker noise: of 4000 samples it costs 4 in −2 log likelihood, 6 cost 15
-_ROUNDS = 3  # of leaving out the frequencies that stick out
+ROUNDS = 3  # of leaving out the frequencies that stick out
 ORDER_PRICE = 1.3  # of a coefficient in −2 log likelihood, times the log of the numbers that are used
 
 
@@ -154,7 +154,7 @@ def fit_autoregression(
     if kept.sum() < 4:
         missing, kept = np.zeros(len(power)), np.ones(len(power), dtype=bool)
         power = np.abs(np.fft.rfft(residual)) ** 2 / n
-    for _ in range(_ROUNDS):
+    for _ in range(ROUNDS):
         ar, innovation, spectrum = _best_order(power, missing, max_order, n)
         found = outliers(power, missing, spectrum) & kept
         if not found.any():

@@ -16,8 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..record import VAGUE, NoiseFloor, Trace
-from .autoregression import ORDER_PRICE, ar_spectrum, outliers, variance_of
+from .autoregression import ORDER_PRICE, ROUNDS, ar_spectrum, outliers, variance_of
 from .floor import EXTRAPOLATED, NUMBERS, extrapolated, latest, windowed
+from .tail import Beside, beside_a_tail, deviance_of
 
 _SAME = 0.001  # relative: sampling intervals that differ by less are one
 
@@ -36,7 +37,9 @@ def of_one_sensor(traces: Sequence[Trace]) -> list[NoiseFloor]:
     seen.sort(key=lambda trace: trace.noise.relative_error)
     shown = {id(t): _Shown.of(t) for t in whole if extrapolated(t.noise)}
     told = [t for t in whole if id(t) in shown and t.noise.relative_error < VAGUE]
-    told.sort(key=lambda t: sum(one.deviance(t.noise) for o in whole if alike(o, t) and (one := shown.get(id(o)))))
+    told.sort(
+        key=lambda t: sum(one.beside(t.noise).deviance for o in whole if alike(o, t) and (one := shown.get(id(o))))
+    )
     return [_in_the_best_colour(trace, [*seen, *told], shown.get(id(trace))) for trace in traces]
 
 
@@ -53,37 +56,51 @@ class _Shown(NamedTuple):
 
     @classmethod
     def of(cls, trace: Trace) -> _Shown:
-        """Of the frequencies that an extrapolated floor was read off."""
+        """Of the frequencies that an extrapolated floor was read off, but for lines that stick out: of its noise and of
+        the tail that a motion has there, for else the tail's foot would stick out."""
         seen = windowed(latest(trace.response))
         power = np.abs(np.fft.rfft(seen)) ** 2 / len(seen)
-        free = np.arange(len(power)) >= trace.noise.unseen * len(power)
-        return cls(power, free & ~outliers(power, 1.0 - free, _spectrum(trace.noise, len(power))))
+        above = np.arange(len(power)) >= trace.noise.unseen * len(power)
+        shown, place = cls(power, above), np.flatnonzero(above)
+        for _ in range(ROUNDS):
+            expected = np.ones(len(power))
+            beside = np.log(shown.beside(trace.noise).expected)
+            expected[above] = np.exp(np.interp(place, np.flatnonzero(shown.free), beside))
+            shown = cls(power, above & ~outliers(power, 1.0 - above, expected))
+        return shown
 
-    def level(self, floor: NoiseFloor) -> float:
-        """By how much the power is larger than that of a floor."""
-        return float(np.mean(self.power[self.free] / _spectrum(floor, len(self.power))[self.free]))
+    @property
+    def price(self) -> float:
+        """Of a number that describes it, in −2 log likelihood."""
+        return ORDER_PRICE * float(np.log(np.count_nonzero(self.free)))
+
+    def beside(self, floor: NoiseFloor) -> Beside:
+        """It as noise of the colour of a floor, beside the tail of a motion where it has one."""
+        place = np.flatnonzero(self.free)
+        noise = _spectrum(floor, len(self.power))[self.free]
+        return beside_a_tail(self.power[self.free], noise, place / place[0], self.price)
 
     def deviance(self, floor: NoiseFloor) -> float:
-        """−2 log likelihood of noise of the colour of a floor, at the level that fits best."""
-        expected = self.level(floor) * _spectrum(floor, len(self.power))[self.free]
-        return 2.0 * float(np.sum(np.log(expected) + self.power[self.free] / expected))
+        """−2 log likelihood of noise of the colour of a floor, and of nothing else, at the level that fits best."""
+        noise, power = _spectrum(floor, len(self.power))[self.free], self.power[self.free]
+        return deviance_of(power, float(np.mean(power / noise)) * noise)
 
 
 def _in_the_best_colour(trace: Trace, seen: Sequence[Trace], shown: _Shown | None) -> NoiseFloor:
-    """The floor of a record in the colour of the first of those that are `seen` of its sensor, where that describes the
-    frequencies that it was read off as well as its own coefficients do, by the criterion that chose these."""
+    """The floor of a record in the colour of the first of those that are `seen` of its sensor, where that, beside a
+    tail, describes the frequencies that it was read off as well as its own coefficients do, which were fitted as if
+    all of them showed noise alone, by the criterion that chose these."""
     own = trace.noise
     surest = next((other.noise for other in seen if alike(trace, other)), own)
     if surest is own or shown is None:
         return own
-    count, further = int(np.count_nonzero(shown.free)), extrapolated(surest)
-    if shown.deviance(surest) > shown.deviance(own) + ORDER_PRICE * min(len(own.ar), NUMBERS) * np.log(count):
+    beside, further = shown.beside(surest), extrapolated(surest)
+    if beside.deviance > shown.deviance(own) + shown.price * min(len(own.ar), NUMBERS):
         return own
     wider = 1.0 if further else WIDER  # which says it already
-    error = wider * float(np.hypot(surest.relative_error, np.sqrt(0.25 / count)))
+    error = min(1.0, wider * float(np.hypot(surest.relative_error, 0.5 * beside.error)))
     method = f"{own.method}, in the colour of a record that shows {'more' if further else 'the others too'}"
-    sigma = surest.sigma * shown.level(surest) ** 0.5
-    return replace(own, sigma=sigma, ar=surest.ar, method=method, relative_error=error)
+    return replace(own, sigma=surest.sigma * beside.level**0.5, ar=surest.ar, method=method, relative_error=error)
 
 
 @lru_cache(maxsize=8)  # a colour is asked of many records as long as one another
