@@ -12,13 +12,13 @@ from scipy.interpolate import CubicSpline
 from .campaign import Campaign
 from .device import Device, response_unit
 from .late import in_time
-from .record import Kind, Sweep, Trace, common_order
+from .record import Kind, Trace, common_order
 
 
 class Told(NamedTuple):
-    """How a kind of numbers is told to people: `what` each record has, numbers times `times` in `unit`, or times its
-    signal in that of the reading if there is none, and `why`; how many `each` has, whether what all have is the
-    device's own, and the `most` that a number can be: more says nothing of this device.
+    """How a kind of numbers is told to people: `what` each record has, numbers times `times` in `unit`, or as they are
+    in that of the reading if there is none, and `why`; how many `each` has, whether what all have is the device's own,
+    and the `most` that a number can be, of a zero in signals: more says nothing of this device.
 
     `of_device`: the device itself is another one, of which a simulation takes account; `of_time`: it moves the samples
     of the drive beside those of the response; `of_zero`: the sensor has this zero, and no common one beside it."""
@@ -51,14 +51,14 @@ TOLD: dict[Kind, Told] = {
 
 
 def curves(trace: Trace) -> np.ndarray:
-    """The curves that the numbers of a baseline multiply, (3, n): a level, a line and a parabola, as large as the
-    signal; the first is that of a level alone."""
+    """The curves that the numbers of a baseline, in the unit of the reading, multiply, (3, n): a level, a line and a
+    parabola; the first is that of a level alone."""
     t = np.linspace(-1.0, 1.0, len(trace.time))
-    return signal_of(trace) * np.stack([np.ones_like(t), t, 1.5 * t**2 - 0.5])
+    return np.stack([np.ones_like(t), t, 1.5 * t**2 - 0.5])
 
 
 def signal_of(trace: Trace) -> float:
-    """What a level or a baseline is counted in: the rms of the response about its mean."""
+    """What a zero is compared with: the rms of the response about its mean."""
     return float(np.std(trace.response[trace.counted]))
 
 
@@ -78,20 +78,42 @@ def read_apart(trace: Trace, kind: Kind, sizes: Iterable[float]) -> Trace:
         drive = CubicSpline(index, trace.drive)(np.clip(index * ran, 0, index[-1]))
         return replace(trace, own=told, time=trace.time * ran, into=trace.into * ran, drive=drive)
     if TOLD[kind].of_zero:
-        moved = np.asarray(told[1]) @ curves(trace)[: TOLD[kind].each]
-        return replace(trace, own=told, response=trace.response - moved)
+        return replace(trace, own=told, response=trace.response - np.asarray(told[1]) @ _own_curves(trace, kind))
     times = 1 / (1 + told[1][0])
     noise = replace(trace.noise, sigma=trace.noise.sigma * times)
     return replace(trace, own=told, response=trace.response * times, noise=noise)
 
 
-def as_it_came(record: Trace | Sweep) -> Trace | Sweep:
-    """A record as it came, of a trace that was read by a level of its own: that does not change its size."""
-    if not isinstance(record, Trace) or record.own is None or record.own[0] != "level":
-        return record
+def as_it_came(trace: Trace) -> Trace:
+    """A trace as it came, of one that was read by a zero of its own."""
+    if trace.own is None or not TOLD[trace.own[0]].of_zero:
+        return trace
+    kind, sizes = trace.own
     return replace(
-        record, own=None, floats=False, response=record.response + record.number("level") * curves(record)[0]
+        trace, own=None, floats=False, response=trace.response + np.asarray(sizes) @ _own_curves(trace, kind)
     )
+
+
+def _own_curves(trace: Trace, kind: Kind) -> np.ndarray:
+    """Of what a zero of a record's own is a sum, (q, n)."""
+    return curves(trace)[: TOLD[kind].each]
+
+
+def zero_curves(trace: Trace) -> np.ndarray:
+    """Of what a zero is a sum, (q, n), that is fitted with every model; q = 0 if there is none."""
+    return (
+        _own_curves(trace, trace.own[0]) if trace.floats and trace.own is not None else np.zeros((0, len(trace.time)))
+    )
+
+
+def read_on(trace: Trace, part: np.ndarray) -> Trace:
+    """A trace read by a zero that is larger than before by some `part` (n,), a sum of its curves."""
+    if trace.own is None or not trace.floats:
+        return trace
+    kind, sizes = trace.own
+    more = np.linalg.lstsq(_own_curves(trace, kind).T, part, rcond=None)[0]
+    own = (kind, tuple(float(a + b) for a, b in zip(sizes, more, strict=True)))
+    return replace(trace, own=own, response=trace.response - part)
 
 
 def floating(campaign: Campaign) -> Campaign:
@@ -112,7 +134,8 @@ def size_of(trace: Trace) -> float:
 
 def times_of(trace: Trace, kind: Kind) -> float:
     """By what a number of a trace is multiplied to be told."""
-    return TOLD[kind].times * (1.0 if TOLD[kind].unit else signal_of(trace))
+    of_signal = TOLD[kind].of_zero and TOLD[kind].unit
+    return TOLD[kind].times / ((signal_of(trace) or 1.0) if of_signal else 1.0)
 
 
 def told_in(kind: Kind, traces: Sequence[Trace], device: Device) -> str:

@@ -153,6 +153,7 @@ def typical_value(parameter: Parameter) -> float:
         "duration": 0.03,
         "induction": 3e2,
         "nearness": 1e6,
+        "squared_nearness": 1e12,
         "slowness": 5e-5,
         "one": 1.0,
     }

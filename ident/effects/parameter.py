@@ -10,7 +10,18 @@ from ..errors import UserError
 if TYPE_CHECKING:
     from .effect import AbstractEffect
 
-Scale = Literal["displacement", "velocity", "voltage", "period", "duration", "induction", "nearness", "slowness", "one"]
+Scale = Literal[
+    "displacement",
+    "velocity",
+    "voltage",
+    "period",
+    "duration",
+    "induction",
+    "nearness",
+    "squared_nearness",
+    "slowness",
+    "one",
+]
 
 
 class Expected(NamedTuple):
@@ -92,12 +103,12 @@ def shape(
 
     **Arguments:** `grid`, values worth trying in multiples of the data's `scale` ("displacement": its largest value in
     the records, likewise "velocity" and "voltage", "induction" the one over the other, "nearness" one over the
-    displacement, "slowness" one over the rms rate of the voltage; "period": 1/f0; "duration" of a record; "one": SI as
-    written); `limits`, where it keeps its meaning, so that a fit cannot turn one effect into another (default: a third
-    of the smallest to three times the largest of the grid). A fit stays inside; one of a shape that may be negative
-    does not, but where it ends outside the effect is impossible, and there is no default. `refines` holds it at the
-    middle of the grid, the usual value of the law, unless the campaign frees it or a walk finds that the records
-    clearly choose the law with it free. `expected`: as of an amplitude.
+    displacement, "squared_nearness" its square, "slowness" one over the rms rate of the voltage; "period": 1/f0;
+    "duration" of a record; "one": SI as written); `limits`, where it keeps its meaning, so that a fit cannot turn one
+    effect into another (default: a third of the smallest to three times the largest of the grid). A fit stays inside;
+    one of a shape that may be negative does not, but where it ends outside the effect is impossible, and there is no
+    default. `refines` holds it at the middle of the grid, the usual value of the law, unless the campaign frees it or a
+    walk finds that the records clearly choose the law with it free. `expected`: as of an amplitude.
     """
     if scale not in get_args(Scale):
         do = "write one of " + ", ".join(f'"{word}"' for word in get_args(Scale))

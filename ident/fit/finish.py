@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -16,10 +16,13 @@ from .identifiability import identifiability
 from .judge import combine, score_record
 from .linear.guess import DataScales
 from .problem import Data, Static
-from .reading import read
+from .reading import read_and_zeros
 from .result import Estimate, Fit, SigmaChoice, Solved, Start
 from .solve import Solution
 from .uncertainty import Linearisation, covariance, linearise
+from .zeros import read_by
+
+T = TypeVar("T")
 
 
 class Minimum(NamedTuple):
@@ -55,9 +58,13 @@ def finish(model: Model, campaign: Campaign, minimum: Minimum, sigma: SigmaChoic
     stretch = slopes(values[free], data.lower, data.upper)  # d(physical value)/d(coordinate)
     spectrum = covariance(linear, data.prior_weight * stretch)
     judged = identifiability([parameters[i] for i in free], values[free], stretch, spectrum)
-    inside = [found.readings[own] for own in data.tape.slices]
-    heldout = read(model, values, campaign.heldout) if campaign.heldout else []
-    shown = _in_order(campaign, inside, heldout)
+    motion, zero = found.response.readings, found.readings - found.response.readings
+    inside = [(motion[own], zero[own]) for own in data.tape.slices]
+    heldout = read_and_zeros(model, values, campaign.heldout) if campaign.heldout else []
+    shown, zeros = zip(*both, strict=True) if (both := _in_order(campaign, inside, heldout)) else ((), ())
+    if data.zeros:
+        campaign = read_by(campaign, zeros)
+        data, found = data._replace(response=data.response - zero), found._replace(readings=motion)
     curves = _curves(model, campaign, minimum)
     by_trace, by_sweep = iter(zip(campaign.traces, shown, strict=True)), iter(curves)
     scores = tuple(
@@ -102,7 +109,7 @@ def _curves(model: Model, campaign: Campaign, minimum: Minimum) -> tuple[CurveRe
     return tuple(by_place[id(sweep)] for sweep in campaign.sweeps)
 
 
-def _in_order(campaign: Campaign, fitted: list[np.ndarray], heldout: list[np.ndarray]) -> tuple[np.ndarray, ...]:
+def _in_order(campaign: Campaign, fitted: list[T], heldout: list[T]) -> tuple[T, ...]:
     inside, outside = iter(fitted), iter(heldout)
     return tuple(next(outside) if record.holdout else next(inside) for record in campaign.traces)
 

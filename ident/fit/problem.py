@@ -215,6 +215,11 @@ def of_sweeps(data: Data, residuals: np.ndarray) -> dict[str, np.ndarray]:
 
 def readings(static: Static, data: Data, unknowns: Unknowns) -> np.ndarray:
     """Model readings alone, (samples,) m."""
+    return data.with_zeros(motions(static, data, unknowns))
+
+
+def motions(static: Static, data: Data, unknowns: Unknowns) -> np.ndarray:
+    """What the sensor reads of the model's motion, (samples,) m, without zeros of the records' own."""
     starts = unknowns.starts.shape[1] * static.starts_free
     width = fitting_width(max(len(static.free) + starts, static.width))  # the program that is there
     nothing = np.zeros((width, len(data.template)))
@@ -222,4 +227,4 @@ def readings(static: Static, data: Data, unknowns: Unknowns) -> np.ndarray:
     values = physical(static, data, unknowns.x)
     for one in data.steady:
         begin[one.record] = one.at(static.equation, values, nothing[:0], width).start
-    return data.with_zeros(respond(static.equation, data.tape, values, begin, nothing, kicks).readings)
+    return respond(static.equation, data.tape, values, begin, nothing, kicks).readings

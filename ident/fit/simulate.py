@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -100,7 +101,9 @@ def simulate_state(
     """The same from model, campaign and values."""
     model, campaign, known = state
     changed = changed_values(model, known, values, campaign.order)
-    chosen = wanted(campaign.traces, records) if records else campaign.traces
+    # Of what a zero of a record's own is read by, a change of the values changes nothing.
+    traces = [replace(trace, floats=False) for trace in campaign.traces]
+    chosen = wanted(traces, records) if records else traces
     if not chosen:
         raise UserError("the campaign has no traces", do="a forward model needs the drive of a trace")
     report(f"compiling the model and simulating {len(chosen)} records")

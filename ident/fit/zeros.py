@@ -5,20 +5,23 @@ best is known without a search, and least squares over the others go on with wha
 
     y = z(p) + c(p) · curves,   c(p) = argmin |w (m − z(p) − c · curves)|²,   dy = dz + dc · curves.
 
-So nothing that a model lacks is read out of a record before the law that would say it has been asked.
+So nothing that a model lacks is read out of a record before the law that would say it has been asked. A fit that has
+ended reads its records by the zeros that it found, and its readings are the device's motion alone.
 
 Source: G. H. Golub, V. Pereyra, The differentiation of pseudo-inverses and nonlinear least squares problems whose
-variables separate, SIAM J. Numer. Anal. 10 (1973) 413, in the form of L. Kaufman, BIT 15 (1975) 49.
+variables separate, SIAM J. Numer. Anal. 10 (1973) 413 (here the curves do not depend on the others).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from ..campaign.apart import TOLD, curves
+from ..campaign.apart import TOLD, read_on, zero_curves
+from ..campaign.campaign import Campaign
 from ..campaign.record import Trace
 
 
@@ -29,12 +32,6 @@ class Zero(NamedTuple):
     curves: np.ndarray
 
 
-def zero_curves(record: Trace) -> np.ndarray:
-    """Of what a zero of a record's own is a sum, (q, n); of nothing, q = 0, unless it is fitted with every model."""
-    each = TOLD[record.own[0]].each if record.floats and record.own is not None else 0
-    return curves(record)[:each]
-
-
 def lay_zeros(records: Sequence[Trace]) -> tuple[Zero, ...]:
     """The zeros that are fitted with every model to some records."""
     found = (Zero(k, zero_curves(record)) for k, record in enumerate(records))
@@ -43,7 +40,14 @@ def lay_zeros(records: Sequence[Trace]) -> tuple[Zero, ...]:
 
 def numbers_of_zeros(records: Sequence[Trace]) -> int:
     """How many numbers such zeros are."""
-    return sum(len(zero.curves) for zero in lay_zeros(records))
+    return sum(TOLD[r.own[0]].each for r in records if r.floats and r.own is not None)
+
+
+def read_by(campaign: Campaign, parts: Sequence[np.ndarray]) -> Campaign:
+    """The campaign with its traces read by the zeros that were found beside those by which they had been, (n,) each."""
+    found = iter(parts)
+    told = (read_on(r, next(found)) if isinstance(r, Trace) else r for r in campaign.records)
+    return replace(campaign, records=tuple(told))
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a motion without bound has no zero

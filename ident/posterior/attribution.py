@@ -195,7 +195,7 @@ def _share(
 ) -> tuple[tuple[RecordAttribution, ...], list[_Parts]]:
     """`mechanisms`: the amplitudes that switch each of them, by name; an amplitude of none of them stays on."""
     names, columns = tuple(mechanisms), list(mechanisms.values())
-    at_fit = dict(zip(map(id, fit.campaign.traces), fit.readings, strict=True))  # whatever they are called
+    at_fit = dict(zip(map(id, fit.campaign.traces), fit.readings, strict=True))  # excerpts and files may share a name
     turned = density.mirrored()
     measured = []
     for record, back in zip(records, turned.readings(np.asarray(fit.values)[None]), strict=True):

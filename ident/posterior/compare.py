@@ -13,6 +13,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from ..campaign.apart import as_it_came
+from ..campaign.record import Trace
 from ..errors import UserError
 from ..fit.result import Fit
 from .evidence import Evidence, log_evidence
@@ -80,13 +82,15 @@ def compare(fits: Sequence[tuple[str, Fit]], doubts: Doubts = lambda _: ()) -> C
     return _judge(tuple(models), doubts)
 
 
+_ROUNDING = 1e-9  # of the largest reading
+
+
 def _same_records(fits: Sequence[tuple[str, Fit]]) -> None:
     first_name, first = fits[0]
     for name, fit in fits[1:]:
         mine, theirs = first.campaign.fitted, fit.campaign.fitted
         same = len(mine) == len(theirs) and all(
-            a.skip == b.skip and a.start == b.start and np.array_equal(a.response, b.response)
-            for a, b in zip(mine, theirs, strict=True)
+            a.skip == b.skip and a.start == b.start and _read_alike(a, b) for a, b in zip(mine, theirs, strict=True)
         )
         if not same:
             what = f"its fitted records are not those of {first_name}, so evidences mean nothing beside each other"
@@ -94,6 +98,17 @@ def _same_records(fits: Sequence[tuple[str, Fit]]) -> None:
         if any(a.noise != b.noise for a, b in zip(mine, theirs, strict=True)) or fit.sigma != first.sigma:
             what = f"it stands on other noise floors than {first_name}"
             raise UserError(what, where=name, do="fit both with one --sigma, known or scaled")
+
+
+def _read_alike(one: Trace, other: Trace) -> bool:
+    """Whether two traces are the same measurement, read in the same way: a zero of their own that is fitted with every
+    model is a number that both have, whatever it is beside each."""
+    if one.floats != other.floats or (one.floats and one.own and other.own and one.own[0] != other.own[0]):
+        return False
+    if not one.floats:
+        return bool(np.array_equal(one.response, other.response))
+    first, second = as_it_came(one).response, as_it_came(other).response
+    return bool(np.allclose(first, second, rtol=0.0, atol=_ROUNDING * float(np.max(np.abs(first)))))
 
 
 def _judge(models: tuple[Weighed, ...], doubts: Doubts) -> Comparison:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..campaign import Campaign, NoiseFloor
-from ..campaign.apart import read_apart
+from ..campaign.apart import TOLD, read_apart, signal_of
 from ..campaign.noise.hum import HUMS, SURROUNDINGS
 from ..campaign.quality.suspect import Suspect, set_aside
 from ..campaign.record import Sweep, Trace
@@ -56,10 +56,15 @@ def state(fit: Fit) -> dict[str, Any]:
         # An estimate, and with sigma = "fitted" a result: another version might find another.
         "noise": [asdict(record.noise) for record in fit.campaign.records],
         # What of a trace was estimated: how it differs from the others, and where a drive that is held changes.
-        "traces": [[trace.own, trace.edge, *([True] if trace.floats else ())] for trace in fit.campaign.traces],
+        "traces": [[trace.own, trace.edge, *_zero_told(trace)] for trace in fit.campaign.traces],
         "left_out": [asdict(suspect) for _, suspect in fit.campaign.left_out],
         "stronger": [None if s.stronger is None else s.stronger.tolist() for s in fit.campaign.sweeps],
     }
+
+
+def _zero_told(trace: Trace) -> list[bool]:
+    """Of a zero of a record's own whether it is fitted with every model."""
+    return [trace.floats] if trace.own is not None and TOLD[trace.own[0]].of_zero else []
 
 
 def restore(document: dict[str, Any], folder: Path) -> tuple[Model, Campaign, np.ndarray]:
@@ -92,8 +97,10 @@ def _floor(told: dict[str, Any]) -> NoiseFloor:
 
 def as_it_was(record: Trace, told: Sequence[Any]) -> Trace:
     """A trace with the noise floor of a run, read as the run had read it: `told` of it in its state."""
-    own, edge, *floats = told  # whether a zero of its own is fitted is told where it is
-    read_so = record if own is None else read_apart(record, *own)
+    own, edge, *floats = told
+    in_signals = own is not None and TOLD[own[0]].of_zero and not floats  # as an older version counted a zero
+    unit = signal_of(record) if in_signals else 1.0
+    read_so = record if own is None else read_apart(record, own[0], [unit * size for size in own[1]])
     return replace(read_so, noise=record.noise, edge=edge, floats=any(floats))  # both are kept as they were after that
 
 
@@ -106,11 +113,11 @@ def _model(document: dict[str, Any], campaign: Campaign, folder: Path) -> tuple[
     start, held, freed = _told(kept, campaign, known, {*names, linear_part(campaign.device).prefix})
     model = Model(campaign.device, effects, start, held, freed, frozenset(kept.get("undetermined", ())),
                   kept.get("form", "oscillator"), kept.get("weighed", False))  # fmt: skip
-    missing = [p.name for p in model.parameters if p.name not in kept["values"]]
+    missing = [p.name for p in model.parameters if p.name not in kept["values"] and (p.fitted or p.value)]
     if missing:
         what = f"the run knows nothing of {missing[0]}, which its effect has today"
         raise UserError(what, where=str(folder / "run.json"), do="fit the campaign again")
-    values = [kept["values"][p.name] for p in model.parameters]
+    values = [kept["values"].get(p.name, p.value) for p in model.parameters]  # of its usual law, what refines it later
     return model, np.array([np.nan if v is None else v for v in values])
 
 

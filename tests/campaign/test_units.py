@@ -104,8 +104,11 @@ def test_base_units():
     ],
 )
 def test_values_for_people(value, unit, text):
-    assert format_quantity(8.99e-10, "m", 2) == "900 pm"
     assert format_quantity(value, unit) == text
+
+
+def test_two_digits_of_hundreds_take_no_exponent():
+    assert format_quantity(8.99e-10, "m", 2) == "900 pm"
 
 
 @pytest.mark.parametrize(

@@ -137,6 +137,7 @@ def _part(record: Trace, first: int, length: int) -> Trace:
         skip=before,
         period=None,
         excerpt=True,
+        floats=False,  # it is read by the zero that the fit to all of the record found
         into=record.into + record.step * part.start,
         begun=record.begun or record.start,
     )

@@ -8,14 +8,15 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import solve_toeplitz
 
+from ...campaign.apart import zero_curves
 from ...campaign.noise.autoregression import predictors, variance_of
 from ...campaign.noise.hum import MAINS, told_apart
 from ...campaign.noise.recursive import convolved
 from ...campaign.record import Trace
-from ...fit.zeros import zero_curves
 
 _ORDER = 12  # of an autoregression that whitens rows
 _PERIODS = 1.5  # of a line from which it holds less than a tenth of a constant, 2/(π periods)²
+_ROUNDING = 1e-12  # of a row
 _DIED_OUT = 1e-12  # of an initial state's influence, before the first sample that counts
 
 
@@ -54,16 +55,19 @@ def whitening_of(record: Trace, by_start: np.ndarray | None) -> Whitening:
     if by_start is not None:
         seen = [(row, float(np.max(np.abs(row[whitening.counted])))) for row in by_start]
         local += [row / size for row, size in seen if size > _DIED_OUT * float(np.max(np.abs(by_start)))]
-    local += [row / np.max(np.abs(row)) for row in zero_curves(record)]
+    local += list(zero_curves(record))
     whitened = _filter(whitening, np.reshape(local, (-1, n)))
     u, s, _ = np.linalg.svd(whitened.T, full_matrices=False)
     return whitening._replace(basis=u[:, s > 1e-6 * np.max(s, initial=0.0)])
 
 
 def whiten(whitening: Whitening, rows: np.ndarray) -> np.ndarray:
-    """Rows (k, samples) of the whole record in units of white noise, local nuisance removed; (k, counted)."""
+    """Rows (k, samples) of the whole record in units of white noise, local nuisance removed; (k, counted). What is
+    nothing but nuisance leaves nothing, and no rounding."""
     white = _filter(whitening, rows)
-    return white - (white @ whitening.basis) @ whitening.basis.T
+    left = white - (white @ whitening.basis) @ whitening.basis.T
+    left[np.linalg.norm(left, axis=1) < _ROUNDING * np.linalg.norm(white, axis=1)] = 0.0
+    return left
 
 
 def _filter(whitening: Whitening, rows: np.ndarray) -> np.ndarray:

@@ -18,7 +18,7 @@ from typing import Literal
 
 import numpy as np
 
-from ...campaign.apart import TOLD, Kind, curves, read_apart
+from ...campaign.apart import TOLD, Kind, curves, read_apart, signal_of
 from ...campaign.campaign import Campaign
 from ...campaign.record import Trace
 from ...fit import Fit, fit
@@ -51,9 +51,11 @@ def kinds_of(campaign: Campaign) -> Sequence[Kind]:
 
 
 def alike(kind: Kind | Literal["drive"]) -> Sequence[Kind | Literal["drive"]]:
-    """The kinds of numbers between which a law that was missing may have decided: what it did to the mean of a record,
-    as its motion grew, had looked like a drift of the sensor."""
-    return [k for k in KINDS if TOLD[k].of_zero] if kind != "drive" and TOLD[kind].of_zero else [kind]
+    """The kinds of numbers that may be meant once a law is in that had been missing: what it did to the mean of a
+    record, as its motion grew, had looked like a drift of the sensor, where a zero is enough."""
+    if kind == "drive" or not TOLD[kind].of_zero:
+        return [kind]
+    return [k for k in KINDS if TOLD[k].of_zero and TOLD[k].each <= TOLD[kind].each]
 
 
 def rows_of(regression: Regression, kind: Kind) -> np.ndarray:
@@ -108,6 +110,8 @@ def _found(fitted: Fit, kind: Kind) -> Differing | None:
         return None
     shortest = min(len(trace.time) for trace in campaign.traces)
     most = min(told.most, shortest / 10) if kind == "delay" else told.most
+    if told.of_zero:
+        most *= max(signal_of(trace) for trace in campaign.traces)
 
     def along(now: Fit) -> tuple[Regression, np.ndarray]:
         regression = prepare(now)

@@ -31,7 +31,7 @@ from .change import to_its_end, try_without
 from .constant import without_idle_constant
 from .finer import with_finer_laws
 from .lacking import lacking, leaves_no_structure, says_more_than_shapes
-from .own_zeros import with_zeros_anew
+from .own_zeros import with_zeros_told
 from .parts import Parts
 from .prune import Pruned, prune
 from .steps import Discovery, Ended, Step, Verdict
@@ -71,8 +71,10 @@ def concluded(ended: Ended) -> Discovery:
     if steps:
         named = [step.added for step in steps]
         last = without_idle_constant(steps[-1].fit, named, start, report)
-        steps[-1] = steps[-1]._replace(fit=with_finer_laws(with_zeros_anew(last, report), start, report))
+        steps[-1] = steps[-1]._replace(fit=with_finer_laws(last, start, report))
     steps = _on_all_samples(start, steps, report)
+    if steps:
+        steps[-1] = steps[-1]._replace(fit=with_zeros_told(steps[-1].fit, report))
     final = steps[-1].fit if steps else start
     if final is not walked.final:
         regression = prepare(working(final))

@@ -260,8 +260,10 @@ def _best_step(current: Fit, look: Look, gains: dict[str, float]) -> tuple[list[
     worth_it = not not_worth_adding(regression, best_drop(tried, regression), first)
     best = _best(tried, regression, current, first) if worth_it else None
     if best is not None and adequate(best.left) and not foretold(best.fit):
-        tried = [*tried, *beside_the_tried(best.confirmed.candidate.name, tried, look)]
-        best = _best(tried, regression, current, first)
+        more = beside_the_tried(best.confirmed.candidate.name, tried, look)
+        other = _best(more, regression, current, first) if more else None
+        tried = [*tried, *more]
+        best = other if other and behind(other.confirmed, best.confirmed) < 0 else best
     kept = {found.candidate.name: found.gain for found in tried}
     gains.update(kept)
     single = best and (best.confirmed.candidate.name, best.left)

@@ -12,14 +12,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...campaign.apart import TOLD, as_it_came, read_apart, signal_of
+from ...campaign.apart import TOLD, as_it_came, read_apart
 from ...campaign.campaign import Campaign
 from ...campaign.record import Trace
-from ...fit import Fit, fit
+from ...fit import Fit
 from ...fit.rebuild import fit_at
 from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG, Left, behind, criteria
-from ..evidence.enough import SAME_SHAPE, adequate
+from ..evidence.enough import adequate
 from ..evidence.held_out import foretold
 from ..linearised.regression import Regression
 from ..linearised.shorten import one_stretch_each
@@ -28,7 +28,7 @@ from ..ranking.pairs import Pair, best_pair
 from ..ranking.score import score_beside, significant
 from ..ranking.weigh import Candidate
 from ..records.between import comparable, differing, rows_of
-from ..records.differing import MOVED, Differing, numbers_of
+from ..records.differing import Differing, numbers_of
 
 LEVEL = "level"
 
@@ -48,10 +48,7 @@ def with_own_zeros(current: Fit, look: Look) -> Campaign | None:
     (scored,) = score_beside([beside], look.library)
     zeros = _best(beside, significant(scored), best_pair(beside, scored), more, look)
     one_for_all = _best(regression, look.real, look.pair, 0, look)
-    # What bends the mean a little otherwise than the law that is found is its finer shape.
-    gain = float(one_for_all.left @ one_for_all.left - zeros.left @ zeros.left)
-    same = gain < SAME_SHAPE * look.first.above_noise
-    if same or behind(zeros, one_for_all) > -VERY_STRONG:
+    if behind(zeros, one_for_all) > -VERY_STRONG:
         return None
     look.report("has the sensor a zero of its own in each record?")
     found = differing(one_stretch_each(current), (LEVEL,))
@@ -63,35 +60,23 @@ def has_own_zeros(campaign: Campaign) -> bool:
     return any(record.own is not None and TOLD[record.own[0]].of_zero for record in campaign.traces)
 
 
-def with_zeros_anew(last: Fit, report: Report) -> Fit:
-    """The last fit of a walk, the zeros found again beside it if they were looked for on the way and have moved: what
-    had been missing may have bent them."""
-    if not any(record.own is not None and record.own[0] == LEVEL for record in last.campaign.traces):
+def with_zeros_told(last: Fit, report: Report) -> Fit:
+    """The last fit of a walk with the zeros of its records, and their errors, in the notes as they are beside it."""
+    floating = next((trace for trace in last.campaign.traces if trace.floats and trace.own is not None), None)
+    if floating is None or floating.own is None:
         return last
     report("the zeros of the records once more")
-    as_they_came = replace(last.campaign, records=tuple(as_it_came(record) for record in last.campaign.records))
-    there = fit_at(last.model, as_they_came, last.values, converged=False)
-    found = differing(one_stretch_each(there), (LEVEL,))
-    if found is None:
-        return last
-    told = _read_so(as_they_came, found)
-    errors = dict(zip(found.names, found.errors[:, 0], strict=True))
-    pairs = zip(last.campaign.traces, told.traces, strict=True)
-    moved = [abs(_zero(now) - _zero(before)) > MOVED * errors[now.name] * signal_of(now) for before, now in pairs]
-    return fit(last.model, told, initial=last.values) if any(moved) else last
+    came = tuple(as_it_came(record) if isinstance(record, Trace) else record for record in last.campaign.records)
+    there = fit_at(last.model, replace(last.campaign, records=came), last.values, converged=False)
+    found = differing(one_stretch_each(there), (floating.own[0],))
+    return last if found is None else replace(last, campaign=found.said_in(last.campaign))
 
 
 def _read_so(campaign: Campaign, found: Differing) -> Campaign:
     """The records of a campaign by the zeros that were found, of long ones in a stretch of each."""
-    levels = {trace.name: _zero(trace) for trace in found.fit.campaign.traces}
-    share = lambda trace: levels[trace.name] / signal_of(trace) if signal_of(trace) else 0.0
-    read = tuple(read_apart(r, LEVEL, [share(r)]) if isinstance(r, Trace) else r for r in campaign.records)
+    levels = {trace.name: trace.number(LEVEL) for trace in found.fit.campaign.traces}
+    read = tuple(read_apart(r, LEVEL, [levels[r.name]]) if isinstance(r, Trace) else r for r in campaign.records)
     return found.said_in(replace(campaign, records=read))
-
-
-def _zero(trace: Trace) -> float:
-    """The zero by which a record is read, in the unit of its response."""
-    return trace.number(LEVEL) * signal_of(trace)
 
 
 def _best(regression: Regression, effects: Sequence[Candidate], pair: Pair | None, more: int, look: Look) -> Left:

@@ -18,7 +18,7 @@ from ..evidence.equivalences import mistaken
 from ..evidence.family import is_that_member
 from ..evidence.held_out import hurts, hurts_more
 from ..linearised.regression import Regression, prepare
-from ..linearised.shorten import working
+from ..linearised.shorten import is_long, working
 from ..linearised.trajectory import Diverged
 from ..ranking.confirm import accept, confirm, near_its_minimum
 from ..ranking.score import score, significant
@@ -120,7 +120,7 @@ def prune(
             names, last = _questioned(names, last, library, first, report, even)
     if names == added and last is begun:
         return as_given._replace(alike=alike, even=even)
-    if last.campaign is given.campaign:
+    if not is_long(given.campaign):
         return Pruned(tuple(names), last, alike, even)
     # Swaps were judged on excerpts, which hold nothing out, and whose values are not yet those of all samples.
     on_all = near_its_minimum(last.model, given.campaign, last.values)

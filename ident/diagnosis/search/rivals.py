@@ -27,7 +27,8 @@ def beside_the_tried(name: str, tried: Iterable[Confirmed], look: Look) -> list[
     """Refits of the laws for which an effect is mistaken and whose scores had not promised enough to be tried.
 
     A score is of first order: an even force moves the mean and makes a second harmonic, and only its square a
-    resonance. Where held-out records are not foretold by a law that leaves noise, that is no reason against another.
+    resonance. Where held-out records are not foretold by a law that leaves only noise of the fitted ones, that is no
+    reason against another.
     """
     known = {found.candidate.name for found in tried}
     likely = mistaken(look.library[name], look.library) - known

@@ -9,15 +9,15 @@ _LEAST = 0.05  # of the denominator: a trial simulation may go beyond where a st
 
 
 class CubicStiffness(AbstractEffect):
-    """Stiffness that grows (or falls) with the square of the displacement: F = −k3 z³/(1 + s z²), s = u|u|.
+    """Stiffness that grows (or falls) with the square of the displacement: F = −k3 z³/(1 + s z²).
 
-    u, which refines the law, is 0 for a plain cube (Duffing). With u > 0 it levels off at displacements beyond 1/u, and
-    is then another straight spring: a softening one of F = k x tanh(z/x) is k3 = −k/(3 x²), u = 0.63/x to 0.1 % up to
-    z = 1.3 x; a stretched string, k3 > 0, levels off too. With u < 0 it steepens.
+    s, which refines the law, is 0 for a plain cube (Duffing). With s > 0 it levels off at displacements beyond 1/√s,
+    and is then another straight spring: a softening one of F = k x tanh(z/x) is k3 = −k/(3 x²), s = 0.4/x² to 0.3 % up
+    to z = 1.3 x; a stretched string, k3 > 0, levels off too. With s < 0 it steepens.
     """
 
     name = "cubic-stiffness"
-    equation = "F = −k3 z³/(1 + u|u| z²)"
+    equation = "F = −k3 z³/(1 + s z²)"
     source = (
         "Nayfeh & Mook, Nonlinear Oscillations, 1979, §4.1; G. A. Baker, Essentials of Padé Approximants, 1975, ch. 1"
     )
@@ -26,9 +26,8 @@ class CubicStiffness(AbstractEffect):
     alike = (STRETCHES, STIFFENS, BENT_RESONANCE, WARM_SPRING, SAME_HARMONICS)
 
     k3 = amplitude("N/m^3", "cubic stiffness")
-    levelling = shape("1/m", "inverse displacement beyond which it levels off, u", grid=(-0.4, 0.0, 0.8),
-                      limits=(-0.95, 8.0), scale="nearness", positive=False, refines=True)  # fmt: skip
+    levelling = shape("1/m^2", "how soon it levels off, s", grid=(-0.2, 0.0, 0.6), limits=(-0.9, 60.0),
+                      scale="squared_nearness", positive=False, refines=True)  # fmt: skip
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
-        square = self.levelling * jnp.abs(self.levelling) * state.z**2
-        return -self.k3 * state.z**3 / jnp.maximum(1.0 + square, _LEAST)
+        return -self.k3 * state.z**3 / jnp.maximum(1.0 + self.levelling * state.z**2, _LEAST)

@@ -9,9 +9,9 @@ from ..likeness import SATURATES
 class DriveSaturation(AbstractEffect):
     """An amplifier or a coil that gives less and less: F = −G c V³/(1 + s |c| V²), beside the linear drive G V.
 
-    c > 0 saturates, c < 0 is the drive that begins slowly. s = 1.2 follows V_s tanh(V/V_s) with c = 1/(3 V_s²) (to
-    0.3 % of the drive at V = 1.5 V_s), s = 1.8 the arctangent, s near 0 is a plain cubic. The same curve at every
-    frequency, and no loop. Typical: 1-20 % at full level.
+    c > 0 saturates, c < 0 is a drive that begins slowly. s = 1.2 follows V_s tanh(V/V_s) with c = 1/(3 V_s²) (to 0.3 %
+    of it at V = 1.5 V_s), s = 1.8 the arctangent, s near 0 is a plain cubic. The same curve at every frequency, and no
+    loop. Typical: 1-20 % at full level.
     """
 
     name = "drive-saturation"

@@ -62,6 +62,11 @@ class DataScales(NamedTuple):
         return 1.0 / self.displacement
 
     @property
+    def squared_nearness(self) -> float:
+        """The square of that, as of a force whose slope comes to an end."""
+        return self.nearness**2
+
+    @property
     def slowness(self) -> float:
         """One over the rms rate of the voltage, as of an amplifier that can just follow it."""
         return 1.0 / self.slew
