@@ -9,14 +9,14 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import ident
-from ident.campaign.apart import as_it_came, read_apart
+from ident.campaign.apart import as_it_came, floating, read_apart
 from ident.campaign.campaign import Campaign
 from ident.diagnosis.linearised import shorten
 from ident.diagnosis.linearised.regression import prepare
 from ident.diagnosis.linearised.shorten import working
 from ident.diagnosis.ranking.look import Look, first_look
 from ident.diagnosis.search.change import add
-from ident.diagnosis.search.own_zeros import has_own_zeros, with_own_zeros, with_zeros_anew
+from ident.diagnosis.search.own_zeros import has_own_zeros, with_own_zeros, with_zeros_told
 from ident.diagnosis.search.together import two_names_do
 from ident.effects.registry import built_in
 
@@ -27,7 +27,8 @@ LOUD = (1.0, 0.7, 0.4, 0.8, 0.8)
 LAWS = ("cubic-stiffness", "quadratic-damping")
 
 
-def _campaign(zeros: np.ndarray = ZEROS, samples: int = 1500) -> Campaign:
+def _campaign(zeros: np.ndarray = ZEROS, samples: int = 1500, square: float = 0.0) -> Campaign:
+    """With a cubic spring and a quadratic drag, or with a square spring instead."""
     rng, records = np.random.default_rng(21), []
     for k, (tones, zero, loud) in enumerate(zip(TONES, zeros, LOUD, strict=True)):
         phases = rng.uniform(0, 2 * np.pi, len(tones))
@@ -37,8 +38,8 @@ def _campaign(zeros: np.ndarray = ZEROS, samples: int = 1500) -> Campaign:
             return loud * sum(np.sin(2 * np.pi * f * t + a) for f, a in zip(tones, phases, strict=True))
 
         def law(t, y, push=push):
-            drag = W / 30 * y[1] + 0.02 * y[1] * abs(y[1])
-            return [y[1], 400.0 * push(t) - W**2 * (y[0] + 0.02 * y[0] ** 3) - drag]
+            cubic, drag = (0.0, 0.0) if square else (0.02 * y[0] ** 3, 0.02 * y[1] * abs(y[1]))
+            return [y[1], 400.0 * push(t) - W**2 * (y[0] + cubic + square * y[0] ** 2 / 10) - W / 30 * y[1] - drag]
 
         moved = solve_ivp(law, (time[0], time[-1]), [0, 0], t_eval=time, rtol=1e-8, atol=1e-9)
         read = moved.y[0][800:] + zero + NOISE * rng.normal(size=samples)
@@ -62,7 +63,7 @@ def test_zeros_of_the_records_own_take_no_name_and_refute_none():
     assert set(found.final.model.names) == set(LAWS)  # and no common zero
     assert found.final.fitted.error_over_noise == pytest.approx(1.0, abs=0.04)
     assert found.final.holdout is not None and found.final.holdout.error_over_noise == pytest.approx(1.0, abs=0.06)
-    told = [trace.own[1][0] * np.std(trace.response) for trace in found.final.campaign.traces if trace.own]
+    told = [trace.own[1][0] for trace in found.final.campaign.traces if trace.own]
     np.testing.assert_allclose(told, ZEROS, atol=5 * NOISE / np.sqrt(1500))
     (note,) = [note for note in found.final.campaign.notes if "a zero of its own" in note]
     assert f"{1e3 * told[0]:+.2g} mV ± " in note.replace("µV", "mV")
@@ -89,10 +90,24 @@ def test_they_are_found_again_from_the_records_as_they_came():
     bent = tuple(read_apart(trace, "level", (0.03,)) for trace in fitted.campaign.traces)
     for came, read in zip(fitted.campaign.traces, bent, strict=True):
         np.testing.assert_allclose(as_it_came(read).response, came.response, atol=1e-12)
-    again = with_zeros_anew(ident.fit(replace(fitted.campaign, records=bent), effects=LAWS), lambda _: None)
-    told = [trace.own[1][0] * np.std(trace.response) for trace in again.campaign.traces if trace.own]
+    again = ident.fit(floating(replace(fitted.campaign, records=bent)), effects=LAWS)
+    told = [trace.own[1][0] for trace in again.campaign.traces if trace.own]
     np.testing.assert_allclose(told, ZEROS, atol=5 * NOISE / np.sqrt(1500))
-    assert with_zeros_anew(fitted, lambda _: None) is fitted
+    (note,) = [note for note in with_zeros_told(again, lambda _: None).campaign.notes if "a zero of its own" in note]
+    assert f"{1e3 * told[0]:+.2g} mV ± " in note.replace("µV", "mV")
+    assert with_zeros_told(fitted, lambda _: None) is fitted
+
+
+def test_a_law_that_moves_the_mean_is_told_beside_them():
+    """Zeros are no reason to call a square something else, nor a square one to see zeros."""
+    for zeros in (ZEROS, np.zeros(5)):
+        found = ident.discover(_campaign(zeros, square=0.25))
+        assert [step.added for step in found.discovery.steps] == ["quadratic-stiffness"]
+        assert has_own_zeros(found.final.campaign) == bool(np.any(zeros))
+        assert found.final.holdout is not None and found.final.holdout.error_over_noise == pytest.approx(1.0, abs=0.06)
+        if np.any(zeros):
+            told = [trace.own[1][0] for trace in found.final.campaign.traces if trace.own]
+            np.testing.assert_allclose(told, zeros, atol=6 * NOISE / np.sqrt(1500))
 
 
 def test_long_records_tell_them_by_a_stretch_of_each(monkeypatch):
@@ -101,7 +116,7 @@ def test_long_records_tell_them_by_a_stretch_of_each(monkeypatch):
     fitted = _with_both(_campaign())
     campaign = with_own_zeros(fitted, _look(fitted))
     assert campaign is not None and [len(trace.time) for trace in campaign.traces] == [1500] * 5
-    told = [trace.own[1][0] * np.std(trace.response) for trace in campaign.traces if trace.own]
+    told = [trace.own[1][0] for trace in campaign.traces if trace.own]
     np.testing.assert_allclose(told, ZEROS, atol=5 * NOISE / np.sqrt(500))
 
 

@@ -19,7 +19,7 @@ from ...fit import Fit
 from ...fit.rebuild import fit_at
 from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG, Left, behind, criteria
-from ..evidence.enough import adequate
+from ..evidence.enough import adequate, at_floor
 from ..evidence.held_out import foretold
 from ..linearised.regression import Regression
 from ..linearised.shorten import one_stretch_each
@@ -48,7 +48,9 @@ def with_own_zeros(current: Fit, look: Look) -> Campaign | None:
     (scored,) = score_beside([beside], look.library)
     zeros = _best(beside, significant(scored), best_pair(beside, scored), more, look)
     one_for_all = _best(regression, look.real, look.pair, 0, look)
-    if behind(zeros, one_for_all) > -VERY_STRONG:
+    # What effects leave at the floor beside a common zero may be noise, and what bends the mean a little, their shape.
+    enough = at_floor(float(one_for_all.left @ one_for_all.left), regression)
+    if enough or behind(zeros, one_for_all) > -VERY_STRONG:
         return None
     look.report("has the sensor a zero of its own in each record?")
     found = differing(one_stretch_each(current), (LEVEL,))
