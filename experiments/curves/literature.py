@@ -45,7 +45,7 @@ def oscillator(steps: int, zeta: float = ZETA) -> Periodic:
     """The oscillator as `ident` takes it, of unit mass."""
     device = Oscillator()
     model = Model(device) + built_in()["cubic-stiffness"](device)
-    return Periodic(Equation(model), np.array([OWN, 0.5 / zeta, 1.0, GAMMA]), steps)
+    return Periodic(Equation(model), np.array([OWN, 0.5 / zeta, 1.0, GAMMA, 0.0]), steps)
 
 
 def answer(model: Periodic, pulsation: float, amplitude: float, swing: bool = False) -> Controlled:

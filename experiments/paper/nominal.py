@@ -59,7 +59,7 @@ def settled(
     """
     configure()
     model, told = platform(closure), {**PARAMETERS, **(changed or {})}
-    values = np.array([told[p.name] for p in model.parameters])
+    values = np.array([told[p.name] if p.fitted else told.get(p.name, p.value) for p in model.parameters])
     records = [_record(sine, told) for sine in sines]
     periods = [reading[-POINTS:] for reading in read(model, values, records)]
     return [z if np.max(np.abs(z)) < _LOST else np.full(POINTS, np.nan) for z in periods]

@@ -17,6 +17,7 @@ from ..fit import Fit, fit
 from ..pulse import Report
 from .evidence.criterion import VERY_STRONG, Left, behind, criteria
 from .evidence.enough import MOST_OF_IT, adequate
+from .evidence.held_out import contradicted
 from .linearised.regression import prepare
 from .linearised.shorten import is_long
 from .linearised.trajectory import Diverged
@@ -70,7 +71,7 @@ def apart_before(look: Look, report: Report) -> Apart | None:
     if behind(promise, pair or regression) > (-VERY_STRONG if says_all or pair is None else VERY_STRONG):
         return None
     found = _simulated(plain, promise)
-    if found is None or not adequate(prepare(found.fit)) or _told_by_another(found, plain):
+    if found is None or not adequate(prepare(found.fit)) or contradicted(found.fit) or _told_by_another(found, plain):
         return None
     if found.kind == "delay" and _told_by_drive(found, plain):
         return None

@@ -22,6 +22,7 @@ from ..pulse import Report
 from ..threads import one_thread
 from .apart import Apart, apart_after, apart_before
 from .evidence.enough import adequate
+from .evidence.held_out import contradicted
 from .faulty.aside import left_out, without_them
 from .faulty.odd_one import odd_one
 from .faulty.suspects import BY_OTHERS, find_suspects, judged_again
@@ -252,7 +253,7 @@ def _records_differ(asked: _Asked, seen: _Seen, apart: Apart | None) -> Diagnosi
         return None
     if again.kind != one.kind or again.moved(one):
         found = walk(again)
-    if not adequate(found.regression):
+    if not adequate(found.regression) or contradicted(found.final):
         return None
     beside = replace(asked, effect_file=None, keeps_walk=False)
     said = _answered(beside, Walked(found.start, found.steps, found.confirmed))

@@ -82,6 +82,8 @@ def chance_of(regression: Regression, basis: np.ndarray) -> float:
 
     **Arguments:** `basis` (n, dof), orthonormal.
     """
+    if not basis.shape[1]:  # a constant is nothing where each record has a zero of its own
+        return 1.0
     small = regression.chi2 <= _SMALL * regression.n
     return chance(regression, basis, basis.shape[1], regression.residual if small else None)
 
