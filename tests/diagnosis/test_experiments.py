@@ -38,7 +38,7 @@ def measured(model: Model, values: list[float], name: str, drive: np.ndarray, se
 def present() -> Campaign:
     """One weak sine of a device with a cubic spring."""
     drive = 1.0 * np.sin(2 * np.pi * 97.0 * STEP * np.arange(900))
-    record = measured(Model(Oscillator()) + CubicStiffness(), [*LINEAR, 150.0], "present.csv", drive, 1)
+    record = measured(Model(Oscillator()) + CubicStiffness(), [*LINEAR, 150.0, 0.0], "present.csv", drive, 1)
     return Campaign("one sine", (record,), Oscillator(max_voltage=3.0, max_frequency=300.0))
 
 
@@ -82,7 +82,7 @@ def test_the_proposed_record_tells_the_rivals_apart(
     best = ranked[0]
     assert set(best.separates) == set(rivals)
     assert best.expected_delta_chi2 > SEPARATED
-    new = measured(Model(Oscillator()) + CubicStiffness(), [*LINEAR, 150.0], "new.csv", best.voltage, 2)
+    new = measured(Model(Oscillator()) + CubicStiffness(), [*LINEAR, 150.0, 0.0], "new.csv", best.voltage, 2)
     both = Campaign("two", (*present.records, new), present.device)
     chi2 = {}
     for name, before in rivals.items():

@@ -27,7 +27,7 @@ from ident.effects.dependence import depends_on
 from ident.effects.effect import Drive, State
 from ident.effects.registry import registry
 
-OMEGA, Q, LIMIT = 2 * np.pi * 40.0, 3.0, 2.5
+OMEGA, Q, FOLD = 2 * np.pi * 40.0, 3.0, 2.0
 VOLT, METRE = Channel("V", 1.0), Channel("m", 1.0)
 
 
@@ -52,9 +52,9 @@ def campaign(amplifier, spring, damper=lambda u: 1.0, brake=lambda v: 0.0) -> Ca
     return Campaign("bench", tuple(records), Oscillator("m", "V"))
 
 
-def test_an_amplifier_that_saturates_is_told_without_a_walk(tmp_path: Path):
+def test_a_modulator_that_folds_is_told_without_a_walk(tmp_path: Path):
     said: list[str] = []
-    bench = campaign(lambda u: LIMIT * np.tanh(u / LIMIT), lambda z: z)
+    bench = campaign(lambda u: FOLD * np.sin(u / FOLD), lambda z: z)
     found = discover(bench, report=said.append, effect_file=tmp_path / "law.py")
     assert found.verdict == "not-in-library" and found.final.fitted.error_over_noise < 1.05
     assert found.unknown is not None and (found.unknown.side, found.unknown.coordinates) == ("drive", ("V",))
@@ -97,7 +97,7 @@ def test_a_law_that_excerpts_tell_is_fitted_to_all_samples(tmp_path: Path, monke
     """It was fitted to the excerpts, whose stretches stood in the report as the records, and nothing was held out."""
     monkeypatch.setattr(shorten, "_MOST", 10_000)
     monkeypatch.setattr(shorten, "_KEPT", 3_000)
-    bench = campaign(lambda u: LIMIT * np.tanh(u / LIMIT), lambda z: z)
+    bench = campaign(lambda u: FOLD * np.sin(u / FOLD), lambda z: z)
     records = (*bench.records[1:], replace(bench.records[0], holdout=True))
     bench = replace(bench, records=records)
     assert shorten.is_long(bench)
