@@ -46,7 +46,7 @@ def test_held_out_records_tell_a_law_from_one_that_is_a_tenth_off() -> None:
     campaign = campaign_of(case)
     right = fit(Model(campaign.device) + built_in()["cubic-stiffness"](), campaign)
     values = right.values.copy()
-    values[-1] *= 0.9
+    values[-2] *= 0.9
     wrong = SimpleNamespace(model=right.model, values=values)
     assert behind_held_out(campaign, right, wrong) > VERY_STRONG > 0 > behind_held_out(campaign, wrong, right)
     assert behind_held_out(campaign, right, right) == 0.0

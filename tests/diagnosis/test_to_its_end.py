@@ -58,7 +58,7 @@ def test_without_an_effect_the_others_stay_what_they_can_be(monkeypatch: pytest.
     """For want of a drag, friction was refitted to one that drives, and nothing could be asked beside that: a damper of
     square law kept the name of the family."""
     model = Model(Oscillator(), (CubicStiffness(), CoulombFriction()))
-    parent = ended(model, [1.0, 10.0, 1.0, 5.0, 0.2, 1e-4], 100.0, True)
+    parent = ended(model, [1.0, 10.0, 1.0, 5.0, 0.0, 0.2, 1e-4], 100.0, True)
     for friction, kept in ((-0.2, 0.2), (0.3, 0.3)):
         found = SimpleNamespace(values=np.array([1.0, 10.0, 1.0, friction, 1e-4]))
         monkeypatch.setattr(change, "refit", lambda *_, found=found, **__: found)

@@ -70,10 +70,14 @@ def other_drive(
         second = instead_of and Left(instead_of.residual, instead_of.numbers)
         if not clearly_better(reached, here) or (second is not None and clearly_better(second, reached)):
             return None
-        if any(clearly_better(rival, simulated) for rival in rivals):
-            return None
         if way.numbers:
             way = _settled(shown, way)
+        if rivals and any(clearly_better(rival, simulated) for rival in rivals):
+            # An effect may mimic an edge that is not yet where it belongs better than that does.
+            shown = fit(shown.model, with_edges(shown.campaign, way), initial=shown.values, most=CRAWLS)
+            simulated = Left(prepare(shown).left, numbers(way))
+            if any(clearly_better(rival, simulated) for rival in rivals):
+                return None
     except Diverged:
         return None
     where = "" if way.everywhere else ", where it jumps,"
