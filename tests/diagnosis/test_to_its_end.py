@@ -18,7 +18,7 @@ from ident.model import Model
 def ended(model: Model, values: list[float], chi2: float, converged: bool) -> Any:
     """What is asked of a fit."""
     solved = SimpleNamespace(found=SimpleNamespace(starts=np.zeros((1, 2))))
-    scales = SimpleNamespace(velocity=2.0, displacement=1.0, voltage=1.0)
+    scales = SimpleNamespace(velocity=2.0, displacement=1.0, voltage=1.0, squared_nearness=1.0)
     fitted = SimpleNamespace(chi2=chi2)
     return SimpleNamespace(model=model, values=np.array(values), campaign=None, solved=solved, scales=scales,
                            fitted=fitted, converged=converged)  # fmt: skip
