@@ -61,9 +61,10 @@ def finish(model: Model, campaign: Campaign, minimum: Minimum, sigma: SigmaChoic
     motion, zero = found.response.readings, found.readings - found.response.readings
     inside = [(motion[own], zero[own]) for own in data.tape.slices]
     heldout = read_and_zeros(model, values, campaign.heldout) if campaign.heldout else []
-    shown, zeros = zip(*both, strict=True) if (both := _in_order(campaign, inside, heldout)) else ((), ())
+    both = _in_order(campaign, inside, heldout)
+    shown = tuple(moved for moved, _ in both)
     if data.zeros:
-        campaign = read_by(campaign, zeros)
+        campaign = read_by(campaign, [own for _, own in both])
         data, found = data._replace(response=data.response - zero), found._replace(readings=motion)
     curves = _curves(model, campaign, minimum)
     by_trace, by_sweep = iter(zip(campaign.traces, shown, strict=True)), iter(curves)

@@ -90,11 +90,13 @@ class Data(NamedTuple):
 
     def with_zeros(self, readings: np.ndarray) -> np.ndarray:
         """Readings (samples,) with the zeros of the records' own that fit best beside them."""
+        if not self.zeros:
+            return readings
         return readings + best_by(self.zeros, self.tape.slices, self.weight, (self.response - readings)[None])[0]
 
-    def beside_zeros(self, slopes: np.ndarray) -> np.ndarray:
-        """Derivatives (k, samples) of readings, by what these zeros do not take up."""
-        return slopes - best_by(self.zeros, self.tape.slices, self.weight, slopes)
+    def beside_zeros(self, rows: np.ndarray) -> np.ndarray:
+        """Rows (k, samples), of readings or derivatives, without what these zeros take up of them."""
+        return rows - best_by(self.zeros, self.tape.slices, self.weight, rows) if self.zeros else rows
 
     @property
     def count(self) -> int:

@@ -103,7 +103,8 @@ def _same_records(fits: Sequence[tuple[str, Fit]]) -> None:
 def _read_alike(one: Trace, other: Trace) -> bool:
     """Whether two traces are the same measurement, read in the same way: a zero of their own that is fitted with every
     model is a number that both have, whatever it is beside each."""
-    if one.floats != other.floats or (one.floats and one.own and other.own and one.own[0] != other.own[0]):
+    fitted = lambda trace: trace.floats and trace.own and trace.own[0]
+    if fitted(one) != fitted(other):
         return False
     if not one.floats:
         return bool(np.array_equal(one.response, other.response))

@@ -27,7 +27,6 @@ from ..fit.fit_starts import fit_starts
 from ..fit.on_orbits import on_orbits
 from ..fit.problem import WORST, Data, Static, Unknowns, evaluate
 from ..fit.result import Fit
-from ..fit.zeros import best_by
 from ..model import QUALITY
 from ..response import lay_out, respond_many
 from ..response.tape import Tape
@@ -160,9 +159,8 @@ class Density:
             at = [self._simulate(values, self.starts, orbits)]
             if self.static.starts_free:
                 at += [self._simulate(values, self.starts + kick, orbits) for kick in np.diag(self.kick)]
-            off = [(a - self.data.response) * self.data.weight for a in at]
+            off = [self.data.beside_zeros(a - self.data.response) * self.data.weight for a in at]
             off = [np.where(np.abs(a) < WORST, a, WORST) for a in off]
-            off = [self._without_zeros(a) for a in off]
         found = []
         for i, (noise, own) in enumerate(zip(self.noises, self.data.tape.slices, strict=True)):
             first, *kicked = (whiten(noise, a[:, own]) for a in off)
@@ -176,15 +174,6 @@ class Density:
                 inner = inner + np.swapaxes(slope, 1, 2) @ slope
             found.append(White(first, slope, inner, pull))
         return found
-
-    def _without_zeros(self, off: np.ndarray) -> np.ndarray:
-        """Residuals (k, samples) in noise floors without what zeros of the records' own make of them."""
-        data = self.data
-        if not data.zeros:
-            return off
-        counted = data.weight > 0
-        floors = np.divide(off, data.weight, out=np.zeros_like(off), where=counted)
-        return off - best_by(data.zeros, data.tape.slices, data.weight, floors) * data.weight
 
     def _batched(self, program: Callable[..., np.ndarray], *points: np.ndarray) -> np.ndarray:
         """A program over points in batches of one size, the last one filled up."""

@@ -45,14 +45,15 @@ def with_own_zeros(current: Fit, look: Look) -> Campaign | None:
         return None
     if behind(Left(beside.residual, regression.numbers + more), regression) > -VERY_STRONG:
         return None
-    (scored,) = score_beside([beside], look.library)
-    zeros = _best(beside, significant(scored), best_pair(beside, scored), more, look)
     one_for_all = _best(regression, look.real, look.pair, 0, look)
     # Where effects with no more numbers than the zeros alone reach the floor, what zeros take besides may be noise, or
     # a finer shape of those, which bends the mean.
     few = one_for_all.numbers <= regression.numbers + more
-    enough = few and at_floor(float(one_for_all.left @ one_for_all.left), regression)
-    if enough or behind(zeros, one_for_all) > -VERY_STRONG:
+    if few and at_floor(float(one_for_all.left @ one_for_all.left), regression):
+        return None
+    (scored,) = score_beside([beside], look.library)
+    zeros = _best(beside, significant(scored), best_pair(beside, scored), more, look)
+    if behind(zeros, one_for_all) > -VERY_STRONG:
         return None
     look.report("has the sensor a zero of its own in each record?")
     found = differing(one_stretch_each(current), (LEVEL,))

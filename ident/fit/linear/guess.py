@@ -152,7 +152,7 @@ def _scales(records: tuple[Trace, ...], frequency: float) -> DataScales:
             velocity = max(velocity, float(np.percentile(np.abs(slope), 99.5)) / omega**record.order)
     voltage = max(float(np.max(np.abs(r.drive))) for r in records) or 1.0  # where nothing drives, any scale does
     duration = max(r.into + float(r.time[-1] - r.time[0]) for r in records)  # since its record began
-    slew = max(float(np.std(np.diff(r.drive))) / r.step for r in records) or voltage * omega
+    slew = max(float(np.sqrt(np.mean(np.diff(r.drive) ** 2))) / r.step for r in records) or voltage * omega
     return DataScales(displacement, velocity, voltage, 1.0 / frequency, duration, slew)
 
 
