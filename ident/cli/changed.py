@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from ..errors import UserError
 from .fit import command_line
 from .output import progress, say_fit, say_folder, say_json, say_sheet
 
@@ -33,7 +34,7 @@ def change(run: str, effect: str, output: str | None, *, adding: bool, force: bo
         files = files if len(others) < len(files) else (*files, Path(effect))
         own = set(registry(files)) - set(registry(others))
         parent = replace(parent, campaign=replace(parent.campaign, effect_files=files))
-        name = min(own - {*parent.model.names} or own)
+        name = _only(sorted(own - {*parent.model.names} or own), effect)
     elif adding:
         name = effect
     if adding:
@@ -50,6 +51,15 @@ def change(run: str, effect: str, output: str | None, *, adding: bool, force: bo
     say_fit(after)
     say_sheet(change_sheet(lineage[-1:]))
     say_folder(folder)
+
+
+def _only(effects: list[str], file: str) -> str:
+    """The one effect that a file defines and the model lacks. **Raises:** UserError if there are several."""
+    if len(effects) > 1:
+        what = f"{file} defines several effects that the model lacks: {', '.join(effects)}"
+        instead = "name it in effect_files of the campaign, fit that again and add an effect by its name"
+        raise UserError(what, do=f"give each a file of its own, or {instead}")
+    return effects[0]
 
 
 def beside(run: Path, ending: str) -> Path:

@@ -69,7 +69,8 @@ def fit_data(
     )
     found = fitted(campaign)
     sharper = None if sigma == "fitted" or time.monotonic() >= until else sharpened(found, complete=False)
-    return found if sharper is None else fitted(sharper)
+    again = found if sharper is None else fitted(sharper)
+    return again if again.converged or not found.converged else found  # whose time may have run out
 
 
 def _initial(initial: Any, model: Model) -> np.ndarray:

@@ -207,6 +207,8 @@ def run_key(density: Density, seed: int) -> str:
             told.update(f"held {record.edge!r}".encode())
         if record.measures != "displacement":
             told.update(record.measures.encode())
+        if record.masked is not None:
+            told.update(np.ascontiguousarray(record.masked).tobytes())
     model = density.fit.model
     if model.form != "oscillator":
         told.update(model.form.encode())

@@ -68,6 +68,13 @@ def test_an_effect_is_added_by_its_file_also_where_the_campaign_has_that_already
     outcome = ident("add", tmp_path / "plain", folder / "my_effect.py", "-o", tmp_path / "more", "--json")
     assert outcome.code == 0, outcome.err
     assert json.loads(outcome.out)["effects"] == ["gas-drag"]
+    two = tmp_path / "two.py"
+    text = (folder / "my_effect.py").read_text()
+    text = text.replace("gas-drag", "drag-a")
+    two.write_text(text + text[text.index("class ") :].replace("GasDrag", "Other").replace("drag-a", "drag-b"))
+    refused = ident("add", tmp_path / "plain", two, "-o", tmp_path / "none")
+    assert refused.code == 2
+    assert "several effects that the model lacks: drag-a, drag-b — give each a file of its own" in refused.err
 
 
 def test_simulate_writes_what_the_fit_says_in_columns_with_units(clean, tmp_path):
