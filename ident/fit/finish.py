@@ -115,7 +115,8 @@ def _in_order(campaign: Campaign, fitted: list[T], heldout: list[T]) -> tuple[T,
     return tuple(next(outside) if record.holdout else next(inside) for record in campaign.traces)
 
 
-def _at_bound(value: float, lower: float, upper: float, error: float) -> bool:
+def at_bound(value: float, lower: float, upper: float, error: float) -> bool:
+    """Whether a value ± `error` says no more than that it lies at the edge of its range."""
     if np.isfinite(upper):
         return value < 1.02 * lower or value > 0.98 * upper
     return lower == 0.0 and error > 3 * abs(value)
@@ -141,7 +142,7 @@ def _estimates(
         flags: tuple[str, ...] = ()
         if not determined[k]:
             flags = ("undetermined",)
-        elif _at_bound(value, float(data.lower[k]), float(data.upper[k]), error):
+        elif at_bound(value, float(data.lower[k]), float(data.upper[k]), error):
             flags = ("at-bound",)
         elif error > abs(value):
             flags = ("not-significant",)

@@ -11,6 +11,8 @@ from scipy.special import chdtrc  # not `scipy.stats`, whose import takes half a
 from ...campaign.device import Platform
 from ...effects.effect import AbstractEffect
 from ...effects.registry import Registry
+from ...fit.assemble import bounds_of
+from ...fit.finish import at_bound
 from ...fit.linear.independent import independent_samples
 from ..evidence.criterion import VERY_STRONG
 from ..evidence.enough import ANOTHER_LAW, at_floor
@@ -85,12 +87,14 @@ def tie_set(
     leaves nothing to be seen. n counts the independent samples in what the best one leaves. Refits replace predictions
     where there are any; where there are none, an effect whose signature is nearly the same, or is known to pass for the
     other, stays in. Where noise is small against the misfit, laws of one kind differ by more than noise: a refit within
-    that stays in, unless it needs several numbers more to come as close.
+    that stays in, unless it needs several numbers more to come as close. Where a shape of the best one ended at its
+    limits, which is where one effect turns into another, what it is mistaken for stays in.
 
     **Arguments:** `candidates`: as scored on the same regression; `confirmed`: refits of some of them.
     """
     refits = {c.candidate.name: c for c in confirmed}
     n = independent_of(regression, best)
+    on_edge = best.name in refits and _on_edge(refits[best.name], regression)
     found = []
     for other in candidates:
         if other.name == best.name:
@@ -118,8 +122,9 @@ def tie_set(
         )
         if both and _is_itself(refits[best.name], refits[other.name], n if wider else None, regression):
             continue
-        if (behind < VERY_STRONG and as_much) or near or unseen_yet:
-            found.append(_tie(best, other, behind, alike, library))
+        turns_into = on_edge and other.name in library[best.name].mistaken_for and not told_apart
+        if ((behind < VERY_STRONG or turns_into) and as_much) or near or unseen_yet:
+            found.append(_tie(best, other, behind, alike, library, on_edge))
     named = {tie.name for tie in found}
     in_motion = all(record.start != "rest" for record in regression.fit.campaign.fitted)
     exact = exact_partners(library[best.name], library, _is_linear(regression), in_motion)
@@ -128,7 +133,7 @@ def tie_set(
         judged = best.name in refits and other.name in refits
         similar = in_motion or (not judged and reproduced(regression, best, other) > _EXACT)
         if other.name in exact and other.name not in named and similar:
-            found.append(_tie(best, other, float("nan"), 1.0, library))
+            found.append(_tie(best, other, float("nan"), 1.0, library, on_edge))
     return TieSet(best.name, tuple(sorted(found, key=lambda t: (not np.isnan(t.behind), t.behind))))
 
 
@@ -140,6 +145,14 @@ def _is_itself(part: Confirmed, whole: Confirmed, n: float | None, regression: R
         return True
     more = whole.model.numbers - part.model.numbers
     return n is not None and bool(chdtrc(more, max(n * np.log(part.chi2 / whole.chi2), 0.0)) > _CHANCE)
+
+
+def _on_edge(found: Confirmed, regression: Regression) -> bool:
+    """Whether a shape of the last effect ended at the edge of its range."""
+    model, scales = found.model, regression.fit.scales
+    own = [i for i, p in enumerate(model.parameters) if p.limits and p.name.startswith(f"{model.effects[-1].name}.")]
+    ends = [(float(found.values[i]), *bounds_of(model.parameters[i], float(found.values[i]), scales)) for i in own]
+    return any(at_bound(*end, error=0.0) for end in ends)
 
 
 def left_after(regression: Regression, candidate: Candidate, refits: Mapping[str, Confirmed]) -> float:
@@ -171,11 +184,13 @@ def _is_linear(regression: Regression) -> bool:
     return not regression.fit.model.effects
 
 
-def _tie(best: Candidate, other: Candidate, behind: float, alike: float, library: Registry) -> Tie:
+def _tie(best: Candidate, other: Candidate, behind: float, alike: float, library: Registry, on_edge: bool) -> Tie:
     one, another = library[best.name], library[other.name]
     known = equivalence(one, another)
     if known is not None:
         why = known.why
+    elif behind >= VERY_STRONG and on_edge:
+        why = f"{best.name} ended at the edge of its range, where it turns into another effect"
     elif behind >= VERY_STRONG:
         why = f"it explains within {100 * ANOTHER_LAW:.2g} % as much, and laws of one kind differ by that"
     elif alike > _KNOWN:
