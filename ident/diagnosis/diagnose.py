@@ -22,7 +22,7 @@ from ..pulse import Report
 from ..threads import one_thread
 from .apart import Apart, apart_after, apart_before
 from .evidence.enough import adequate
-from .evidence.held_out import contradicted
+from .evidence.held_out import contradicted, foretold
 from .faulty.aside import left_out, without_them
 from .faulty.odd_one import odd_one
 from .faulty.suspects import BY_OTHERS, find_suspects, judged_again
@@ -280,6 +280,22 @@ def _without_faulty(asked: _Asked, seen: _Seen) -> Diagnosis | None:
     return replace(_answered(asked, Walked(rest)), where=seen.where)
 
 
+def _without_those_seen_now(asked: _Asked, seen: _Seen, suspects: tuple[Suspect, ...]) -> Diagnosis | None:
+    """The answer without records whose fault only shows beside what a walk has named, if the library then explains all
+    others to the noise; None if there are none, or it does not.
+
+    A number that is wrong in one record and a missing effect hide one another: with neither known each leaves too much.
+    """
+    faulty = tuple(one for one in suspects if one.first and one not in seen.first)
+    rest = without_them(seen.fitted, faulty) if faulty else None
+    if rest is None:
+        return None
+    asked.report(f"once more without {', '.join(one.file for one in faulty)}")
+    said = _answered(replace(asked, effect_file=None, keeps_walk=False), Walked(rest))
+    sure = adequate(said.discovery.regression) and foretold(said.final)
+    return replace(said, where=seen.where) if sure else None
+
+
 def _one_law_says_it(asked: _Asked, seen: _Seen) -> Diagnosis | None:
     """The answer where one law that the library lacks says everything: no walk is needed."""
     if seen.walked.steps or seen.first:
@@ -319,6 +335,8 @@ def _after_the_walk(asked: _Asked, seen: _Seen) -> Diagnosis:
         if said is not None:
             return said
     suspects = judged_again(seen.suspects, found.final, asked.report)
+    if not adequate(found.regression) and (said := _without_those_seen_now(asked, seen, suspects)) is not None:
+        return said
     found = _in_doubt(found, suspects)
     hidden = unseen(seen.regression, found.ranking, asked.library)
     said = Diagnosis(found, seen.where, unseen=hidden, suspects=suspects)
