@@ -72,9 +72,10 @@ def _interpolated(record: Trace, reading: np.ndarray, found: Fit) -> Trace | Non
 
 
 def _lowered(record: Trace, reading: np.ndarray) -> Trace:
-    """The record with the noise floor of what the model leaves of it, if it has a doubtful and higher one."""
+    """The record with the noise floor of what the model leaves of it, if it has a higher one that is in doubt or was
+    read off frequencies beside those of the motion: a law that jumps moves at all of them."""
     told, left = record.noise, record.response - reading
-    if told.relative_error < VAGUE or not np.all(np.isfinite(left)):
+    if (told.relative_error < VAGUE and not extrapolated(told)) or not np.all(np.isfinite(left)):
         return record
     if told.lines:  # raised by what a model left: else there were no end of it
         return record
