@@ -10,7 +10,8 @@ leaves.
 A search ends by its Newton decrement, the fall of the cost that an undamped step promises within that rule. The size of
 a step says nothing: along a narrow valley every damped step is small. Where valleys bend, the curvature
 that Gauss–Newton leaves out is learned on the way (`secant`). At a kink, where trials are refused however short, it
-ends when even all the steps that it has would not bring what is worth one, or when a dozen together have not.
+ends when even all the steps that it has would not bring what is worth one, or when a dozen together have not: it has
+converged if the minimum that the slopes promise lies within a standard error.
 
 Sources: D. W. Marquardt, An algorithm for least-squares estimation of nonlinear parameters, J. SIAM 11 (1963) 431,
 §III; J. J. Moré, The Levenberg–Marquardt algorithm, Lecture Notes in Mathematics 630 (1978) 105, §4 (units);
@@ -40,6 +41,7 @@ MAX_STEPS = 400  # from one start
 _SMALL_GAIN = 1e-4
 """Of the cost ½χ² per mean squared independent residual, if that is above one: no parameter is then further from its
 optimum than 0.014 standard errors, with what is left taken for noise."""
+_WITHIN = 0.5  # the same: of one standard error, where the cost jumps as a kink is met in another step
 _COMPARED = 0.05  # the same, of models that are only compared: n ln χ² then falls by 0.1 at most
 _SMALL_SHARE = 1e-9  # of the cost: more than that of a misfit is not worth a step
 _LEAST_STEP = 1e-12  # where damping has grown that much, rounding decides
@@ -263,11 +265,9 @@ class Search:
         """The steady responses of curves that the next ones are sought from."""
         return None if self._data.curves is None else self._data.curves.known.get(self.static.equation)
 
-    def _worth(self) -> float:
-        """The fall of the cost ½χ² that is worth a step."""
-        # What a model lacks is no noise: a hundred of its samples may say one thing.
-        each = max(self.cost / independent_samples(self._best.residuals), 1.0)
-        return (_COMPARED if self._how.compared else _SMALL_GAIN) * each
+    def _each(self) -> float:
+        """The cost per independent residual: what a model lacks is no noise, and many samples may say one thing."""
+        return max(self.cost / independent_samples(self._best.residuals), 1.0)
 
     def _step(self) -> None:
         change, found, trial = self._next, self._best, self._point
@@ -288,11 +288,14 @@ class Search:
         promised = _decrement(self._point, units, low, high)
         if self._secant.use and self._secant.proven:
             promised = min(promised, _decrement(here, units, low, high))
-        worth = self._worth()
+        each = self._each()
+        worth = (_COMPARED if self._how.compared else _SMALL_GAIN) * each  # a step
         self._costs = [*self._costs[-_PATIENCE:], float(self._point.cost)]
         self.converged = promised < worth + _SMALL_SHARE * float(self._point.cost)
         hopeless = _fall(here, self._next) * MAX_STEPS < worth
-        self.ended = self.converged or hopeless or self._gained < worth or float(self._turn.reach) < _LEAST_STEP
+        stands = hopeless or self._gained < worth or float(self._turn.reach) < _LEAST_STEP
+        self.ended = self.converged or stands
+        self.converged = self.converged or (stands and not self._turn.accepted and promised < _WITHIN * each)
 
     @property
     def _gained(self) -> float:
