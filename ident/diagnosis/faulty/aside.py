@@ -4,6 +4,7 @@ better what is wrong with them."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 from ...campaign.quality.suspect import ALL, Suspect, set_aside
@@ -30,8 +31,8 @@ def without_them(fitted: Fit, suspects: Sequence[Suspect]) -> Fit | None:
 def left_out(fitted: Fit) -> tuple[Suspect, ...]:
     """The records that were left out of a fit, and what is wrong with them as its model tells; as it was told before
     where that does not explain them."""
-    known = fitted.campaign.left_out
-    traces = (*fitted.campaign.traces, *(record for record, _ in known))
+    known, float_too = fitted.campaign.left_out, any(record.floats for record in fitted.campaign.fitted)
+    traces = (*fitted.campaign.traces, *(replace(one, floats=one.floats or float_too) for one, _ in known))
     at = len(fitted.campaign.traces)
     told = [told_outside(fitted.model, fitted.values, fitted.fitted.error_over_noise, traces, at + k)
             for k in range(len(known))]  # fmt: skip

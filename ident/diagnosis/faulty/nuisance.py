@@ -54,8 +54,10 @@ def nuisances(record: Trace, predicted: np.ndarray) -> list[Nuisance]:
 
 
 def _gain(record: Trace, predicted: np.ndarray) -> Nuisance:
-    """The response is g times what it should be; of a sign that is wrong g is near −1."""
+    """The response is g times what it should be, beside a zero of its own if it has one; of a wrong sign g is near
+    −1."""
     y, p, sigma = record.response[record.counted], predicted[record.counted], record.noise.sigma
+    y, p = (y - np.mean(y), p - np.mean(p)) if record.floats else (y, p)
     gain = float(p @ y) / max(float(p @ p), 1e-300)
     if gain == 0:
         return Nuisance("gain", gain, "1", np.inf)
