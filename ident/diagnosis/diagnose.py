@@ -281,19 +281,20 @@ def _without_faulty(asked: _Asked, seen: _Seen) -> Diagnosis | None:
 
 
 def _without_those_seen_now(asked: _Asked, seen: _Seen, suspects: tuple[Suspect, ...]) -> Diagnosis | None:
-    """The answer without records whose fault only shows beside what a walk has named, if the library then explains all
-    others to the noise; None if there are none, or it does not.
-
-    A number that is wrong in one record and a missing effect hide one another: with neither known each leaves too much.
+    """The answer without records whose fault only shows beside what a walk has named, if all others then stand at their
+    noise; None if there are none, or these do not. What is wrong in one record and a missing effect hide one another.
     """
     faulty = tuple(one for one in suspects if one.first and one not in seen.first)
     rest = without_them(seen.fitted, faulty) if faulty else None
     if rest is None:
         return None
     asked.report(f"once more without {', '.join(one.file for one in faulty)}")
-    said = _answered(replace(asked, effect_file=None, keeps_walk=False), Walked(rest))
-    sure = adequate(said.discovery.regression) and foretold(said.final)
-    return replace(said, where=seen.where) if sure else None
+    said = _answered(asked, Walked(rest))
+    if adequate(said.discovery.regression) and foretold(said.final):
+        return replace(said, where=seen.where)
+    if said.effect_file is not None:  # of a law that is not believed
+        said.effect_file.unlink(missing_ok=True)
+    return None
 
 
 def _one_law_says_it(asked: _Asked, seen: _Seen) -> Diagnosis | None:

@@ -251,7 +251,9 @@ def prepare(fit: Fit, believed: bool = False) -> Regression:
     # Of its own parameters the model itself says what they do to sweeps, all harmonics together.
     own, past = None if regression.plane is None else regression.plane.own, trajectories.histories[None]
     along_measured = stack(regression, fit.model, fit.values[None], directions, True, past, own, passed)
-    if not np.all(np.isfinite(along_measured)):  # next to the measured motion its own runs away
+    with np.errstate(over="ignore"):
+        squares = along_measured**2
+    if not np.all(np.isfinite(squares)):  # next to the measured motion its own runs away
         raise Diverged((*fit.campaign.fitted, *fit.campaign.fitted_sweeps)[0].name)
     measured = _without(regression, along_measured, directions)
     if believed or measured.settled or measured.unexplained < _INERTIA:
