@@ -41,12 +41,22 @@ from .ties import weighed_ties
 def concluded_or_sharper(ended: Ended) -> Discovery | Campaign:
     """What stays of a walk; or the campaign with its records read otherwise, or with the noise floors that its last
     fit, or the one that stays, tells better: a walk to be gone again need not be questioned first."""
-    sharper = ended.anew or sharpened(ended.walked.final)
+    sharper = ended.anew or _sharper(ended.walked.final, ended.look.regression)
     if sharper is not None:
         return sharper
     found = concluded(ended)
-    sharper = None if found.final is ended.walked.final else sharpened(found.final)
+    sharper = None if found.final is ended.walked.final else _sharper(found.final, found.regression)
     return found if sharper is None else sharper
+
+
+def _sharper(final: Fit, regression: Regression) -> Campaign | None:
+    """The campaign with the noise floors that a fit tells better, where they may change an answer: of a model that is
+    far from the floors it had, lower ones say nothing new."""
+    campaign = sharpened(final)
+    if campaign is None or adequate(regression):
+        return campaign
+    pairs = zip(final.campaign.traces, campaign.traces, strict=True)
+    return campaign if any(new.noise.sigma > old.noise.sigma for old, new in pairs) else None
 
 
 def concluded(ended: Ended) -> Discovery:
