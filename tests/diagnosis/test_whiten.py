@@ -45,7 +45,7 @@ def test_hum_is_taken_out_where_its_floor_heard_it():
     record = trace(5e-3)
     hum = np.cos(2 * np.pi * 50.05 * record.time + 0.3)
     assert left(record, hum) > 0.5
-    assert left(replace(record, noise=NoiseFloor(1.0, mains=(50.05, 60.0))), hum) < 1e-9
+    assert left(replace(record, noise=NoiseFloor(1.0, heard=((50.0, 50.05),))), hum) < 1e-9
 
 
 def test_the_answer_to_a_drive_near_the_mains_is_no_hum():

@@ -48,13 +48,13 @@ _CLIPPED_ERROR = 0.5  # relative, of the floor of a clipped record: found 1.0 to
 
 
 class _Found(NamedTuple):
-    """The noise of a record that is scaled to its size, the `method` by which it was found, its `lines` and Hz of the
-    `mains`, where it hums."""
+    """The noise of a record that is scaled to its size, the `method` by which it was found, its `lines`, and nominal
+    and own Hz of those that were `heard`."""
 
     fit: Autoregression
     method: str
     lines: tuple[str, ...] = ()
-    mains: tuple[float, ...] = ()
+    heard: tuple[tuple[float, float], ...] = ()
 
 
 def noise_floor(
@@ -112,7 +112,7 @@ def noise_floor(
         return NoiseFloor(sigma * size, method="the resolution of the response column", relative_error=0.5)
     unseen = float(np.argmax(fit.used > 0)) / len(fit.used) if free else 0.0
     error = float(fit.relative_error)
-    return NoiseFloor(float(sigma * size), fit.ar, found.method, error, unseen, found.lines, found.mains)
+    return NoiseFloor(float(sigma * size), fit.ar, found.method, error, unseen, found.lines, found.heard)
 
 
 def _highest_harmonic(drive: np.ndarray, period: float) -> int:
@@ -155,14 +155,14 @@ def _short_period(response: np.ndarray, period: float | None, step: float, halvi
         if later.fit.sigma < removed.fit.sigma:
             return later
     apart = lambda lines: _apart(lines, rate, pole, n)
-    fit, share, mains = with_hum(removed.residual, removed.basis, step, apart, removed.fit)
+    fit, share, heard = with_hum(removed.residual, removed.basis, step, apart, removed.fit)
     beside = ["the Fourier series of the drive's period"] if period is not None else []
     beside += ["a transient"] if removed.level else []
     what = "a decay leaves" if period is None else f"{n / period:.0f} periods leave"
     numbers = f"{removed.basis.shape[1]} numbers fitted"
     method = f"what {what} beside {' and '.join(beside) or 'a constant'} ({numbers})"
     if share > 0:
-        return _Found(fit, f"{method}; {HUMS}, {share:.0%} of its power, is part of it", (HUMS,), mains)
+        return _Found(fit, f"{method}; {HUMS}, {share:.0%} of its power, is part of it", (HUMS,), heard)
     return _Found(fit, method)
 
 

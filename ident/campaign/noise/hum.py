@@ -43,7 +43,8 @@ Apart = Callable[[np.ndarray], np.ndarray]
 _STANDS = 16.0  # times the noise beside it: a line of noise alone has as much power once in 3000 times
 _SEEN = 0.3  # of a line, at least, beside all else: of less the record is too short to tell it from the rest
 HUMS, SURROUNDINGS = "mains hum", "a line of the surroundings"  # the lines of a floor, in words
-PERIODS = 2.5  # that a record holds of a line, at least: of fewer it is a level that bends
+PERIODS = 2.5  # that a record holds of a line, at least: of fewer it may be a level that bends
+FEWEST = 1.5  # periods of a line from which it holds less than a tenth of a constant, 2/(π periods)²
 _ABOUT = 0.02 * np.pi  # rad per sample on either side of a line: so narrow is its peak in an autoregression
 _FINE = 4096  # frequencies from which covariances are read
 _GRID = (
@@ -62,7 +63,9 @@ def told_apart(lines: np.ndarray, rate: float | None, n: int, periods: float = P
 
 def mains_of(noise: NoiseFloor) -> tuple[float, ...]:
     """Hz of each of `MAINS` while a record was taken, as far as its noise floor knows."""
-    return noise.mains or MAINS
+    at = dict(noise.heard)
+    found = [[at[hz * order] / order for order in ORDERS if hz * order in at] for hz in MAINS]
+    return tuple(own[0] if own else hz for hz, own in zip(MAINS, found, strict=True))
 
 
 def bands(step: float) -> list[tuple[float, float]]:
@@ -145,18 +148,19 @@ def _level(spectrum: np.ndarray, rates: np.ndarray) -> np.ndarray:
 
 def with_hum(
     residual: np.ndarray, basis: np.ndarray, step: float, apart: Apart, fit: Autoregression
-) -> tuple[Autoregression, float, tuple[float, ...]]:
-    """The noise with the mains lines that stand out of it, the share of its power that is hum, and Hz of the mains.
+) -> tuple[Autoregression, float, tuple[tuple[float, float], ...]]:
+    """The noise with the mains lines that stand out of it, the share of its power that is hum, and nominal and own Hz
+    of these lines.
 
     **Arguments:** `residual` (n,) of a fit of the orthonormal `basis` (n, M), `step`: s; lines are told `apart`, `fit`:
     the noise without regard to hum.
     """
     n, mains = len(residual), tuned(residual, step, apart, fit.spectrum)
     lines = hum_lines(mains, n, step)
-    rates = 2 * np.pi * step * np.array([line.hz for line in lines])
+    rates = _rates(lines, step)
     told, at_lines = apart(rates), _level(fit.spectrum, rates)
     power, covariance = 0.0, np.zeros(MAX_ORDER + 1)
-    rest, own, waves = residual, [], _waves(rates, n)
+    rest, own, heard, waves = residual, [], [], _waves(rates, n)
     alone = beside(basis, waves)
     for k in np.flatnonzero(told):
         columns, inside = waves[:, 2 * k : 2 * k + 2], alone[:, 2 * k : 2 * k + 2]
@@ -170,6 +174,7 @@ def with_hum(
         if gain > lines[k].least and amplitude > 0:
             rest = rest - inside @ weights
             own.append(inside)
+            heard.append(lines[k][:2])
             power += amplitude
             covariance += _covariance(amplitude, rates[k])
     if power == 0.0:
@@ -183,7 +188,7 @@ def with_hum(
     error = float(np.hypot(below.relative_error * (1 - share), 0.3 * share / np.sqrt(len(own))))
     spectrum = ar_spectrum(ar, innovation, n)
     noise = replace(below, sigma=total, ar=tuple(float(a) for a in ar), relative_error=error, spectrum=spectrum)
-    return noise, share, mains
+    return noise, share, tuple(heard)
 
 
 def _waves(lines: np.ndarray, n: int) -> np.ndarray:
@@ -205,10 +210,39 @@ def tuned_beside_level(left: np.ndarray, step: float, apart: Apart) -> tuple[flo
 
 def standing(left: np.ndarray, step: float, lines: Sequence[Line]) -> list[float]:
     """The mean square of each line that stands out of what a model leaves, (n,), and does not die; zero of the others.
-    It leaves a level too, that bends: a sensor that drifts does not hum. A line counts by what it alone says beside all
-    the others: of two that differ by half a period in a record each seems to say what both do."""
-    n, found, rates = len(left), [], 2 * np.pi * step * np.array([line.hz for line in lines])
-    waves, level = _waves(rates, n), _bent_level(n)
+
+    It leaves a level too, that bends: a sensor that drifts does not hum. Of `PERIODS` or less a line is told from that
+    only where the lines of one mains describe what is left better beside a constant than a level does, alone or beside
+    them, each number at its price: what drifts at random leaves a level beside any line.
+    Source: G. Schwarz, 1978, Ann. Stat. 6, 461."""
+    n = len(left)
+    long_enough = [line for line in lines if line.hz * n * step > PERIODS]
+    bent, constant = _bent_level(n), np.ones((n, 1))
+    ways = [(long_enough, bent)]
+    if len(long_enough) < len(lines):
+        of_one = [[line for line in lines if line.nominal % hz == 0] for hz in MAINS]
+        ways += [(own, level) for own in of_one for level in (constant, bent)]
+
+    def criterion(way: tuple[list[Line], np.ndarray]) -> float:
+        columns = np.column_stack([_waves(_rates(way[0], step), n), way[1]])
+        rest = left - columns @ np.linalg.lstsq(columns, left, rcond=None)[0]
+        return n * float(np.log(max(float(np.mean(rest**2)), 1e-300))) + columns.shape[1] * float(np.log(n))
+
+    best = min(ways, key=criterion)
+    heard, level = best if best[1] is constant else ways[0]
+    powers = dict(zip(heard, _beside_level(left, step, heard, level), strict=True))
+    return [powers.get(line, 0.0) for line in lines]
+
+
+def _rates(lines: Sequence[Line], step: float) -> np.ndarray:
+    return 2 * np.pi * step * np.array([line.hz for line in lines])
+
+
+def _beside_level(left: np.ndarray, step: float, lines: Sequence[Line], level: np.ndarray) -> list[float]:
+    """`standing` beside a level (n, columns). A line counts by what it alone says beside all the others: of two that
+    differ by half a period in a record each seems to say what both do."""
+    n, found, rates = len(left), [], _rates(lines, step)
+    waves = _waves(rates, n)
     all_of_them = np.column_stack([waves, level])
     weights = np.linalg.lstsq(all_of_them, left, rcond=None)[0]
     spread = np.linalg.pinv(all_of_them.T @ all_of_them)
@@ -243,18 +277,19 @@ def knows(noise: NoiseFloor, power: float, line: float) -> bool:
     return float(np.mean(spectrum * (np.abs(rates - line) < _ABOUT))) > 0.5 * power
 
 
-def with_lines(
-    noise: NoiseFloor, powers: Sequence[float], lines: Sequence[float], what: str, mains: tuple[float, ...]
-) -> NoiseFloor:
-    """A noise floor with the mean squares `powers` of lines (rad per sample) as a part of it, the word for `what` they
-    are, and Hz of the `mains` while its record was taken."""
+def with_lines(noise: NoiseFloor, powers: Sequence[float], lines: Sequence[Line], step: float, what: str) -> NoiseFloor:
+    """A noise floor with the mean squares `powers` of lines as a part of it, and the word for `what` they are; `step`:
+    s."""
     white = np.array(noise.ar, float)[:MAX_ORDER]
     below = ar_spectrum(white, noise.sigma**2 / variance_of(white, 1.0), _FINE)
     covariance = np.fft.irfft(below, _FINE)[: MAX_ORDER + 1]
-    covariance = covariance + sum(_covariance(power, line) for power, line in zip(powers, lines, strict=True))
+    covariance = covariance + sum(
+        _covariance(power, line) for power, line in zip(powers, _rates(lines, step), strict=True)
+    )
     total = float(noise.sigma**2 + sum(powers))
     share = sum(powers) / total
     method = f"{noise.method}; {what}, {share:.0%} of its power, is part of it".lstrip("; ")
     ar = tuple(float(a) for a in levinson(covariance, MAX_ORDER)[0])
     lines_in = tuple(dict.fromkeys([*noise.lines, what]))
-    return NoiseFloor(float(np.sqrt(total)), ar, method, noise.relative_error * (1 - share), 0.0, lines_in, mains)
+    heard = (*noise.heard, *(line[:2] for line in lines))
+    return NoiseFloor(float(np.sqrt(total)), ar, method, noise.relative_error * (1 - share), 0.0, lines_in, heard)
