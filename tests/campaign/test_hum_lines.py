@@ -55,7 +55,7 @@ def test_noise_is_called_hum_as_seldom_as_at_one_frequency():
     rng, apart, called = np.random.default_rng(8904), lambda rates: told_apart(rates, None, 1000), 0
     for _ in range(600):
         left = rng.standard_normal(1000)
-        for line in hum_lines(tuned(left, 0.004, apart, np.ones(501)), 1000, 0.004):
+        for line in hum_lines(tuned(left, 0.004, apart, np.zeros(501)), 1000, 0.004):
             rate = 2 * np.pi * line.hz * 0.004
             power = 2e-3 * abs(left @ np.exp(-1j * rate * np.arange(1000))) ** 2
             called += bool(apart(np.array([rate]))[0] and power > line.least)
@@ -76,7 +76,7 @@ def test_what_is_driven_near_the_mains_is_no_hum():
 def test_a_short_record_is_asked_at_the_nominal_frequency():
     rng = np.random.default_rng(8905)
     apart = lambda rates: told_apart(rates, None, 2000)
-    assert tuned(rng.standard_normal(2000), 2e-4, apart, np.ones(1001)) == (50.0, 60.0)
+    assert tuned(rng.standard_normal(2000), 2e-4, apart, np.zeros(1001)) == (50.0, 60.0)
     assert {line.least for line in hum_lines((50.0, 60.0), 2000, 2e-4)} == {Line(50.0, 50.0).least}
 
 
@@ -97,3 +97,12 @@ def test_two_periods_of_hum_are_hum_and_a_level_that_bends_is_none(seed):
     assert powers[60.0] == powers[120.0] == powers[180.0] == 0.0
     for level in (2 * time, 2 * time**2, 3 * np.exp(-3 * (1 + time)), 2 * np.log(1.01 + time), np.cumsum(white) / 20):
         assert max(standing(white[::-1] + level, 25e-6, lines)) < 0.05
+
+
+@pytest.mark.parametrize("mains", [49.91, 50.03])
+def test_loud_hum_is_found_where_it_is(mains):
+    """An autoregression of it has its peak, and took it for noise: it was sought a quarter of a resolution aside."""
+    rng, time = np.random.default_rng(8911), STEP * np.arange(N)
+    left = 5 * np.sin(2 * np.pi * mains * time + 0.3) + rng.standard_normal(N)
+    found = tuned_beside_level(left, STEP, lambda rates: told_apart(rates, None, N))
+    assert found[0] == pytest.approx(mains, abs=1e-3)

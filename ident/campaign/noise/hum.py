@@ -74,14 +74,19 @@ def bands(step: float) -> list[tuple[float, float]]:
     return [(at * order * (hz - WANDERS), at * order * (hz + WANDERS)) for hz in MAINS for order in ORDERS]
 
 
-def tuned(left: np.ndarray, step: float, apart: Apart, spectrum: np.ndarray) -> tuple[float, ...]:
+def tuned(left: np.ndarray, step: float, apart: Apart, leverage: np.ndarray) -> tuple[float, ...]:
     """Hz of each of `MAINS` that its lines, told `apart`, stand out most of what is `left` (n,) of a record beside its
     signal; as they should be where the record is too short to say another.
 
-    **Arguments:** `step`: s; `spectrum`: the power of the noise, from rate zero to π.
+    **Arguments:** `step`: s; `leverage`: (n//2 + 1,) of the columns of the signal.
     """
     count, finest = _places(len(left), step)
-    return tuple(_strongest(left, step, apart, spectrum, hz, count, finest) if count else hz for hz in MAINS)
+    if not count:
+        return MAINS
+    at, near = np.linspace(0, np.pi, len(leverage)), 2 * 2 * np.pi / len(left)
+    hidden = np.any([(low - near < at) & (at < high + near) for low, high in bands(step)], axis=0)
+    spectrum = fit_autoregression(left, leverage, excluded=hidden).spectrum  # else loud hum counts as its own noise
+    return tuple(_strongest(left, step, apart, spectrum, hz, count, finest) for hz in MAINS)
 
 
 def _strongest(
@@ -89,12 +94,13 @@ def _strongest(
 ) -> float:
     """The frequency, of `count` on either side of one, `finest` apart, and then of some between these, at which all
     overtones together stand out most."""
+    levels = _level(spectrum, 2 * np.pi * step * hz * np.array(ORDERS))
     for places, between in ((count, finest), (_FINER, finest / _FINER)):
         tried, heard = hz + between * np.arange(-places, places + 1), 0.0
-        for order in ORDERS:
+        for order, level in zip(ORDERS, levels, strict=True):
             rates = 2 * np.pi * step * order * tried
             power = np.abs(_at_rates(left, rates[0], rates[1] - rates[0], len(rates))) ** 2
-            heard = heard + np.where(apart(rates), power / _level(spectrum, rates), 0.0)
+            heard = heard + np.where(apart(rates), power / level, 0.0)
         hz = float(tried[np.argmax(heard)]) if np.any(heard) else hz
     return hz
 
@@ -155,7 +161,7 @@ def with_hum(
     **Arguments:** `residual` (n,) of a fit of the orthonormal `basis` (n, M), `step`: s; lines are told `apart`, `fit`:
     the noise without regard to hum.
     """
-    n, mains = len(residual), tuned(residual, step, apart, fit.spectrum)
+    n, mains = len(residual), tuned(residual, step, apart, leverage_of(basis))
     lines = hum_lines(mains, n, step)
     rates = _rates(lines, step)
     told, at_lines = apart(rates), _level(fit.spectrum, rates)
@@ -205,7 +211,7 @@ def tuned_beside_level(left: np.ndarray, step: float, apart: Apart) -> tuple[flo
     """Hz of each of `MAINS`, `tuned` in what a model leaves, (n,), beside a level that bends."""
     level = _bent_level(len(left))
     rest = left - level @ np.linalg.lstsq(level, left, rcond=None)[0]
-    return tuned(rest, step, apart, _spectrum_beside(rest, level.shape[1]))
+    return tuned(rest, step, apart, _evenly(len(rest), level.shape[1]))
 
 
 def standing(left: np.ndarray, step: float, lines: Sequence[Line]) -> list[float]:
@@ -266,7 +272,12 @@ def _bent_level(n: int) -> np.ndarray:
 
 def _spectrum_beside(rest: np.ndarray, columns: int) -> np.ndarray:
     """(n//2 + 1,) of the noise that some fitted columns leave."""
-    return fit_autoregression(rest, np.full(len(rest) // 2 + 1, columns / len(rest))).spectrum
+    return fit_autoregression(rest, _evenly(len(rest), columns)).spectrum
+
+
+def _evenly(n: int, columns: int) -> np.ndarray:
+    """(n//2 + 1,) leverage of so many columns, if it were the same at all frequencies."""
+    return np.full(n // 2 + 1, columns / n)
 
 
 def knows(noise: NoiseFloor, power: float, line: float) -> bool:
