@@ -6,8 +6,10 @@ drive's alone; in the colour that says best what three sweeps of one sensor show
 recorded (`ident.campaign.noise.one_sensor`); from what a model that lacks nothing leaves below and above the drive's
 frequencies, which is the noise itself (`ident.campaign.noise.interpolated`). And a drive of broadband noise, which
 leaves none free: its floor beside those of four sweeps of the same sensor, whose levels differ by nothing, a tenth or a
-half (`ident.campaign.noise.of_others`). Printed and asserted: the rms of ln(floor / true), and of that over the error
-that the floor claims. The errors of the two better ways were set on seed 1; the figures here are of others.
+half (`ident.campaign.noise.of_others`). And hum beside 50 Hz, as far as the mains wanders, in the floors of sines of 4
+to 30 s, and these without any (`ident.campaign.noise.hum`). Printed and asserted: the rms of ln(floor / true), and of
+that over the error that the floor claims. The errors of the two better ways were set on seed 1; the figures here are of
+others.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ from scipy.integrate import solve_ivp
 from scipy.signal import lfilter
 
 from ident.campaign.noise.floor import extrapolated, noise_floor
+from ident.campaign.noise.hum import WANDERS
 from ident.campaign.noise.interpolated import interpolated
 from ident.campaign.noise.of_others import beside_others
 from ident.campaign.noise.one_sensor import of_one_sensor
@@ -101,6 +104,20 @@ def campaign(rng: np.random.Generator, kind: str) -> tuple[list[Any], list[np.nd
     return records, noises, sizes
 
 
+def humming(rng: np.random.Generator) -> list[tuple[float, float]]:
+    """Of the floors of a sine of some seconds `told`: with hum off its nominal frequency, and without hum."""
+    rate = float(rng.choice([200.0, 256.0, 400.0]))
+    time, driven = np.arange(int(rng.uniform(4, 30) * rate)) / rate, rng.uniform(1.0, 7.0)
+    mains = 2 * np.pi * (50.0 + np.clip(0.05 * rng.standard_normal(), -WANDERS, WANDERS))
+    sound = sum(size * np.sin(k * mains * time + rng.uniform(0, 2 * np.pi)) for k, size in ((1, 1.0), (2, 0.5)))
+    share, found = rng.uniform(0.3, 0.9) / np.sqrt(0.625), []
+    for loud in (share, 0.0):
+        motion = 30 * np.sin(2 * np.pi * driven * time + 1.0)
+        floor = read_as(time, np.sin(2 * np.pi * driven * time), motion + loud * sound + rng.standard_normal(len(time)))
+        found.append(told(floor.noise.sigma, floor.noise.relative_error, float(np.hypot(1.0, loud * np.sqrt(0.625)))))
+    return found
+
+
 def told(sigma: float, error: float, true: float) -> tuple[float, float]:
     """ln(floor / true), and that over the error that is claimed."""
     off = float(np.log(sigma / true))
@@ -111,7 +128,13 @@ def main() -> None:
     """Run the study from the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("seed", nargs="?", type=int, default=8800)
-    rng = np.random.default_rng(parser.parse_args().seed)
+    seed = parser.parse_args().seed
+    rng, of_hum = np.random.default_rng(seed), np.random.default_rng([seed, 1])
+    sines = np.array([humming(of_hum) for _ in range(CAMPAIGNS)])
+    for k, what in enumerate(("hum", "no hum")):
+        off, over = np.sqrt(np.mean(np.square(sines[:, k]), axis=0))
+        print(f"{what:6} {CAMPAIGNS} sines  off by {off:.3f}, {over:.2f} of the error claimed")
+        assert off < 0.06, what
     for kind in KINDS:
         alone, swept_alone, coloured, between, floors = [], [], [], [], 0
         for _ in range(CAMPAIGNS // len(KINDS)):

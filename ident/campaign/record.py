@@ -50,6 +50,7 @@ class NoiseFloor:
     - `relative_error`: standard error of `sigma` divided by `sigma`; 0 where the user gave it.
     - `unseen`: share of the frequencies, from zero on, at which it was not seen: there it is extrapolated.
     - `lines`: what of it stands at single frequencies, and was added to the rest (`noise.hum`).
+    - `heard`: Hz of each of these lines, nominal and while the record was taken.
     """
 
     sigma: float
@@ -58,6 +59,7 @@ class NoiseFloor:
     relative_error: float = 0.0
     unseen: float = 0.0
     lines: tuple[str, ...] = field(default=(), repr=False)  # keys of chains were made without (`posterior.result`)
+    heard: tuple[tuple[float, float], ...] = field(default=(), repr=False)  # and without
 
 
 @dataclass(frozen=True, eq=False)

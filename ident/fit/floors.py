@@ -16,7 +16,21 @@ import numpy as np
 
 from ..campaign.campaign import Campaign
 from ..campaign.noise.floor import EXTRAPOLATED, extrapolated, noise_floor
-from ..campaign.noise.hum import HUM, HUMS, PERIODS, SURROUNDINGS, knows, standing, told_apart, with_lines
+from ..campaign.noise.hum import (
+    FEWEST,
+    HUM,
+    HUMS,
+    SURROUNDINGS,
+    Apart,
+    Line,
+    hum_lines,
+    knows,
+    mains_of,
+    standing,
+    told_apart,
+    tuned_beside_level,
+    with_lines,
+)
 from ..campaign.noise.interpolated import interpolated
 from ..campaign.noise.surroundings import Heard, lines_of_surroundings, may_make, tones_of
 from ..campaign.record import VAGUE, NoiseFloor, Trace
@@ -38,7 +52,7 @@ def sharpened(found: Fit, complete: bool = True) -> Campaign | None:
     told = lambda record, reading: (complete and _interpolated(record, reading, found)) or _lowered(record, reading)
     records = [told(r, next(readings)) if isinstance(r, Trace) else r for r in found.campaign.records]
     traces = [record for record in records if isinstance(record, Trace)]
-    hum = iter(_with_hum(found, traces, PERIODS if complete else _MANY))
+    hum = iter(_with_hum(found, traces, FEWEST if complete else _MANY))
     records = [next(hum) if isinstance(record, Trace) else record for record in records]
     changed = [new for old, new in zip(found.campaign.records, records, strict=True) if new is not old]
     if not changed:
@@ -99,41 +113,62 @@ def _with_hum(found: Fit, traces: list[Trace], periods: float) -> list[Trace]:
     pairs = list(zip(traces, found.readings, strict=True))
     heard = [Heard((r.response - told)[r.skip :], r.drive[r.skip :], r.step) for r, told in pairs]
     few = [tones_of(one) is not None for one in heard]
-    shown = []
+    places_of, shown = [], []
     for (record, reading), one in zip(pairs, heard, strict=True):
-        lines = _hum_of(record, reading, found, [hz for hz in HUM if hz >= periods * one.width], apart=True)
-        shown.append({hz for hz in lines if not (any(few) and may_make(one, hz))})
+        mains = _mains_of(record, reading, found)
+        at = {line.nominal: line for line in hum_lines(mains, len(one.left), record.step)}
+        lines = _hum_of(record, reading, found, [at[hz] for hz in HUM if hz >= periods * one.width], apart=True)
+        places_of.append(at)
+        shown.append({hz for hz in lines if not (any(few) and may_make(one, at[hz].hz))})
     needed = min(2, sum(few) or len(traces))
     mains = [hz for hz in HUM if sum(hz in one for one in shown) >= needed]
     others = lines_of_surroundings(heard) if all(r.masked is None for r in traces) else []
     for what, common in ((HUMS, mains), (SURROUNDINGS, others)):
         humming = []
-        for record, reading in pairs:
-            own = _hum_of(record, reading, found, common, apart=False) if common else {}
-            rate_of = lambda hz, record=record: 2 * np.pi * hz * record.step
-            lines = [hz for hz in common if hz in own and not knows(record.noise, own[hz], rate_of(hz))]
-            known = record.noise.sigma**2 if what in record.noise.lines else 0.0
-            if lines and sum(own[hz] for hz in lines) > known:
-                floor = with_lines(record.noise, [own[hz] for hz in lines], [rate_of(hz) for hz in lines], what)
+        for (record, reading), at in zip(pairs, places_of, strict=True):
+            places = {hz: at[hz] if what == HUMS else Line(hz, hz) for hz in common}
+            own = _hum_of(record, reading, found, list(places.values()), apart=False) if common else {}
+            told = {hz for hz, _ in record.noise.heard}
+            lines = [
+                places[hz] for hz, power in own.items()
+                if power > (record.noise.sigma**2 if hz in told else 0.0)
+                and not knows(record.noise, power, 2 * np.pi * places[hz].hz * record.step)
+            ]  # fmt: skip
+            if lines:
+                floor = with_lines(record.noise, [own[line.nominal] for line in lines], lines, record.step, what)
                 record = replace(record, noise=floor)
             humming.append((record, reading))
         pairs = humming
     return [record for record, _ in pairs]
 
 
-def _hum_of(record: Trace, reading: np.ndarray, found: Fit, tried: Sequence[float], apart: bool) -> dict[float, float]:
+def _mains_of(record: Trace, reading: np.ndarray, found: Fit) -> tuple[float, ...]:
+    """Hz of each of the mains while a record was taken: as its noise floor knows, or what a model leaves says."""
+    left = (record.response - reading)[record.skip :]
+    if HUMS in record.noise.lines or record.masked is not None or not np.all(np.isfinite(left)):
+        return mains_of(record.noise)
+    return tuned_beside_level(left, record.step, _apart(record, found, len(left)))
+
+
+def _apart(record: Trace, found: Fit, n: int) -> Apart:
+    """Whether lines are none of the drive, and not near the resonance, where transients ring; n samples count."""
+    rate = 2 * np.pi / record.period if record.period is not None else None
+    resonance, width = float(found.values[FREQUENCY]), 1 / (n * record.step)
+    if found.model.form == "oscillator":
+        width += resonance / float(found.values[QUALITY])
+    at = 2 * np.pi * record.step
+    return lambda rates: told_apart(rates, rate, n, FEWEST) & (abs(rates - at * resonance) >= 3 * at * width)
+
+
+def _hum_of(record: Trace, reading: np.ndarray, found: Fit, tried: Sequence[Line], apart: bool) -> dict[float, float]:
     """Mean squares, m², of the lines, of those that are `tried`, that stand out of what a model leaves of a record, by
-    their Hz; if `apart`, without those of the drive and near the resonance, where transients ring."""
+    their nominal Hz; if `apart`, without those of the drive and near the resonance."""
     left = (record.response - reading)[record.skip :]
     n = len(left)
     if record.masked is not None or not np.all(np.isfinite(left)):
         return {}
-    rate = 2 * np.pi / record.period if apart and record.period is not None else None
-    resonance, width = float(found.values[FREQUENCY]), 1 / (n * record.step)
-    if found.model.form == "oscillator":
-        width += resonance / float(found.values[QUALITY])
-    far = 3 * width if apart else 0.0
-    told = lambda hz: bool(told_apart([2 * np.pi * hz * record.step], rate, n)) and abs(hz - resonance) >= far
-    lines = [hz for hz in tried if told(hz)]
-    powers = standing(left, [2 * np.pi * hz * record.step for hz in lines]) if lines else []
-    return {hz: power for hz, power in zip(lines, powers, strict=True) if power > 0}
+    rates = 2 * np.pi * record.step * np.array([line.hz for line in tried])
+    told = _apart(record, found, n)(rates) if apart else told_apart(rates, None, n, FEWEST)
+    lines = [line for line, alone in zip(tried, told, strict=True) if alone]
+    powers = standing(left, record.step, lines) if lines else []
+    return {line.nominal: power for line, power in zip(lines, powers, strict=True) if power > 0}

@@ -92,7 +92,8 @@ def restore_campaign(document: dict[str, Any], folder: Path) -> Campaign:
 def _floor(told: dict[str, Any]) -> NoiseFloor:
     """A noise floor of a run; of its lines those of older versions tell in their words only."""
     lines = told.get("lines", [line for line in (HUMS, SURROUNDINGS) if line in told["method"]])
-    return NoiseFloor(**{**told, "ar": tuple(told["ar"]), "lines": tuple(lines)})
+    heard = tuple((nominal, hz) for nominal, hz in told.get("heard", ()))
+    return NoiseFloor(**{**told, "ar": tuple(told["ar"]), "lines": tuple(lines), "heard": heard})
 
 
 def as_it_was(record: Trace, told: Sequence[Any]) -> Trace:

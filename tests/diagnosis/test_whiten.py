@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -36,6 +38,14 @@ def test_hum_is_taken_out_where_it_is_seen():
     record = trace(5e-4)
     hum = np.cos(2 * np.pi * 50 * record.time + 0.3) + 2 * np.sin(2 * np.pi * 60 * record.time)
     assert left(record, hum) < 1e-9
+
+
+def test_hum_is_taken_out_where_its_floor_heard_it():
+    """In 10 s a line 0.05 Hz beside it is another one."""
+    record = trace(5e-3)
+    hum = np.cos(2 * np.pi * 50.05 * record.time + 0.3)
+    assert left(record, hum) > 0.5
+    assert left(replace(record, noise=NoiseFloor(1.0, heard=((50.0, 50.05),))), hum) < 1e-9
 
 
 def test_the_answer_to_a_drive_near_the_mains_is_no_hum():

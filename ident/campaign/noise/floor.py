@@ -13,7 +13,7 @@ from ..quality.gaps import missed_across
 from ..record import NoiseFloor
 from .autoregression import Autoregression, fit_autoregression, leverage_of
 from .flicker import or_flicker
-from .hum import HUM, HUMS, told_apart, with_hum
+from .hum import HUMS, bands, told_apart, with_hum
 from .signal_basis import Pole, beside, find_transient, harmonic_columns, orthonormal, transient_columns
 
 HARMONICS = 12  # of the drive, which are signal
@@ -48,11 +48,13 @@ _CLIPPED_ERROR = 0.5  # relative, of the floor of a clipped record: found 1.0 to
 
 
 class _Found(NamedTuple):
-    """The noise of a record that is scaled to its size, the `method` by which it was found, and its `lines`."""
+    """The noise of a record that is scaled to its size, the `method` by which it was found, its `lines`, and nominal
+    and own Hz of those that were `heard`."""
 
     fit: Autoregression
     method: str
     lines: tuple[str, ...] = ()
+    heard: tuple[tuple[float, float], ...] = ()
 
 
 def noise_floor(
@@ -90,13 +92,13 @@ def noise_floor(
     response = response / size
     n = len(response)
     step = float(time[-1] - time[0]) / (n - 1)
-    mains, free = tuple(2 * np.pi * hz * step for hz in HUM), False
+    free = False
     if np.ptp(drive) == 0:
-        found = _short_period(response[:LONGEST], None, mains)
+        found = _short_period(response[:LONGEST], None, step)
     elif period is None:
         found, free = _free_frequencies(latest(drive), latest(response)), True
     elif period <= 8 * HARMONICS or _highest_harmonic(drive, period) <= HARMONICS // 3:
-        found = _of_parts(response[-LONGEST:], period, mains, _short_period(response[-LONGEST:], period, mains))
+        found = _of_parts(response[-LONGEST:], period, step, _short_period(response[-LONGEST:], period, step))
     else:
         found = _repeats(response, period)
     if np.ptp(drive) > 0 and found.fit.relative_error > _SURER * EXTRAPOLATED:
@@ -109,7 +111,8 @@ def noise_floor(
     if sigma > fit.sigma:
         return NoiseFloor(sigma * size, method="the resolution of the response column", relative_error=0.5)
     unseen = float(np.argmax(fit.used > 0)) / len(fit.used) if free else 0.0
-    return NoiseFloor(float(sigma * size), fit.ar, found.method, float(fit.relative_error), unseen, found.lines)
+    error = float(fit.relative_error)
+    return NoiseFloor(float(sigma * size), fit.ar, found.method, error, unseen, found.lines, found.heard)
 
 
 def _highest_harmonic(drive: np.ndarray, period: float) -> int:
@@ -136,39 +139,40 @@ class _Removed:
     residual: np.ndarray
 
 
-def _short_period(response: np.ndarray, period: float | None, mains: tuple[float, ...], halvings: int = 2) -> _Found:
+def _short_period(response: np.ndarray, period: float | None, step: float, halvings: int = 2) -> _Found:
     """Fourier series, transient and products removed; as many products as the data ask for."""
     n = len(response)
     rate = None if period is None else 2 * np.pi / period
     harmonics = harmonic_columns(n, rate, HARMONICS)
-    pole = find_transient(response, rate, HARMONICS, mains)
+    pole = find_transient(response, rate, HARMONICS, bands(step))
     removed = _removed(response, harmonics, rate, pole, (0, 1, 2, 3) if pole is not None else (0,))
     if removed.level == 3:
         removed = _removed(response, harmonics, rate, pole, (3, 4))
     white = np.convolve(removed.residual, np.append(1.0, -np.array(removed.fit.ar)))[:n] ** 2
     first, middle, last = (float(np.mean(part)) for part in np.array_split(white, 3))
     if max(first, middle) > _SETTLES * last and halvings and n >= _DIVIDED:  # many columns bend to what comes first
-        later = _short_period(response[n // 3 :], period, mains, halvings - 1)  # a transient beyond description dies
+        later = _short_period(response[n // 3 :], period, step, halvings - 1)  # a transient beyond description dies
         if later.fit.sigma < removed.fit.sigma:
             return later
-    fit, share = with_hum(removed.residual, removed.basis, _apart(mains, rate, pole, n), removed.fit)
+    apart = lambda lines: _apart(lines, rate, pole, n)
+    fit, share, heard = with_hum(removed.residual, removed.basis, step, apart, removed.fit)
     beside = ["the Fourier series of the drive's period"] if period is not None else []
     beside += ["a transient"] if removed.level else []
     what = "a decay leaves" if period is None else f"{n / period:.0f} periods leave"
     numbers = f"{removed.basis.shape[1]} numbers fitted"
     method = f"what {what} beside {' and '.join(beside) or 'a constant'} ({numbers})"
     if share > 0:
-        return _Found(fit, f"{method}; {HUMS}, {share:.0%} of its power, is part of it", (HUMS,))
+        return _Found(fit, f"{method}; {HUMS}, {share:.0%} of its power, is part of it", (HUMS,), heard)
     return _Found(fit, method)
 
 
-def _of_parts(response: np.ndarray, period: float, mains: tuple[float, ...], whole: _Found) -> _Found:
+def _of_parts(response: np.ndarray, period: float, step: float, whole: _Found) -> _Found:
     """The floor of a record's thirds, where theirs is far below that of the whole: lost samples, or a jump, spoil the
     series of the whole record, and would hide themselves behind the floor that they make."""
     third = len(response) // 3
     if whole.fit.sigma < _LOUD or third < max(2.5 * period, _SHORT):
         return whole
-    parts = [_short_period(response[k * third : (k + 1) * third], period, mains) for k in range(3)]
+    parts = [_short_period(response[k * third : (k + 1) * third], period, step) for k in range(3)]
     usual = sorted(parts, key=lambda part: part.fit.sigma)[1]
     if usual.fit.sigma > _FAR_BELOW * whole.fit.sigma:
         return whole
@@ -176,10 +180,10 @@ def _of_parts(response: np.ndarray, period: float, mains: tuple[float, ...], who
     return usual._replace(method=f"{usual.method}, {where}")
 
 
-def _apart(mains: tuple[float, ...], rate: float | None, pole: Pole | None, n: int) -> list[float]:
-    """Rates of mains hum that the record can tell from the drive and from the transient."""
-    lines, width = told_apart(mains, rate, n), 2 * np.pi / n
-    return [line for line in lines if pole is None or abs(line - pole.rate) >= 3.0 * (width + pole.decay)]
+def _apart(lines: np.ndarray, rate: float | None, pole: Pole | None, n: int) -> np.ndarray:
+    """Of rates of mains hum whether the record can tell each from the drive and from the transient."""
+    told = told_apart(lines, rate, n)
+    return told if pole is None else told & (abs(lines - pole.rate) >= 3.0 * (2 * np.pi / n + pole.decay))
 
 
 def _removed(

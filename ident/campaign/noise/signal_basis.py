@@ -9,7 +9,7 @@ Source: A. H. Nayfeh, D. T. Mook, Nonlinear Oscillations, 1979, ch. 4 (combinati
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -153,12 +153,12 @@ def dies(values: np.ndarray, rate: float) -> bool:
 
 
 def find_transient(
-    response: np.ndarray, drive_rate: float | None, count: int, avoid: tuple[float, ...] = ()
+    response: np.ndarray, drive_rate: float | None, count: int, avoid: Sequence[tuple[float, float]] = ()
 ) -> Pole | None:
     """The pole of the transient by separable least squares; None if there is no transient to be seen.
 
     **Arguments:** `response` (n,), `drive_rate`: rad per sample or None, `count`: harmonics of the drive, `avoid`:
-    rates of lines that are no transient unless they die (mains hum).
+    lowest and highest rates of lines that are no transient unless they die (mains hum).
     """
     rates = _lines(response, drive_rate, count, avoid)
     if not rates:
@@ -181,7 +181,9 @@ def find_transient(
     return Pole(float(best[0]) / block, float(np.exp(best[1])) / block)
 
 
-def _lines(response: np.ndarray, drive_rate: float | None, count: int, avoid: tuple[float, ...]) -> list[float]:
+def _lines(
+    response: np.ndarray, drive_rate: float | None, count: int, avoid: Sequence[tuple[float, float]]
+) -> list[float]:
     """Rates (rad per sample) of the lines that stand out beside the drive's harmonics, in the whole or at its
     beginning; without those to `avoid` that stay."""
     n = len(response)
@@ -189,7 +191,7 @@ def _lines(response: np.ndarray, drive_rate: float | None, count: int, avoid: tu
     rates = np.concatenate([_peaks(rest), _peaks(rest[: max(n // 4, 64)])])
     return [
         float(rate) for rate in rates
-        if not any(abs(rate - line) < 7.0 / n for line in avoid) or dies(rest, rate)
+        if not any(low - 7.0 / n < rate < high + 7.0 / n for low, high in avoid) or dies(rest, rate)
     ]  # fmt: skip
 
 

@@ -10,12 +10,11 @@ from scipy.linalg import solve_toeplitz
 
 from ...campaign.apart import zero_curves
 from ...campaign.noise.autoregression import predictors, variance_of
-from ...campaign.noise.hum import MAINS, told_apart
+from ...campaign.noise.hum import FEWEST, mains_of, told_apart
 from ...campaign.noise.recursive import convolved
 from ...campaign.record import Trace
 
 _ORDER = 12  # of an autoregression that whitens rows
-_PERIODS = 1.5  # of a line from which it holds less than a tenth of a constant, 2/(π periods)²
 _ROUNDING = 1e-12  # of a row
 _DIED_OUT = 1e-12  # of an initial state's influence, before the first sample that counts
 
@@ -50,7 +49,8 @@ def whitening_of(record: Trace, by_start: np.ndarray | None) -> Whitening:
         whitening = whitening._replace(masked=record.masked[whitening.counted])
     n, k = len(record.time), np.arange(len(record.time))
     rate = 2 * np.pi / record.period if record.period is not None and 3 * record.period < n else None  # else no gaps
-    lines = told_apart([2 * np.pi * hz * record.step for hz in MAINS], rate, n - record.skip, _PERIODS)
+    lines = 2 * np.pi * record.step * np.array(mains_of(record.noise))
+    lines = lines[told_apart(lines, rate, n - record.skip, FEWEST)]
     local = [f(line * k) for line in lines for f in (np.cos, np.sin)]
     if by_start is not None:
         seen = [(row, float(np.max(np.abs(row[whitening.counted])))) for row in by_start]
