@@ -54,9 +54,9 @@ def change(run: str, effect: str, output: str | None, *, adding: bool, force: bo
 
 
 def _only(effects: list[str], file: str) -> str:
-    """The one effect that a file defines and the model lacks. **Raises:** UserError if there are several."""
+    """The one effect that a file can mean. **Raises:** UserError if there are several."""
     if len(effects) > 1:
-        what = f"{file} defines several effects that the model lacks: {', '.join(effects)}"
+        what = f"{file} defines several effects: {', '.join(effects)}"
         instead = "name it in effect_files of the campaign, fit that again and add an effect by its name"
         raise UserError(what, do=f"give each a file of its own, or {instead}")
     return effects[0]

@@ -17,24 +17,24 @@ from ..effects.registry import Registry, registry
 from ..errors import UserError
 from ..fit import Fit, fit, fit_data
 from ..fit.fit_data import Effects
-from ..fit.start_score import mostly_starts
 from ..pulse import Report
 from ..threads import one_thread
 from .apart import Apart, apart_after, apart_before
+from .doubts import beside_law, in_doubt
 from .evidence.enough import adequate
 from .evidence.held_out import contradicted, foretold
 from .faulty.aside import left_out, without_them
 from .faulty.odd_one import odd_one
-from .faulty.suspects import BY_OTHERS, find_suspects, judged_again
+from .faulty.suspects import find_suspects, judged_again
 from .linearised.regression import Regression, prepare
 from .linearised.shorten import working
+from .linearised.trajectory import Diverged
 from .next_record.experiments import NextExperiment, next_experiments, rank_experiments
 from .ranking.look import Look, first_look
 from .records.between import alike, differing
 from .records.differing import without_common_zero
 from .search.conclude import concluded, concluded_or_sharper
 from .search.discover import Keep, walk_on
-from .search.once_more import with_other_starts
 from .search.one_law import in_their_place, one_law
 from .search.own_zeros import has_own_zeros
 from .search.steps import Discovery, Verdict, Walked
@@ -284,16 +284,20 @@ def _without_those_seen_now(asked: _Asked, seen: _Seen, suspects: tuple[Suspect,
     """The answer without records whose fault only shows beside what a walk has named, if all others then stand at their
     noise; None if there are none, or these do not. What is wrong in one record and a missing effect hide one another.
     """
-    faulty = tuple(one for one in suspects if one.first and one not in seen.first)
+    known = {(one.file, one.kind) for one in seen.suspects if one.first}
+    faulty = tuple(one for one in suspects if one.first and (one.file, one.kind) not in known)
     rest = without_them(seen.fitted, faulty) if faulty else None
     if rest is None:
         return None
     asked.report(f"once more without {', '.join(one.file for one in faulty)}")
-    said = _answered(asked, Walked(rest))
-    if adequate(said.discovery.regression) and foretold(said.final):
-        return replace(said, where=seen.where)
-    if said.effect_file is not None:  # of a law that is not believed
-        said.effect_file.unlink(missing_ok=True)
+    try:
+        said = _answered(asked, Walked(rest))
+        if adequate(said.discovery.regression) and foretold(said.final):
+            return replace(said, where=seen.where)
+    except Diverged:  # without them a motion has no bound
+        pass
+    if asked.effect_file is not None:  # of a law that is not believed: there was none before
+        asked.effect_file.unlink(missing_ok=True)
     return None
 
 
@@ -336,29 +340,15 @@ def _after_the_walk(asked: _Asked, seen: _Seen) -> Diagnosis:
         if said is not None:
             return said
     suspects = judged_again(seen.suspects, found.final, asked.report)
-    if not adequate(found.regression) and (said := _without_those_seen_now(asked, seen, suspects)) is not None:
-        return said
-    found = _in_doubt(found, suspects)
+    if not adequate(found.regression):
+        as_it_is = replace(asked, keep=lambda _: asked.keep(ended.walked))  # until the other walk is believed
+        if (said := _without_those_seen_now(as_it_is, seen, suspects)) is not None:
+            return said
+    found = in_doubt(found, suspects)
     hidden = unseen(seen.regression, found.ranking, asked.library)
     said = Diagnosis(found, seen.where, unseen=hidden, suspects=suspects)
     # What a curve lacks beyond the library, and the next record, only traces tell.
     return _and_beyond(asked, seen, said) if seen.fitted.campaign.fitted else said
-
-
-def _in_doubt(found: Discovery, suspects: tuple[Suspect, ...]) -> Discovery:
-    """What a walk has found, its verdict in doubt where records contradict one another, or what it leaves may be no
-    physics at all."""
-    if found.verdict == "identified" and any(one.kind in BY_OTHERS for one in suspects):
-        return replace(found, verdict="ambiguous")
-    if found.verdict == "not-in-library" and _starts_settle(found.final):
-        return replace(found, verdict="ambiguous", lacking=0.0)
-    return found
-
-
-def _starts_settle(last: Fit) -> bool:
-    """Whether a model reaches the noise with other starts than are claimed: what it leaves is then no physics."""
-    freed = with_other_starts(last) if mostly_starts(last) else None
-    return freed is not None and adequate(prepare(working(freed)))
 
 
 def _and_beyond(asked: _Asked, seen: _Seen, said: Diagnosis) -> Diagnosis:
@@ -367,7 +357,7 @@ def _and_beyond(asked: _Asked, seen: _Seen, said: Diagnosis) -> Diagnosis:
     instead = in_their_place(found, start, path, report) if asked.keeps_walk and path else None
     written = instead or beyond_library(found, start, path, asked.keeps_walk, report)
     kept = written.discovery
-    suspects = _beside_law(said.suspects, written.unknown)
+    suspects = beside_law(said.suspects, written.unknown)
     if suspects and kept is not found and kept.steps:
         # The law that they had lacked may have made them suspects.
         suspects = judged_again(suspects, kept.final, report)
@@ -375,14 +365,6 @@ def _and_beyond(asked: _Asked, seen: _Seen, said: Diagnosis) -> Diagnosis:
     if kept.verdict == "not-in-library" or kept is not found:
         return said
     return replace(said, next_experiments=measure_next(found, asked.library, report))
-
-
-def _beside_law(suspects: tuple[Suspect, ...], unknown: Unknown | None) -> tuple[Suspect, ...]:
-    """The suspects without those that come before any physics but leave something, where a law of the device's
-    coordinates says that, too."""
-    if unknown is None or not unknown.chi2_after < AS_WELL:
-        return suspects
-    return tuple(one for one in suspects if one.settles or not one.first)
 
 
 def measure_next(found: Discovery, library: Registry, report: Report = lambda _: None) -> tuple[NextExperiment, ...]:

@@ -41,7 +41,7 @@ _MANY = 8.0  # periods of hum that no level follows as it bends from one end to 
 _SAME = 0.05  # relative: floors that differ by less leave a model adequate or not (`diagnosis.enough`)
 _HIGHER = 5.0  # of its errors: of floors that were extrapolated few were as far too low (`experiments.hidden_noise`)
 _RINGING = ("oscillator", "base", "shaken")  # forms with a resonance
-_LOWER = 0.8  # of the floor so far: up to a fifth above a floor in doubt a model is adequate (`diagnosis.enough`)
+_LOWER = 0.8  # of the floor so far: up to a fifth above one in doubt a model is adequate (`diagnosis.enough`)
 
 
 def sharpened(found: Fit, complete: bool = True) -> Campaign | None:
@@ -121,17 +121,16 @@ def _with_hum(found: Fit, traces: list[Trace], periods: float) -> list[Trace]:
         places_of.append(at)
         shown.append({hz for hz in lines if not (any(few) and may_make(one, at[hz].hz))})
     needed = min(2, sum(few) or len(traces))
-    mains = [hz for hz in HUM if sum(hz in one for one in shown) >= needed]
+    common_hum = [hz for hz in HUM if sum(hz in one for one in shown) >= needed]
     others = lines_of_surroundings(heard) if all(r.masked is None for r in traces) else []
-    for what, common in ((HUMS, mains), (SURROUNDINGS, others)):
+    for what, common in ((HUMS, common_hum), (SURROUNDINGS, others)):
         humming = []
         for (record, reading), at in zip(pairs, places_of, strict=True):
-            places = {hz: at[hz] if what == HUMS else Line(hz, hz) for hz in common}
+            places = {hz: at[hz] if what == HUMS else Line(float(hz), float(hz)) for hz in common}
             own = _hum_of(record, reading, found, list(places.values()), apart=False) if common else {}
-            told = {hz for hz, _ in record.noise.heard}
             lines = [
                 places[hz] for hz, power in own.items()
-                if power > (record.noise.sigma**2 if hz in told else 0.0)
+                if power > (record.noise.sigma**2 if _has(record, places[hz].hz, what) else 0.0)
                 and not knows(record.noise, power, 2 * np.pi * places[hz].hz * record.step)
             ]  # fmt: skip
             if lines:
@@ -140,6 +139,14 @@ def _with_hum(found: Fit, traces: list[Trace], periods: float) -> list[Trace]:
             humming.append((record, reading))
         pairs = humming
     return [record for record, _ in pairs]
+
+
+def _has(record: Trace, hz: float, what: str) -> bool:
+    """Whether a line, or one that its samples do not tell from it, is a part of a record's floor already; of floors
+    that were kept before they said where, whether any of `what` it is one of."""
+    width, known = 1 / (len(record.time) * record.step), record.noise.heard
+    near = any(abs(hz - other) < 1.5 * width for _, other in known)
+    return near if known else what in record.noise.lines
 
 
 def _mains_of(record: Trace, reading: np.ndarray, found: Fit) -> tuple[float, ...]:

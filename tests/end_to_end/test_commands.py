@@ -74,7 +74,7 @@ def test_an_effect_is_added_by_its_file_also_where_the_campaign_has_that_already
     two.write_text(text + text[text.index("class ") :].replace("GasDrag", "Other").replace("drag-a", "drag-b"))
     refused = ident("add", tmp_path / "plain", two, "-o", tmp_path / "none")
     assert refused.code == 2
-    assert "several effects that the model lacks: drag-a, drag-b — give each a file of its own" in refused.err
+    assert "several effects: drag-a, drag-b — give each a file of its own" in refused.err
 
 
 def test_simulate_writes_what_the_fit_says_in_columns_with_units(clean, tmp_path):

@@ -47,9 +47,8 @@ PERIODS = 2.5  # that a record holds of a line, at least: of fewer it may be a l
 FEWEST = 1.5  # periods of a line from which it holds less than a tenth of a constant, 2/(π periods)²
 _ABOUT = 0.02 * np.pi  # rad per sample on either side of a line: so narrow is its peak in an autoregression
 _FINE = 4096  # frequencies from which covariances are read
-_GRID = (
-    0.25  # of a record's resolution, of the highest overtone: between two such places a line keeps 95 % of its power
-)
+_GRID = 0.25
+"""Of a record's resolution, of the highest overtone: between two such places a line keeps 95 % of its power."""
 _FINER = 32  # times: what a line then loses is no more than a noise has, up to ten thousand times as much power
 
 
@@ -227,7 +226,7 @@ def standing(left: np.ndarray, step: float, lines: Sequence[Line]) -> list[float
     ways = [(long_enough, bent)]
     if len(long_enough) < len(lines):
         of_one = [[line for line in lines if line.nominal % hz == 0] for hz in MAINS]
-        ways += [(own, level) for own in of_one for level in (constant, bent)]
+        ways += [(own, level) for own in of_one if own for level in (constant, bent)]
 
     def criterion(way: tuple[list[Line], np.ndarray]) -> float:
         columns = np.column_stack([_waves(_rates(way[0], step), n), way[1]])
@@ -235,8 +234,9 @@ def standing(left: np.ndarray, step: float, lines: Sequence[Line]) -> list[float
         return n * float(np.log(max(float(np.mean(rest**2)), 1e-300))) + columns.shape[1] * float(np.log(n))
 
     best = min(ways, key=criterion)
-    heard, level = best if best[1] is constant else ways[0]
-    powers = dict(zip(heard, _beside_level(left, step, heard, level), strict=True))
+    powers: dict[Line, float] = {}
+    for heard, level in (ways[0], *([best] if best[1] is constant else [])):
+        powers |= zip(heard, _beside_level(left, step, heard, level), strict=True)
     return [powers.get(line, 0.0) for line in lines]
 
 

@@ -18,7 +18,7 @@ Role = Literal["effect", "shape-refinement"]
 
 ANOTHER_LAW = 0.001  # of the first excess: structured misfit beyond which a name is in doubt; see `lacking`
 _AT_FLOOR = 1.05  # error over noise, and twice the doubt of the floor more, up to a doubt of
-_MOST_DOUBT = 0.1  # or, of floors that are vague, to all of it
+_MOST_DOUBT = 0.1
 _LEFT_AT_FLOOR = 1 - 1 / _AT_FLOOR**2  # of the χ²: what a model at a floor that is known may leave to a law
 _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
 _WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
@@ -60,10 +60,16 @@ def at_floor(chi2: float, regression: Regression) -> bool:
 
 
 def floor_of(records: Sequence[Trace | Sweep]) -> float:
-    """Error over noise up to which records stand at their noise floors, as far as these are known. Of those that are
-    vague hardly more than the order is known: then what is left tells by its structure, and held-out records."""
-    doubt = _doubt(records)
-    return _AT_FLOOR + 2 * (doubt if doubt >= VAGUE else min(doubt, _MOST_DOUBT))
+    """Error over noise up to which records stand at their noise floors, as far as these are known. Of traces that all
+    have vague ones hardly more than the order is known: then what is left tells by its structure, and held-out records.
+    """
+    vague = all(isinstance(r, Trace) and r.noise.relative_error >= VAGUE for r in records)
+    return _AT_FLOOR + 2 * _doubt(records) if vague else known_floor_of(records)
+
+
+def known_floor_of(records: Sequence[Trace | Sweep]) -> float:
+    """The same of floors that are vague as of those that are in doubt."""
+    return _AT_FLOOR + 2 * min(_doubt(records), _MOST_DOUBT)
 
 
 def _doubt(records: Sequence[Trace | Sweep]) -> float:

@@ -14,7 +14,7 @@ from ...fit.carry_over import expected_error
 from ...fit.linear.independent import independent_samples
 from ...fit.reading import read
 from ...model import Model
-from .enough import floor_of
+from .enough import known_floor_of
 
 BEYOND_FLOORS = 3.0  # times what is expected, an error that no wrong noise floor makes: those are within 2
 _HURT = 1.02  # held-out error may grow by this factor before a term is refused
@@ -25,7 +25,7 @@ def foretold(fit: Fit) -> bool:
     """Whether the held-out records, if there are any, stand at the noise floor too, within what is known of it and what
     the parameters' errors make of them."""
     held = fit.holdout
-    floor = floor_of([r for r in fit.campaign.records if r.holdout])
+    floor = known_floor_of([r for r in fit.campaign.records if r.holdout])
     return held is None or held.error_over_noise < floor or held.error_over_noise < floor * expected_error(fit)
 
 

@@ -124,7 +124,7 @@ def tie_set(
             continue
         turns_into = on_edge and other.name in library[best.name].mistaken_for and not told_apart
         if ((behind < VERY_STRONG or turns_into) and as_much) or near or unseen_yet:
-            found.append(_tie(best, other, behind, alike, library, on_edge))
+            found.append(_tie(best, other, behind, alike, library, turns_into))
     named = {tie.name for tie in found}
     in_motion = all(record.start != "rest" for record in regression.fit.campaign.fitted)
     exact = exact_partners(library[best.name], library, _is_linear(regression), in_motion)
@@ -133,7 +133,7 @@ def tie_set(
         judged = best.name in refits and other.name in refits
         similar = in_motion or (not judged and reproduced(regression, best, other) > _EXACT)
         if other.name in exact and other.name not in named and similar:
-            found.append(_tie(best, other, float("nan"), 1.0, library, on_edge))
+            found.append(_tie(best, other, float("nan"), 1.0, library))
     return TieSet(best.name, tuple(sorted(found, key=lambda t: (not np.isnan(t.behind), t.behind))))
 
 
@@ -148,7 +148,7 @@ def _is_itself(part: Confirmed, whole: Confirmed, n: float | None, regression: R
 
 
 def _on_edge(found: Confirmed, regression: Regression) -> bool:
-    """Whether a shape of the last effect ended at the edge of its range."""
+    """Whether a shape of the last effect ended at the edge of its range. (Those that may be negative go beyond.)"""
     model, scales = found.model, regression.fit.scales
     own = [i for i, p in enumerate(model.parameters) if p.limits and p.name.startswith(f"{model.effects[-1].name}.")]
     ends = [(float(found.values[i]), *bounds_of(model.parameters[i], float(found.values[i]), scales)) for i in own]
@@ -184,12 +184,14 @@ def _is_linear(regression: Regression) -> bool:
     return not regression.fit.model.effects
 
 
-def _tie(best: Candidate, other: Candidate, behind: float, alike: float, library: Registry, on_edge: bool) -> Tie:
+def _tie(
+    best: Candidate, other: Candidate, behind: float, alike: float, library: Registry, turns_into: bool = False
+) -> Tie:
     one, another = library[best.name], library[other.name]
     known = equivalence(one, another)
     if known is not None:
         why = known.why
-    elif behind >= VERY_STRONG and on_edge:
+    elif behind >= VERY_STRONG and turns_into:
         why = f"{best.name} ended at the edge of its range, where it turns into another effect"
     elif behind >= VERY_STRONG:
         why = f"it explains within {100 * ANOTHER_LAW:.2g} % as much, and laws of one kind differ by that"
