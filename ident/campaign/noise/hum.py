@@ -234,9 +234,8 @@ def standing(left: np.ndarray, step: float, lines: Sequence[Line]) -> list[float
         return n * float(np.log(max(float(np.mean(rest**2)), 1e-300))) + columns.shape[1] * float(np.log(n))
 
     best = min(ways, key=criterion)
-    powers: dict[Line, float] = {}
-    for heard, level in (ways[0], *([best] if best[1] is constant else [])):
-        powers |= zip(heard, _beside_level(left, step, heard, level), strict=True)
+    heard, level = best if best[1] is constant else ways[0]
+    powers = dict(zip(heard, _beside_level(left, step, heard, level), strict=True))
     return [powers.get(line, 0.0) for line in lines]
 
 
