@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from ident.campaign import read_campaign
 from ident.diagnosis.evidence import held_out
-from ident.diagnosis.evidence.enough import adequate, another_law, not_worth_adding, role_of, superfluous, worth_a_name
+from ident.diagnosis.evidence.enough import (
+    adequate,
+    another_law,
+    floor_of,
+    known_floor_of,
+    not_worth_adding,
+    role_of,
+    superfluous,
+    worth_a_name,
+)
 from ident.diagnosis.evidence.held_out import foretold, hurts, hurts_more
 from ident.effects.registry import built_in
 from ident.fit.judge import Score
@@ -37,6 +48,14 @@ def test_the_doubt_of_a_noise_floor_excuses_what_no_effect_explains() -> None:
     excess = regression(1.08).excess
     assert adequate(regression(1.08), promise=0.3 * excess) and not adequate(regression(1.08), promise=0.8 * excess)
     assert adequate(regression(1.04), promise=regression(1.04).excess)  # within what is allowed to any model
+
+
+def test_one_floor_that_nobody_knows_excuses_no_error_beside_others() -> None:
+    t = np.arange(400.0)
+    (trace,) = read_campaign({"t": t, "u": np.sin(t), "y": np.cos(t) + 0.01 * WHITE[:400]}).traces
+    doubted = lambda *errors: [replace(trace, noise=replace(trace.noise, relative_error=error)) for error in errors]
+    assert floor_of(doubted(0.5, 0.4)) == pytest.approx(1.95)
+    assert floor_of(doubted(0.02, 0.02, 1.0)) == known_floor_of(doubted(0.5, 0.4)) == pytest.approx(1.25)
 
 
 def test_a_floor_that_is_too_high_does_not_hide_a_law() -> None:

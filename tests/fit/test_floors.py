@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.signal import lfilter
+from scipy.signal import butter, lfilter
 
 import ident
+from ident.campaign.noise.floor import extrapolated
 from ident.campaign.record import VAGUE
-from ident.fit.floors import sharpened
+from ident.fit.floors import _lowered, sharpened
 
 STEP, SIGMA = 1 / 2048, 0.05
 
@@ -112,3 +115,17 @@ def test_what_a_drive_makes_in_a_bent_spring_is_no_line_of_the_surroundings(driv
 def test_without_hum_no_floor_rises():
     found = ident.fit(_sines(0.0, 2e-4))
     assert not any("hum" in r.noise.method for r in found.campaign.traces)
+
+
+def test_a_floor_beside_a_motion_that_jumps_falls_to_the_noise_once_the_jumps_are_told():
+    """Dry friction in an acceleration: at all frequencies, so that a floor which claims a tenth is several times too
+    high."""
+    rng, time = np.random.default_rng(4), np.arange(3500) * 1e-3
+    drive = lfilter(*butter(4, 0.03), rng.normal(size=len(time)))
+    friction = 0.76 * np.sign(lfilter(*butter(2, 0.02), rng.normal(size=len(time))))
+    motion = lfilter(*butter(2, 0.02), drive) + friction
+    data = {"time": time, "drive": drive, "response": motion + rng.normal(0, SIGMA, len(time))}
+    (record,) = ident.read_campaign(data, device={"kind": "oscillator"}).traces
+    record = replace(record, noise=replace(record.noise, relative_error=0.12))  # as a shaker's claimed
+    assert extrapolated(record.noise) and record.noise.sigma > 2 * SIGMA
+    assert SIGMA < _lowered(record, motion).noise.sigma < 1.5 * SIGMA
