@@ -106,3 +106,10 @@ def test_loud_hum_is_found_where_it_is(mains):
     left = 5 * np.sin(2 * np.pi * mains * time + 0.3) + rng.standard_normal(N)
     found = tuned_beside_level(left, STEP, lambda rates: told_apart(rates, None, N))
     assert found[0] == pytest.approx(mains, abs=1e-3)
+
+
+def test_samples_that_are_days_apart_show_no_mains():
+    rng = np.random.default_rng(1)
+    drive = np.sin(0.3 * np.arange(160))
+    noise_floor(1e5 * np.arange(160.0), drive, drive + 0.01 * rng.normal(size=160), 2 * np.pi / 0.3)
+    assert hum_lines((50.0, 60.0), 160, 1e5)[0].least == hum_lines((50.0, 60.0), 160, 1e-4)[0].least

@@ -45,6 +45,7 @@ _SEEN = 0.3  # of a line, at least, beside all else: of less the record is too s
 HUMS, SURROUNDINGS = "mains hum", "a line of the surroundings"  # the lines of a floor, in words
 PERIODS = 2.5  # that a record holds of a line, at least: of fewer it may be a level that bends
 FEWEST = 1.5  # periods of a line from which it holds less than a tenth of a constant, 2/(π periods)²
+_HIGHEST = 3.0  # rad per sample, of a line that is told: at π it has one phase only
 _ABOUT = 0.02 * np.pi  # rad per sample on either side of a line: so narrow is its peak in an autoregression
 _FINE = 4096  # frequencies from which covariances are read
 _GRID = 0.25
@@ -56,7 +57,7 @@ def told_apart(lines: np.ndarray, rate: float | None, n: int, periods: float = P
     """Of some lines whether n samples tell each from a level and from the drive, whose harmonics lie `rate` apart (rad
     per sample, as the lines); of each there are more than so many `periods`."""
     width = 2 * np.pi / n
-    long_enough = (periods * width < lines) & (lines < 3.0)
+    long_enough = (periods * width < lines) & (lines < _HIGHEST)
     return long_enough if rate is None else long_enough & (abs(lines - np.round(lines / rate) * rate) >= 1.5 * width)
 
 
@@ -118,9 +119,10 @@ def _at_rates(left: np.ndarray, first: float, between: float, count: int) -> np.
 
 
 def _places(n: int, step: float) -> tuple[int, float]:
-    """How many places on either side of the mains frequency n samples tell apart, and Hz between two of them."""
+    """How many places on either side of the mains frequency n samples tell apart, and Hz between two of them; none of
+    samples too far apart to show a line."""
     finest = _GRID / (ORDERS[-1] * n * step)
-    return int(WANDERS / finest), finest
+    return (int(WANDERS / finest) if 2 * np.pi * MAINS[0] * step < _HIGHEST else 0), finest
 
 
 class Line(NamedTuple):
