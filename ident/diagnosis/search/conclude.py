@@ -50,8 +50,8 @@ def concluded_or_sharper(ended: Ended) -> Discovery | Campaign:
 
 
 def _sharper(final: Fit, regression: Regression) -> Campaign | None:
-    """The campaign with the noise floors that a fit tells better, where they may change an answer: of a model that is
-    far from the floors it had, lower ones say nothing new."""
+    """The campaign with the noise floors that a fit tells better, where they may change an answer: to a model that
+    does not stand at the floors it had, lower ones say nothing new."""
     campaign = sharpened(final)
     if campaign is None or adequate(regression):
         return campaign
