@@ -52,7 +52,7 @@ def test_the_doubt_of_a_noise_floor_excuses_what_no_effect_explains() -> None:
 
 def test_one_floor_that_nobody_knows_excuses_no_error_beside_others() -> None:
     t = np.arange(400.0)
-    (trace,) = read_campaign({"t": t, "u": np.sin(t), "y": np.cos(t) + 0.01 * WHITE[:400]}).traces
+    (trace,) = read_campaign({"t_s": t, "u_V": np.sin(t), "y_um": np.cos(t) + 0.01 * WHITE[:400]}).traces
     doubted = lambda *errors: [replace(trace, noise=replace(trace.noise, relative_error=error)) for error in errors]
     assert floor_of(doubted(0.5, 0.4)) == pytest.approx(1.95)
     assert floor_of(doubted(0.02, 0.02, 1.0)) == known_floor_of(doubted(0.5, 0.4)) == pytest.approx(1.25)
