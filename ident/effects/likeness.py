@@ -120,3 +120,7 @@ SAME_HARMONICS = Likeness(
     why="at one frequency a bent spring and a bent sensor make the same harmonics",
     separate="the same level below, at and above the resonance: a force is amplified there, a reading is not",
 )
+WITHIN_A_PITCH = Likeness(
+    why="within half a pitch a force that repeats is a spring that bends",
+    separate="a longer travel: beyond half a pitch the force comes back",
+)

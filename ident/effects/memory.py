@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import jax
@@ -58,7 +57,7 @@ def stiffened(part: Scalar, rate: Scalar, sharpness: Scalar, fullness: Scalar) -
 
 
 _EDGE = 24  # sharpness of a play's edge: rounded less, it gains nothing at a hundred steps per period
-_ROUND = 24.0  # the same where the path is known in closed form, k
+EDGE = 24.0  # the same where the path is known in closed form, k
 
 
 def dragged(part: Scalar, rate: Scalar) -> Scalar:
@@ -83,42 +82,54 @@ def _edge_jvp(primals: tuple[Any], tangents: tuple[Any]) -> tuple[Any, Any]:
     return _edge(part), jnp.sign(part) * slope * change
 
 
-def pushed(part: Scalar, travel: Scalar) -> Scalar:
+def pushed(part: Scalar, travel: Scalar, edge: Scalar = EDGE) -> Scalar:
     """Where between its edges a play is, h = (V − p)/r, after V has travelled further.
 
-    dh/dx = 1 − e^(−k (1 − h)),   1 − h = ln(1 + (e^(k (1 − h₀)) − 1) e^(−k x))/k,   k = 24
+    dh/dx = 1 − e^(−k (1 − h)),   1 − h = ln(1 + (e^(k (1 − h₀)) − 1) e^(−k x))/k
 
-    while V rises; mirrored while it falls. `part` h₀ and `travel` x in half widths r, of either sign, any shapes;
-    returns h, no unit, below one in size. As the path is in closed form, neither a play nor its derivatives depend on
-    the number of points in which it is followed. Of k = 24, 60 and 150 only the first let every search arrive on
-    records of exact plays (four devices of `experiments.recovery.steady`).
+    while V rises; mirrored while it falls. `part` h₀ and `travel` x in half widths r, of either sign, `edge` k; any
+    shapes; returns h, no unit, below one in size. As the path is in closed form, neither a play nor its derivatives
+    depend on the number of points in which it is followed. Of k = 24, 60 and 150 only the first let every search
+    arrive on records of exact plays (four devices of `experiments.recovery.steady`).
 
     Source: Visintin, Differential Models of Hysteresis, 1994, §III.2 (the play, k → ∞); the rounded edge is ours.
     """
     way = jnp.where(travel > 0, 1.0, -1.0)
-    return way * _nearer(1.0 - way * within(part, _BEYOND), way * travel)
+    return way * _nearer(1.0 - way * within(part, _BEYOND), way * travel, edge)
 
 
-def _nearer(edge: Scalar, travel: Scalar) -> Scalar:
-    """h after a `travel` > 0 that began at a distance `edge` from h = 1."""
-    return 1.0 - jnp.log1p(jnp.expm1(_ROUND * edge) * jnp.exp(-_ROUND * travel)) / _ROUND
+def _nearer(left: Scalar, travel: Scalar, edge: Scalar) -> Scalar:
+    """h after a `travel` > 0 that began at a distance `left` from h = 1."""
+    return 1.0 - jnp.log1p(jnp.expm1(edge * left) * jnp.exp(-edge * travel)) / edge
 
 
-def played(level: Scalar, drive: Drive, width: Scalar) -> Scalar:
+def drawn(play: Scalar, before: Drive, drive: Drive, step: Scalar, width: Scalar, edge: Scalar = EDGE) -> Scalar:
+    """Where the drive takes a `play` p of half width `width` r from one point to the next, `step` s later, V.
+
+    If it turns between them, by way of the voltage where a straight line of its rate passes zero. Any shapes.
+    """
+    turns = before.rate * drive.rate < 0
+    time = step * before.rate / jnp.where(turns, before.rate - drive.rate, 1.0)
+    peak = jnp.where(turns, before.V + 0.5 * time * before.rate, drive.V)
+    there = pushed((before.V - play) / width, (peak - before.V) / width, edge)
+    return drive.V - width * pushed(there, (drive.V - peak) / width, edge)
+
+
+def played(level: Scalar, drive: Drive, width: Scalar, edge: Scalar = EDGE) -> Scalar:
     """Where between its edges a play is, h = (V − p)/r, where V has been a sine of amplitude U for ever.
 
     h as of `pushed`, from −m where V turns at −U and from m where it turns at U: it is pushed from −m to m by 2U/r, and
 
     e^(k m) = 2 e^k/(1 − q + √((1 − q)² + 4 e^(2k) q)),   q = e^(−2kU/r)
 
-    `level` U and half width `width` r > 0 in V; `drive` with V and its rate; returns h, no unit, from −1 to 1. A play
-    wider than the swing rests.
+    `level` U and half width `width` r > 0 in V, `edge` k; `drive` with V and its rate; returns h, no unit, from −1 to
+    1. A play wider than the swing rests.
     """
     swing = jnp.abs(level) / width
     way = jnp.where(drive.rate > 0, 1.0, -1.0)
-    kept, full = jnp.exp(-2.0 * _ROUND * swing), math.exp(_ROUND)
-    turn = jnp.log(2.0 * full / (1.0 - kept + jnp.sqrt((1.0 - kept) ** 2 + 4.0 * full**2 * kept))) / _ROUND
-    return way * _nearer(1.0 + turn, swing + way * drive.V / width)
+    kept, full = jnp.exp(-2.0 * edge * swing), jnp.exp(edge)
+    turn = jnp.log(2.0 * full / (1.0 - kept + jnp.sqrt((1.0 - kept) ** 2 + 4.0 * full**2 * kept))) / edge
+    return way * _nearer(1.0 + turn, swing + way * drive.V / width, edge)
 
 
 def within(part: Scalar, bound: Scalar = 1.0) -> Scalar:

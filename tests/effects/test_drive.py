@@ -138,6 +138,14 @@ def test_prandtl_ishlinskii_is_a_sum_of_exact_plays():
     assert_agrees(effect, Physics(lambda t, z, v, h: force(t)), 5e-3)
 
 
+@pytest.mark.parametrize("width", [0.6, 2.5])
+def test_backlash_is_one_exact_play(width):
+    fine = np.linspace(0.0, DURATION, 40 * SAMPLES + 1)
+    force = of_time(-GAIN * 0.8 * (voltage(fine) - plays(voltage(fine), width)), fine)
+    effect = make("backlash", share=0.8, width=width, edge=150.0)
+    assert_agrees(effect, Physics(lambda t, z, v, h: force(t)), 5e-3)
+
+
 def test_plays_stay_within_their_width_however_large_the_step():
     # With the sensor far from resonance the reading shows the force: compare levels, not shapes.
     effect = make("prandtl-ishlinskii", weight=0.3, reach=0.5)
@@ -178,7 +186,7 @@ def test_the_warmth_of_a_sine_that_has_lasted_for_ever(time):
 
 
 @pytest.mark.parametrize(
-    "name", ["bouc-wen-drive", "creep", "drive-heating", "drive-lag", "prandtl-ishlinskii", "slew-limit"]
+    "name", ["backlash", "bouc-wen-drive", "creep", "drive-heating", "drive-lag", "prandtl-ishlinskii", "slew-limit"]
 )
 def test_memories_of_the_drive_alone_are_told_and_have_the_tangents_of_a_difference(name):
     drive = _seen(voltage(TIME), voltage_rate(TIME), TIME[1])

@@ -26,6 +26,12 @@ SMOOTH_LAWS = {
     "cubic-stiffness": (dict(k3=0.1 * K / 25e-12), lambda t, z, v, h: -0.1 * K * z * (z / 5e-6) ** 2),
     "quintic-stiffness": (dict(k5=0.1 * K / 625e-24), lambda t, z, v, h: -0.1 * K * z * (z / 5e-6) ** 4),
     "quadratic-stiffness": (dict(k2=0.1 * K / 5e-6), lambda t, z, v, h: -0.1 * K * z * z / 5e-6),
+    "cogging": (
+        dict(sine=0.05 * K * 5e-6, cosine=-0.02 * K * 5e-6, pitch=3e-6),
+        lambda t, z, v, h: (
+            -0.05 * K * 5e-6 * np.sin(2 * np.pi * z / 3e-6) + 0.04 * K * 5e-6 * np.sin(np.pi * z / 3e-6) ** 2
+        ),
+    ),
     "static-force": (dict(force0=0.1 * K * 5e-6), lambda t, z, v, h: 0.1 * K * 5e-6),
     "voltage-stiffness": (
         dict(per_volt=0.01 * K, per_volt2=-0.002 * K),

@@ -21,7 +21,7 @@ class BoucWenDrive(AbstractEffect):
         "Low & Guo, Modeling of a three-layer piezoelectric bimorph beam with hysteresis, 1995, "
         "J. Microelectromech. Syst. 4, 230"
     )
-    mistaken_for = ("prandtl-ishlinskii", "pzt-hysteresis", "bouc-wen", "drive-lag", "slew-limit")
+    mistaken_for = ("prandtl-ishlinskii", "backlash", "pzt-hysteresis", "bouc-wen", "drive-lag", "slew-limit")
     alike = (LOOP_OF_THE_DRIVE, SHIFT_OF_PHASE)
     steps_per_period = 80
     hidden_units = ("1",)

@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
-from ..likeness import BENT_RESONANCE, SAME_HARMONICS, STIFFENS, STRETCHES, WARM_SPRING
+from ..likeness import BENT_RESONANCE, SAME_HARMONICS, STIFFENS, STRETCHES, WARM_SPRING, WITHIN_A_PITCH
 
 _LEAST = 0.05  # of the denominator: a trial simulation may go beyond where a steepening law ends
 
@@ -22,8 +22,8 @@ class CubicStiffness(AbstractEffect):
         "Nayfeh & Mook, Nonlinear Oscillations, 1979, §4.1; G. A. Baker, Essentials of Padé Approximants, 1975, ch. 1"
     )
     mistaken_for = ("end-stop", "residual-stress", "sensor-nonlinearity", "pzt-hysteresis", "stiffness-heating",
-                     "variable-inertia")  # fmt: skip
-    alike = (STRETCHES, STIFFENS, BENT_RESONANCE, WARM_SPRING, SAME_HARMONICS)
+                     "variable-inertia", "cogging")  # fmt: skip
+    alike = (STRETCHES, STIFFENS, BENT_RESONANCE, WARM_SPRING, WITHIN_A_PITCH, SAME_HARMONICS)
 
     k3 = amplitude("N/m^3", "cubic stiffness")
     levelling = shape("1/m^2", "how soon it levels off, s", grid=(-0.2, 0.0, 0.6), limits=(-0.9, 60.0),

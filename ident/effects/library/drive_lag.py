@@ -22,7 +22,7 @@ class DriveLag(AbstractEffect):
     source = "Oppenheim & Willsky, Signals and Systems, 1997, §6.5.1"
     mistaken_for = (
         "sensor-lag", "second-mode", "creep", "viscoelastic-support", "sensor-crosstalk", "pzt-hysteresis",
-        "prandtl-ishlinskii", "bouc-wen-drive", "slew-limit",
+        "prandtl-ishlinskii", "bouc-wen-drive", "backlash", "slew-limit",
     )  # fmt: skip
     alike = (LAG_ON_EITHER_SIDE, SHIFT_OF_PHASE)
     hidden_units = ("V/s",)  # (V_τ − V)/τ

@@ -6,7 +6,7 @@ from numpy.polynomial import legendre
 
 from ..effect import AbstractEffect, Drive, Scalar, amplitude, shape
 from ..likeness import LOOP_OF_THE_DRIVE, SHIFT_OF_PHASE
-from ..memory import played, pushed, within
+from ..memory import drawn, played, within
 
 _PLAYS = 6
 # Row j: the Legendre polynomials of order 0 to 5 at x_j. With as many orders as plays their weights are free.
@@ -34,7 +34,7 @@ class PrandtlIshlinskii(AbstractEffect):
         "Kuhnen, Modeling, identification and compensation of complex hysteretic nonlinearities: a modified "
         "Prandtl-Ishlinskii approach, 2003, Eur. J. Control 9, 407, §2"
     )
-    mistaken_for = ("bouc-wen-drive", "pzt-hysteresis", "drive-lag", "creep", "slew-limit")
+    mistaken_for = ("bouc-wen-drive", "backlash", "pzt-hysteresis", "drive-lag", "creep", "slew-limit")
     alike = (LOOP_OF_THE_DRIVE, SHIFT_OF_PHASE)
     hidden_units = ("V",) * _PLAYS
 
@@ -59,12 +59,7 @@ class PrandtlIshlinskii(AbstractEffect):
         return tuple(drive.V - within(drive.V, r) for r in self._widths())
 
     def follow(self, hidden: tuple[Scalar, ...], before: Drive, drive: Drive, step: Scalar) -> tuple[Scalar, ...]:
-        widths = jnp.stack(self._widths())
-        turns = before.rate * drive.rate < 0  # between the points, where a straight line of the rate passes zero
-        time = step * before.rate / jnp.where(turns, before.rate - drive.rate, 1.0)
-        peak = jnp.where(turns, before.V + 0.5 * time * before.rate, drive.V)
-        there = pushed((before.V - jnp.stack(hidden)) / widths, (peak - before.V) / widths)
-        return tuple(drive.V - widths * pushed(there, (drive.V - peak) / widths))
+        return tuple(drawn(jnp.stack(hidden), before, drive, step, jnp.stack(self._widths())))
 
     def settled(self, level: Scalar, drive: Drive) -> tuple[Scalar, ...]:
         widths = jnp.stack(self._widths())

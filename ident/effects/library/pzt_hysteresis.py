@@ -23,7 +23,7 @@ class PztHysteresis(AbstractEffect):
     equation = "F = K_f [−η E³ + (ζ/ω³) Ė³]"
     source = "Sensors 2020, 20, 3959, Eq. 12"
     mistaken_for = ("prandtl-ishlinskii", "bouc-wen-drive", "cubic-stiffness", "drive-lag", "drive-saturation",
-                     "slew-limit")  # fmt: skip
+                     "slew-limit", "backlash")  # fmt: skip
     alike = (LOOP_OF_THE_DRIVE, SATURATES, SHIFT_OF_PHASE)
 
     eta = amplitude("m^3/V^3", "cubic saturation η")

@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 
 from ..effect import AbstractEffect, Drive, Scalar, State, amplitude, shape
-from ..likeness import BENT_RESONANCE, EVEN_HARMONICS, QUADRATIC_FORCE, SAME_HARMONICS, SECOND_ORDER
+from ..likeness import BENT_RESONANCE, EVEN_HARMONICS, QUADRATIC_FORCE, SAME_HARMONICS, SECOND_ORDER, WITHIN_A_PITCH
 
 _CLOSEST = 0.05  # of the distance: a trial simulation may come nearer, and must stay finite there
 
@@ -21,9 +21,9 @@ class QuadraticStiffness(AbstractEffect):
     source = "Nayfeh & Mook, Nonlinear Oscillations, 1979, §4.2"
     mistaken_for = (
         "residual-stress", "arch-force", "voltage-stiffness", "electrostriction", "electrostatic-force", "end-stop",
-        "sensor-nonlinearity", "bilinear-stiffness", "variable-inertia",
+        "sensor-nonlinearity", "bilinear-stiffness", "variable-inertia", "cogging",
     )  # fmt: skip
-    alike = (QUADRATIC_FORCE, BENT_RESONANCE, EVEN_HARMONICS, SECOND_ORDER, SAME_HARMONICS)
+    alike = (QUADRATIC_FORCE, BENT_RESONANCE, EVEN_HARMONICS, SECOND_ORDER, WITHIN_A_PITCH, SAME_HARMONICS)
 
     k2 = amplitude("N/m^2", "quadratic stiffness")
     nearness = shape("1/m", "inverse distance of what acts, u", grid=(-0.4, 0.0, 0.4), limits=(-0.95, 0.95),

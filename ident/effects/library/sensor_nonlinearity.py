@@ -17,7 +17,7 @@ class SensorNonlinearity(AbstractEffect):
     name = "sensor-nonlinearity"
     equation = "reading = z + b z² − c z³/(1 + s |c| z²)"
     source = "J. Fraden, Handbook of Modern Sensors, 2010, ch. 2 (nonlinearity, saturation)"
-    mistaken_for = ("cubic-stiffness", "quadratic-stiffness", "end-stop", "electrostriction")
+    mistaken_for = ("cubic-stiffness", "quadratic-stiffness", "end-stop", "electrostriction", "cogging")
     alike = (SAME_HARMONICS,)
 
     quadratic = amplitude("1/m", "quadratic term, b")

@@ -22,7 +22,7 @@ class SlewLimit(AbstractEffect):
     name = "slew-limit"
     equation = "F = G a (w − V), ẇ = (V − w)/τ, |ẇ| ≤ S"
     source = "Sedra & Smith, Microelectronic Circuits, 2010, §2.7.2 (slew rate)"
-    mistaken_for = ("drive-lag", "prandtl-ishlinskii", "bouc-wen-drive", "pzt-hysteresis")
+    mistaken_for = ("drive-lag", "backlash", "prandtl-ishlinskii", "bouc-wen-drive", "pzt-hysteresis")
     alike = (SHIFT_OF_PHASE,)
     steps_per_period = 80
     hidden_units = ("V",)
