@@ -1,8 +1,8 @@
 """The measured drive between its samples, and its rate of change.
 
 Effects that act on the drive need V and dV/dt at the inner points of the integrator's steps. A smooth V goes exactly
-through its samples; dV/dt must not amplify the noise of the drive column. Through a drive that is held, by a converter
-or a switch, no smooth curve goes (`held_drive`).
+through its samples; dV/dt must not amplify the noise of the drive column. Through a drive with corners (`corners`), or
+one that is held by a converter or a switch (`held_drive`), no smooth curve goes.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from .corners import broken_spline, corners
 from .held_drive import held_drive
 from .period import fourier_basis, least_squares
 from .record import Trace
@@ -64,8 +65,8 @@ def half_step_drive(record: Trace, substeps: int = 1) -> tuple[np.ndarray, np.nd
     """The drive and its derivative on the half-step grid of a Runge-Kutta solver with `substeps` steps per sample.
 
     A smooth V is the not-a-knot cubic spline through the samples; V̇ the derivative of the drive's Fourier series if it
-    is periodic, otherwise of a smoothing spline that leaves out what the noise of the drive column hides. One that is
-    held is that of `held_drive`.
+    is periodic, otherwise of a smoothing spline that leaves out what the noise of the drive column hides. One with
+    corners is `corners.broken_spline`, one that is held `held_drive`.
 
     **Returns:** V (2 (n−1) `substeps` + 1,) in V, V̇ of the same shape in V/s.
 
@@ -85,6 +86,10 @@ def _half_steps(drive: _Same, substeps: int, period: float | None, edge: float |
 
     samples, n = drive.array, len(drive.array)
     grid = np.arange(2 * (n - 1) * substeps + 1) / (2 * substeps)
+    if len(breaks := corners(samples)):
+        voltage, slope = broken_spline(samples, breaks, grid)
+        voltage.flags.writeable = slope.flags.writeable = False
+        return voltage, slope
     voltage = CubicSpline(np.arange(n, dtype=float), samples, bc_type="not-a-knot")(grid)
     voltage[:: 2 * substeps] = samples
     voltage.flags.writeable = False  # it is handed to whoever asks

@@ -1,0 +1,83 @@
+"""Drives with corners between their samples: triangles, trapezoids, ramped steps; and smooth ones, that have none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ident.campaign import half_step_drive
+from ident.campaign.corners import corners
+from tests.campaign.test_drive_signal import STEP, record
+
+N = 1200
+K = np.arange(N)
+
+
+def straight(points: list[tuple[float, float]], at: np.ndarray) -> np.ndarray:
+    """A drive of straight lines from corner to corner."""
+    times, volts = zip(*points, strict=True)
+    return np.interp(at, times, volts)
+
+
+TRAPEZOID = [
+    (0, 0.0),
+    (40, 0.0),
+    (46, 3.0),
+    (200, 3.0),
+    (209, -1.5),
+    (500, -1.5),
+    (507, 2.0),
+    (1000, -2.0),
+    (1200, 0.0),
+]
+
+
+def smooth(seed: int) -> np.ndarray:
+    """A sine, a multisine, a chirp or noise of a narrow band, with noise of the column and steps of its converter."""
+    rng = np.random.default_rng(seed)
+    samples = rng.uniform(6.0, 60.0)  # of its fastest period
+    match seed % 4:
+        case 0:
+            drive = np.sin(2 * np.pi * K / samples)
+        case 1:
+            drive = (
+                sum(np.sin(2 * np.pi * rng.uniform(0.02, 1) / samples * K + rng.uniform(0, 6)) for _ in range(40)) / 6
+            )
+        case 2:
+            drive = np.sin(np.pi * K**2 / N / samples)
+        case _:
+            spectrum = np.fft.rfft(rng.normal(size=N))
+            spectrum[int(N / samples) :] = 0.0
+            drive = np.fft.irfft(spectrum, N)
+            drive /= np.std(drive)
+    drive = drive + rng.choice([0.0, 1e-5, 1e-3, 1e-2]) * rng.normal(size=N)
+    return np.round(drive, rng.choice([2, 3, 4])) if rng.uniform() < 0.5 else drive
+
+
+def test_smooth_drives_have_no_corners() -> None:
+    assert [seed for seed in range(400) if len(corners(smooth(seed)))] == []
+
+
+@pytest.mark.parametrize("noise", [0.0, 3e-3])
+def test_corners_are_where_the_lines_meet(noise: float) -> None:
+    drive = straight(TRAPEZOID, K) + noise * np.random.default_rng(1).normal(size=N)
+    assert set(corners(drive)) == {40, 46, 200, 209, 500, 507, 1000} - ({1000} if noise else set())  # a bend of 13 mV
+
+
+def test_between_its_corners_a_drive_is_what_it_was() -> None:
+    volts, slope = half_step_drive(record(straight(TRAPEZOID, K), None), substeps=2)
+    slope = slope * STEP
+    at = np.arange(4 * (N - 1) + 1) / 4
+    np.testing.assert_allclose(volts, straight(TRAPEZOID, at), atol=1e-12)
+    assert slope[4 * 43] == pytest.approx(0.5) and slope[4 * 40] == pytest.approx(0.25)  # half of it at a corner
+    np.testing.assert_allclose(slope[4 * 47 : 4 * 199], 0.0, atol=1e-12)
+
+
+def test_a_corner_between_two_samples_is_cut_and_rings_nowhere() -> None:
+    triangle = lambda at: 5 * (2 * np.abs((at / 97.3) % 1 - 0.5) * 2 - 1)
+    volts, slope = half_step_drive(record(triangle(K), period=97.3))
+    slope = slope * STEP
+    error = np.abs(volts - triangle(np.arange(2 * (N - 1) + 1) / 2))
+    bend = 40 / 97.3  # of the slope, V a sample; a line that cuts it in the middle is off by a quarter of that
+    assert np.max(error) < 0.26 * bend and np.count_nonzero(error > 1e-9) <= 2 * N / 97.3 + 1
+    assert np.max(np.abs(slope)) < 20 / 97.3 * 1.001
