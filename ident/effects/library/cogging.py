@@ -11,7 +11,7 @@ class Cogging(AbstractEffect):
 
     Magnets and teeth of a linear motor, a rotor in a field, comb fingers that pass each other, a pendulum (λ = 2π).
     s draws to rest (s > 0) or away from it, c says that rest is not in the middle of a tooth. Travel of less than half
-    a pitch λ looks like a spring that bends; pitches down to a third of the travel are sought.
+    a pitch λ looks like a spring that bends; pitches down to a sixth of the travel are sought.
     """
 
     name = "cogging"
@@ -26,8 +26,8 @@ class Cogging(AbstractEffect):
     sine = amplitude("N", "part that vanishes at rest and is odd, s")
     cosine = amplitude("N", "part that is even, c")
     # In steps of a quarter of a turn over the travel: further apart, the force would miss what lies between.
-    pitch = shape("m", "length after which it repeats, λ", scale="displacement", limits=(0.3, 8.0),
-                  grid=(0.33, 0.36, 0.4, 0.44, 0.5, 0.57, 0.67, 0.8, 1.0, 1.33, 2.0, 4.0))  # fmt: skip
+    pitch = shape("m", "length after which it repeats, λ", grid=tuple(4.0 / n for n in range(24, 0, -1)),
+                  limits=(0.15, 8.0), scale="displacement")  # fmt: skip
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         turn = 2 * jnp.pi * state.z / self.pitch
