@@ -18,6 +18,7 @@ __all__ = [
     "ringing",
     "through_sensors",
     "with_friction",
+    "with_play",
 ]
 
 OFFSETS = frozenset({"sensor-offset", "static-force"})

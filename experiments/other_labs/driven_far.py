@@ -21,7 +21,7 @@ def plate(lab: Lab, rng: np.random.Generator) -> None:
         lab.write(f"run{i}", "time_us,voltage_V,displacement_nm", 1e6 * t, u(t), 1e9 * z, noise=0.004, held=i == 2)
 
 
-@device(beyond=True, floor=False)
+@device("cogging", "coulomb-friction|stribeck-friction|presliding-friction", floor=False)
 def swing(lab: Lab, rng: np.random.Generator) -> None:
     """A pendulum driven to 2.7 radian, in a dry bearing: its sine is softer than any polynomial says."""
     f, t = 1.1 * rng.uniform(0.97, 1.03), np.arange(4000) / 80
