@@ -2,7 +2,18 @@
 
 from __future__ import annotations
 
-from . import devices, driven_far, held, of_structures, on_base, on_benches, ringing, through_sensors, with_friction
+from . import (
+    devices,
+    driven_far,
+    held,
+    of_structures,
+    on_base,
+    on_benches,
+    ringing,
+    through_sensors,
+    with_friction,
+    with_play,
+)
 from .lab import DEVICES, Lab
 
 __all__ = [

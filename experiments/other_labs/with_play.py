@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+
 from .lab import Lab, Signal, device, multisine, oscillator, sine, solve
 
 
