@@ -79,6 +79,6 @@ def triangles(lab: Lab, rng: np.random.Generator) -> None:
         turn = f * rate * rng.uniform(0.95, 1.05)
         u: Signal = lambda t, a=size, n=turn: a * 2 / np.pi * np.arcsin(np.sin(2 * np.pi * n * np.asarray(t)))
         z = solve(
-            oscillator(f, quality, 1.5 * w * w, u, lambda z, v, u, t: 0.004 * w * w * z**3), t, [0, 0], most=t[1] / 3
+            oscillator(f, quality, 1.5 * w * w, u, lambda z, v, u, t: 0.001 * w * w * z**3), t, [0, 0], most=t[1] / 3
         )[0]
         lab.write(f"scan{i}", "time_s,drive_V,displacement_um", t, u(t), z, noise=0.004, digits=8, held=i == 3)
