@@ -86,8 +86,9 @@ def _half_steps(drive: _Same, substeps: int, period: float | None, edge: float |
 
     samples, n = drive.array, len(drive.array)
     grid = np.arange(2 * (n - 1) * substeps + 1) / (2 * substeps)
-    if len(breaks := corners(samples)):
-        voltage, slope = broken_spline(samples, breaks, grid)
+    places, values = corners(samples)
+    if len(places):
+        voltage, slope = broken_spline(samples, places, values, grid)
         voltage.flags.writeable = slope.flags.writeable = False
         return voltage, slope
     voltage = CubicSpline(np.arange(n, dtype=float), samples, bc_type="not-a-knot")(grid)

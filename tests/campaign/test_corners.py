@@ -55,13 +55,15 @@ def smooth(seed: int) -> np.ndarray:
 
 
 def test_smooth_drives_have_no_corners() -> None:
-    assert [seed for seed in range(400) if len(corners(smooth(seed)))] == []
+    assert [seed for seed in range(400) if len(corners(smooth(seed))[0])] == []
 
 
 @pytest.mark.parametrize("noise", [0.0, 3e-3])
 def test_corners_are_where_the_lines_meet(noise: float) -> None:
     drive = straight(TRAPEZOID, K) + noise * np.random.default_rng(1).normal(size=N)
-    assert set(corners(drive)) == {40, 46, 200, 209, 500, 507, 1000} - ({1000} if noise else set())  # a bend of 13 mV
+    assert set(corners(drive)[0]) == {40, 46, 200, 209, 500, 507, 1000} - (
+        {1000} if noise else set()
+    )  # a bend of 13 mV
 
 
 def test_between_its_corners_a_drive_is_what_it_was() -> None:
@@ -73,11 +75,12 @@ def test_between_its_corners_a_drive_is_what_it_was() -> None:
     np.testing.assert_allclose(slope[4 * 47 : 4 * 199], 0.0, atol=1e-12)
 
 
-def test_a_corner_between_two_samples_is_cut_and_rings_nowhere() -> None:
+@pytest.mark.parametrize("noise", [0.0, 1e-3])
+def test_a_corner_between_two_samples_is_where_the_lines_meet(noise: float) -> None:
     triangle = lambda at: 5 * (2 * np.abs((at / 97.3) % 1 - 0.5) * 2 - 1)
-    volts, slope = half_step_drive(record(triangle(K), period=97.3))
-    slope = slope * STEP
-    error = np.abs(volts - triangle(np.arange(2 * (N - 1) + 1) / 2))
-    bend = 40 / 97.3  # of the slope, V a sample; a line that cuts it in the middle is off by a quarter of that
-    assert np.max(error) < 0.26 * bend and np.count_nonzero(error > 1e-9) <= 2 * N / 97.3 + 1
-    assert np.max(np.abs(slope)) < 20 / 97.3 * 1.001
+    drive = triangle(K) + noise * np.random.default_rng(2).normal(size=N)
+    volts, slope = half_step_drive(record(drive, period=97.3))
+    error = volts - triangle(np.arange(2 * (N - 1) + 1) / 2)
+    assert np.max(np.abs(error)) < max(1e-9, 5 * noise)
+    steep = np.abs(slope) * STEP
+    assert np.max(steep) < 20 / 97.3 + max(1e-9, 10 * noise) and np.mean(steep) > 0.99 * 20 / 97.3
