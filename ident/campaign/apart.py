@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from .campaign import Campaign
+from .corners import drive_at
 from .device import Device, response_unit
 from .late import in_time
 from .record import Kind, Trace, common_order
@@ -75,7 +75,7 @@ def read_apart(trace: Trace, kind: Kind, sizes: Iterable[float]) -> Trace:
         return replace(in_time(trace, told[1][0]), own=told)
     if kind == "clock":
         index, ran = np.arange(len(trace.time)), 1 - told[1][0]
-        drive = CubicSpline(index, trace.drive)(np.clip(index * ran, 0, index[-1]))
+        drive = drive_at(trace.drive, np.clip(index * ran, 0, index[-1]))
         return replace(trace, own=told, time=trace.time * ran, into=trace.into * ran, drive=drive)
     if TOLD[kind].of_zero:
         return replace(trace, own=told, response=trace.response - np.asarray(told[1]) @ _own_curves(trace, kind))

@@ -7,70 +7,132 @@ drive is as smooth as any other, and the curve is broken there and nowhere else.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, NamedTuple
+
 import numpy as np
 
 from .held_drive import jumps
 
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
+
 _BEND = 8.0  # times the second differences beside it, and most others: smooth drives with noise or steps of a
 # converter then have none (test_corners: of 400 none, nor at 4, at 2.5 one in ten)
+_LEAST = 1 / 500  # of the range of the drive: through less a curve rings by a five-thousandth of it
 _STAYS = 2.0  # times a bend that stays, three samples on: 2 to 3, of one step up 1
-_NEAR = 0.25  # of a sampling interval, to a corner: a curve through both would make a slope of their noise
 _BESIDE = (2, 3)  # samples away: the next may share a corner that lies between two
+_NEAR = 0.25  # of a sampling interval, to a corner: a curve through both would make a slope of their noise
+_FEWEST = 4  # points of a piece: fewer lie on a line or a parabola, whose other points are as good
 
 
-def corners(drive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+class Corners(NamedTuple):
+    """Corners of a drive, in order: `at` (c,) the samples, of which each bends; `part` (c,) how far from there to the
+    next sample the corner is, where that bends by the rest: where the lines to either side meet."""
+
+    at: np.ndarray
+    part: np.ndarray
+
+    def __bool__(self) -> bool:
+        return len(self.at) > 0
+
+    @property
+    def places(self) -> np.ndarray:
+        """Where they are, in samples."""
+        return self.at + self.part
+
+    def of(self, drive: np.ndarray) -> np.ndarray:
+        """The drive (n,) at its corners."""
+        k, f = self.at, self.part
+        before = drive[k] + f * (drive[k] - drive[k - 1])
+        after = drive[k + 1] - (1 - f) * (drive[k + 2] - drive[k + 1])
+        return np.where(f > 0, 0.5 * (before + after), drive[k])
+
+
+def corners(drive: np.ndarray) -> Corners:
     """Where a drive (n,) has corners: it bends far more there than to either side.
 
-    **Returns:** their places (c,), in samples, in order, and the drive there (c,). A corner between two samples, of
-    which each bends by its share, is where the lines to either side meet. A drive that jumps from sample to sample has
-    none that its samples could show.
+    Found are those that stand eight times above what noise makes of second differences, and not among the first and
+    last four samples; a triangle of fewer than eight samples from turn to turn, and a drive that jumps from sample to
+    sample, shows none.
     """
-    n, reach = len(drive), max(_BESIDE)
+    n, reach, none = len(drive), max(_BESIDE), Corners(np.zeros(0, dtype=int), np.zeros(0))
     if n < 2 * reach + 3 or jumps(drive):
-        return np.zeros(0), np.zeros(0)
+        return none
     signed = np.zeros(n)
     signed[1:-1] = np.diff(drive, 2)
     bend = np.abs(signed)
     beside = np.max([np.roll(bend, shift) for away in _BESIDE for shift in (away, -away)], axis=0)
     # At a corner the slope is another one from there on; where a slow drive goes by steps of a converter it is not.
     over = np.abs(np.roll(drive, reach) - 2 * drive + np.roll(drive, -reach))
-    found = (bend > _BEND * np.maximum(beside, np.quantile(bend, 0.75))) & (over > _STAYS * bend)
+    most, least = np.maximum(beside, np.quantile(bend, 0.75)), _LEAST * np.ptp(drive)
+    found = (bend > np.maximum(_BEND * most, least)) & (over > _STAYS * bend)
     found[: reach + 1] = found[-reach - 1 :] = False
     at = np.flatnonzero(found)
     shared = at[:-1][(np.diff(at) == 1) & (signed[at[:-1]] * signed[at[1:]] > 0)]  # with the next sample
-    part = signed[shared + 1] / (signed[shared] + signed[shared + 1])
-    before = drive[shared] + part * (drive[shared] - drive[shared - 1])
-    after = drive[shared + 1] - (1 - part) * (drive[shared + 2] - drive[shared + 1])
     alone = np.setdiff1d(at, [shared, shared + 1])
-    places, values = np.concatenate([shared + part, alone]), np.concatenate([0.5 * (before + after), drive[alone]])
-    order = np.argsort(places)
-    return places[order], values[order]
+    part = signed[shared + 1] / (signed[shared] + signed[shared + 1])
+    places = np.concatenate([shared, alone]), np.concatenate([part, np.zeros(len(alone))])
+    order = np.argsort(places[0])
+    return Corners(places[0][order], places[1][order])
 
 
-def broken_spline(
-    drive: np.ndarray, places: np.ndarray, values: np.ndarray, grid: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """A drive (n,) and its derivative per sampling interval at the points of a grid (m,), in samples, by splines from
-    one corner to the next (`corners`); at a corner the derivative is the mean of both sides.
+def broken_spline(drive: np.ndarray, found: Corners) -> BSpline:
+    """A drive (n,) as a cubic spline of its samples that is broken at its corners, and not-a-knot at the others' ends.
 
-    The splines are the not-a-knot cubic ones, of three points the parabola, of two the straight line.
+    A sample close to a corner between two samples, which tells the same, is left out.
     """
     from scipy.interpolate import make_interp_spline  # here, because its import costs more than reading a campaign
 
-    last = len(drive) - 1
-    ends = [
-        (0.0, float(drive[0])),
-        *zip(places.tolist(), values.tolist(), strict=True),
-        (float(last), float(drive[-1])),
-    ]
-    voltage, slope, times = np.zeros(len(grid)), np.zeros(len(grid)), np.zeros(len(grid))
-    for (first, low), (end, high) in zip(ends[:-1], ends[1:], strict=True):
-        inside = np.arange(int(first) + 1, int(np.ceil(end)))
-        inside = inside[(inside - first > _NEAR) & (end - inside > _NEAR)]
-        at = np.array([first, *inside, end])
-        spline = make_interp_spline(at, np.array([low, *drive[inside], high]), k=min(3, len(at) - 1))
-        own = slice(*np.searchsorted(grid, [first, np.nextafter(end, np.inf)]))
-        voltage[own] = spline(grid[own])
-        slope[own] += spline.derivative()(grid[own])
-        times[own] += 1
-    return voltage, slope / times
+    index, places = np.arange(len(drive), dtype=float), found.places
+    there = np.searchsorted(places, index)
+    left, right = places[np.maximum(there - 1, 0)], places[np.minimum(there, len(places) - 1)]
+    away = np.minimum(np.abs(index - left), np.abs(index - right)) > _NEAR
+    away[0] = away[-1] = True
+    x = np.concatenate([index[away], places])
+    y = np.concatenate([drive[away], found.of(drive)])
+    order = np.argsort(x, kind="stable")
+    x, y = x[order], y[order]
+    ends = np.concatenate([[0], np.flatnonzero(order >= np.count_nonzero(away)), [len(x) - 1]])
+    x, y, ends = _filled(x, y, ends)
+    # Each piece has as many coefficients as points: inside it all knots but the second and the last but one.
+    inner = np.ones(len(x), dtype=bool)
+    inner[[*ends, *(ends[:-1] + 1), *(ends[1:] - 1)]] = False
+    knots = np.sort(np.concatenate([np.repeat(x[ends[[0, -1]]], 4), np.repeat(x[ends[1:-1]], 3), x[inner]]))
+    return make_interp_spline(x, y, k=3, t=knots)
+
+
+def drive_at(drive: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """A drive (n,) that is not held at other places (m,) than its samples, in samples from 0 to n − 1."""
+    from scipy.interpolate import CubicSpline  # here, because its import costs more than reading a campaign
+
+    found = corners(drive)
+    return (broken_spline(drive, found) if found else CubicSpline(np.arange(len(drive), dtype=float), drive))(places)
+
+
+def _filled(x: np.ndarray, y: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The points with further ones on the lines and parabolas through those of short pieces, and where pieces end."""
+    short = np.flatnonzero(np.diff(ends) < _FEWEST - 1)
+    more: list[tuple[float, float]] = []
+    for first, last in zip(ends[short].tolist(), ends[short + 1].tolist(), strict=True):
+        own = np.arange(first, last + 1)
+        if len(own) == 2:
+            between = x[first] + (x[last] - x[first]) * np.array([1, 2]) / 3
+        else:
+            between = np.array([0.5 * (x[first] + x[first + 1])])
+        weights = np.polynomial.polynomial.polyfit(x[own] - x[first], y[own], len(own) - 1)
+        more += zip(between.tolist(), np.polynomial.polynomial.polyval(between - x[first], weights), strict=True)
+    if not more:
+        return x, y, ends
+    kept = np.zeros(len(x), dtype=bool)
+    kept[ends] = True
+    x, y = np.concatenate([x, [a for a, _ in more]]), np.concatenate([y, [b for _, b in more]])
+    order = np.argsort(x)
+    return x[order], y[order], np.flatnonzero(np.concatenate([kept, np.zeros(len(more), dtype=bool)])[order])
+
+
+def rates(curve: BSpline, grid: np.ndarray) -> np.ndarray:
+    """The derivative of a broken curve per sampling interval: at a corner the mean of both sides, and none where the
+    drive turns, as at any other turn: what it rubs on stays there."""
+    slope = curve.derivative()
+    after, before = slope(grid), slope(np.nextafter(grid, -np.inf).clip(grid[0]))
+    return np.where(after * before < 0, 0.0, 0.5 * (after + before))

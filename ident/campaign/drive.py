@@ -11,7 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from .corners import broken_spline, corners
+from .corners import Corners, broken_spline, corners, rates
 from .held_drive import held_drive
 from .period import fourier_basis, least_squares
 from .record import Trace
@@ -86,9 +86,8 @@ def _half_steps(drive: _Same, substeps: int, period: float | None, edge: float |
 
     samples, n = drive.array, len(drive.array)
     grid = np.arange(2 * (n - 1) * substeps + 1) / (2 * substeps)
-    places, values = corners(samples)
-    if len(places):
-        voltage, slope = broken_spline(samples, places, values, grid)
+    if found := corners(samples):
+        voltage, slope = broken_spline(samples, found)(grid), rates(broken_spline(_quiet(samples, found), found), grid)
         voltage.flags.writeable = slope.flags.writeable = False
         return voltage, slope
     voltage = CubicSpline(np.arange(n, dtype=float), samples, bc_type="not-a-knot")(grid)
@@ -165,14 +164,32 @@ def _series(weights: np.ndarray, order: np.ndarray, rate: float, points: np.ndar
 
 
 def _smoothed(drive: np.ndarray) -> np.ndarray:
-    """The drive smoothed by a third-order difference penalty whose weight minimises the expected error of the slope.
+    """The drive smoothed by a third-order difference penalty whose weight minimises the expected error of the slope."""
+    weight = _weight(drive)
+    return drive if weight == 0.0 else _penalised(drive, weight, np.ones(len(drive) - 3))
+
+
+def _quiet(drive: np.ndarray, found: Corners) -> np.ndarray:
+    """The drive smoothed between its corners, as its longest piece tells."""
+    ends = np.concatenate([[0], np.ceil(found.places).astype(int), [len(drive)]])
+    longest = int(np.argmax(np.diff(ends)))
+    weight = _weight(drive[ends[longest] : ends[longest + 1]])
+    if weight == 0.0:
+        return drive
+    counted = np.ones(len(drive) - 3)  # differences of four samples, where these are of one piece
+    counted[np.concatenate([found.at - 2, found.at - 1, found.at[found.part > 0]])] = 0.0
+    return _penalised(drive, weight, counted)
+
+
+def _weight(drive: np.ndarray) -> float:
+    """The weight λ of the penalty that minimises the expected error of the slope; 0 where no noise is to be seen.
 
     A penalty λ passes the frequency θ (rad per sample) with H = 1/(1 + λ (2 sin θ/2)⁶). With the spectrum S of the
     drive above its noise floor N the error of the slope is Σ θ² ((1 − H)² S + H² N).
     """
     n = len(drive)
     if n < 32:
-        return drive
+        return 0.0
     window = np.hanning(n + 2)[1:-1]
     trend = np.polyval(np.polyfit(np.arange(n), drive, 1), np.arange(n))
     power = np.abs(np.fft.rfft((drive - trend) * window)) ** 2 / np.sum(window**2)
@@ -186,13 +203,11 @@ def _smoothed(drive: np.ndarray) -> np.ndarray:
         error = float(np.sum(theta**2 * ((1 - passed) ** 2 * signal + passed**2 * floor)))
         if error < best_error:
             best, best_error = float(weight), error
-    if best == 0.0 or floor < 1e-20 * float(np.max(power)):
-        return drive
-    return _penalised(drive, best)
+    return 0.0 if floor < 1e-20 * float(np.max(power)) else best
 
 
-def _penalised(values: np.ndarray, weight: float) -> np.ndarray:
-    """Solution of (1 + λ DᵀD) s = v with third differences D, in O(n)."""
+def _penalised(values: np.ndarray, weight: float, counted: np.ndarray) -> np.ndarray:
+    """Solution of (1 + λ Dᵀ diag(c) D) s = v with third differences D, `counted` (n − 3,), in O(n)."""
     from scipy.linalg import solveh_banded
 
     n = len(values)
@@ -202,6 +217,6 @@ def _penalised(values: np.ndarray, weight: float) -> np.ndarray:
         for first in range(4 - shift):
             second = first + shift
             columns = np.arange(n - 3) + second
-            np.add.at(bands[3 - shift], columns, weight * stencil[first] * stencil[second])
+            np.add.at(bands[3 - shift], columns, weight * stencil[first] * stencil[second] * counted)
     bands[3] += 1.0
     return solveh_banded(bands, values)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
+from .corners import drive_at
 from .record import Trace
 
 _FIRST = 0.364  # of an interval: the integral over the first one of a cubic spline that is one at the first sample only
@@ -30,7 +30,7 @@ def in_time(record: Trace, late: float, begin: int = 0) -> Trace:
     apart, period = late - whole, record.period or 0.0
     at = index - apart
     at = np.clip(np.where(at < 0, at + period, np.where(at > n - 1, at - period, at)), 0, n - 1)
-    drive = CubicSpline(index, record.drive)(at)
+    drive = drive_at(record.drive, at)
     if record.start == "rest":  # what is switched on acts for so much less of the first interval
         drive[0] -= apart / _FIRST * record.drive[0]
     return replace(own, drive=drive)

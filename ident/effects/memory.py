@@ -58,6 +58,7 @@ def stiffened(part: Scalar, rate: Scalar, sharpness: Scalar, fullness: Scalar) -
 
 _EDGE = 24  # sharpness of a play's edge: rounded less, it gains nothing at a hundred steps per period
 EDGE = 24.0  # the same where the path is known in closed form, k
+_DEEPEST = 12.0  # k times an overshoot: e^−12 is still told from zero
 
 
 def dragged(part: Scalar, rate: Scalar) -> Scalar:
@@ -95,7 +96,8 @@ def pushed(part: Scalar, travel: Scalar, edge: Scalar = EDGE) -> Scalar:
     Source: Visintin, Differential Models of Hysteresis, 1994, §III.2 (the play, k → ∞); the rounded edge is ours.
     """
     way = jnp.where(travel > 0, 1.0, -1.0)
-    return way * _nearer(1.0 - way * within(part, _BEYOND), way * travel, edge)
+    overshoot = jnp.minimum(_BEYOND, 1.0 + _DEEPEST / edge)
+    return way * _nearer(1.0 - way * within(part, overshoot), way * travel, edge)
 
 
 def _nearer(left: Scalar, travel: Scalar, edge: Scalar) -> Scalar:

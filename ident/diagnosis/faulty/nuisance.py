@@ -15,6 +15,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
 
+from ...campaign.corners import drive_at
 from ...campaign.late import in_time
 from ...campaign.quality.suspect import Kind
 from ...campaign.record import Trace
@@ -144,7 +145,7 @@ def _by_the_other_clock(record: Trace, scale: float) -> Trace:
     at = index * scale if smooth else index / scale
     there, within = np.minimum(at, index[-1]), at <= index[-1]
     known = record.counted if smooth else record.counted[np.rint(there).astype(int)]
-    resampled = CubicSpline(index, record.drive if smooth else record.across(record.response))(there)
+    resampled = drive_at(record.drive, there) if smooth else CubicSpline(index, record.across(record.response))(there)
     seen = replace(record, masked=None if np.all(known & within) else ~(known & within))
     if not smooth:
         return replace(seen, response=resampled)
