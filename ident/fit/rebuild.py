@@ -9,7 +9,7 @@ import numpy as np
 from ..campaign.campaign import Campaign
 from ..model import Model
 from . import solve
-from .assemble import assemble_fit, begin
+from .assemble import assemble_fit, begin, begin_at
 from .finish import Minimum, finish
 from .fit_starts import fit_starts
 from .on_orbits import on_orbits
@@ -27,13 +27,16 @@ def fit_at(
     starts: Sequence[Start] = (),
     converged: bool = True,
     substeps: Sequence[int] | None = None,
+    begun: np.ndarray | None = None,
 ) -> Fit:
     """The Fit of a model at given values: readings and uncertainties are computed anew, but nothing is searched.
 
     Only unknown initial states are fitted, at those values.
 
     **Arguments:** `values`: (m,) SI, in the order of `model.parameters`; `sigma`, `starts`, `converged`: as the search
-    reported them; `substeps`: of the solver per sample of each fitted record, if they are known.
+    reported them; `substeps`: of the solver per sample of each fitted record, and `begun` (records, s) SI, the initial
+    states that it found, if they are known: plays remember for ever how a record began, and from its first samples
+    alone the search for that may end elsewhere.
     """
     records = campaign.fitted
     guess = first_guess(model, campaign)
@@ -41,7 +44,8 @@ def fit_at(
     base, values = base_values(model, guess, scales), np.asarray(values, float)
     static, data = assemble_fit(model, campaign, guess, scales, base, values, substeps)
     data = reweighed(static, data, values)
-    data, unknowns, found = solve.rescale(static, data, begin(data, static))
+    first = begin(data, static) if begun is None else begin_at(data, static, begun)
+    data, unknowns, found = solve.rescale(static, data, first)
     if static.starts_free:
         unknowns, found = fit_starts(static, data, unknowns)
         static, data, unknowns = on_orbits(static, data, records, unknowns)

@@ -231,10 +231,14 @@ def accept(confirmed: Confirmed, before: Fit) -> Fit:
     if model.names[:-1] != before.model.names or found.fitted.chi2 <= before.fitted.chi2:
         return found
     faint = start_of(model, nearly_absent(confirmed.candidate, model), before.scales)
-    other = near_its_minimum(model, campaign, np.concatenate([before.values, faint]))
+    known = before.solved.found.starts  # an effect's own memory has none yet
+    begun = np.pad(known, [(0, 0), (0, found.solved.found.starts.shape[1] - known.shape[1])])
+    other = near_its_minimum(model, campaign, np.concatenate([before.values, faint]), begun)
     return min(found, other, key=lambda one: one.fitted.chi2)
 
 
-def near_its_minimum(model: Model, campaign: Campaign, values: np.ndarray) -> Fit:
-    """A model on all samples of long records, a few steps from the values that excerpts of them tell."""
-    return fit_at(model, campaign, minimise(model, campaign, How(most=_RACE), initial=values).values)
+def near_its_minimum(model: Model, campaign: Campaign, values: np.ndarray, begun: np.ndarray | None = None) -> Fit:
+    """A model on all samples of long records, a few steps from the values that excerpts of them tell; `begun`: the
+    initial states there, if these are known."""
+    there = minimise(model, campaign, How(most=_RACE), initial=values, begun=begun)
+    return fit_at(model, campaign, there.values, begun=there.best.found.starts)
