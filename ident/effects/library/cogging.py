@@ -10,8 +10,9 @@ class Cogging(AbstractEffect):
     """A force periodic in the position: F = −s sin(2πz/λ) − c (1 − cos(2πz/λ)).
 
     Magnets and teeth of a linear motor, a rotor in a field, comb fingers that pass each other, a pendulum (λ = 2π).
-    s draws to rest (s > 0) or away from it, c says that rest is not in the middle of a tooth. Travel of less than half
-    a pitch λ looks like a spring that bends; pitches down to a sixth of the travel are sought.
+    s draws to rest (s > 0) or away from it, c says that rest is not in the middle of a tooth. Pitches are sought from a
+    sixth to two and a half times the travel to either side: beyond, the force has not come back, and sine and cosine
+    are but the cubic and the quadratic spring.
     """
 
     name = "cogging"
@@ -26,8 +27,8 @@ class Cogging(AbstractEffect):
     sine = amplitude("N", "part that vanishes at rest and is odd, s")
     cosine = amplitude("N", "part that is even, c")
     # In steps of a quarter of a turn over the travel: further apart, the force would miss what lies between.
-    pitch = shape("m", "length after which it repeats, λ", grid=tuple(4.0 / n for n in range(24, 0, -1)),
-                  limits=(0.15, 8.0), scale="displacement")  # fmt: skip
+    pitch = shape("m", "length after which it repeats, λ", grid=tuple(4.0 / n for n in range(24, 1, -1)),
+                  limits=(0.15, 2.5), scale="displacement")  # fmt: skip
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         turn = 2 * jnp.pi * state.z / self.pitch
