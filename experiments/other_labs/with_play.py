@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .lab import Lab, Signal, device, multisine, oscillator, sine, solve
+from .lab import Lab, Signal, device, multisine, oscillator, sine, solve, steps
 
 
 def _played(u: Signal, width: float, end: float, points: int = 400_000) -> Signal:
@@ -15,17 +15,6 @@ def _played(u: Signal, width: float, end: float, points: int = 400_000) -> Signa
         p = min(max(p, x - width), x + width)
         out[i] = p
     return lambda at: np.interp(at, t, out)
-
-
-def _ramps(rng: np.random.Generator, size: float, end: float, each: float, share: float) -> Signal:
-    """Levels that are ramped to in a `share` of the time that they take, in straight lines."""
-    levels = np.round(size * rng.uniform(-1, 1, int(end / each)), 2)
-    times, volts = [0.0, 0.3 * each], [0.0, 0.0]
-    for i, level in enumerate(levels):
-        begin = (i + 0.3) * each
-        times += [begin + share * each, begin + 0.999 * each]
-        volts += [level, level]
-    return lambda t: np.interp(t, times, volts)
 
 
 @device("backlash")
@@ -51,7 +40,7 @@ def lead_screw(lab: Lab, rng: np.random.Generator) -> None:
     f, quality, width = 2.1 * rng.uniform(0.8, 1.2), rng.uniform(0.3, 0.5), rng.uniform(0.1, 0.3)
     w, t = 2 * np.pi * f, np.arange(2400) / 60
     for i, (size, share) in enumerate([(3, 0.05), (4, 0.5), (2, 0.5), (4, 0.05), (3, 0.3)]):
-        u = _ramps(rng, size, t[-1], 2.6, share)
+        u = steps(np.round(size * rng.uniform(-1, 1, 15), 2), t[-1], share * t[-1] / 15)
         z = solve(oscillator(f, quality, 40 * w * w, _played(u, width, t[-1])), t, [0, 0], most=t[1] / 4)[0]
         lab.write(f"move{i}", "time_s,drive_V,position_um", t, u(t), z, noise=0.006, held=i == 4)
 

@@ -14,10 +14,10 @@ import numpy as np
 from .held_drive import jumps
 
 if TYPE_CHECKING:
-    from scipy.interpolate import BSpline
+    from scipy.interpolate import BSpline, CubicSpline
 
-_BEND = 8.0  # times the second differences beside it, and most others: smooth drives with noise or steps of a
-# converter then have none (test_corners: of 400 none, nor at 4, at 2.5 one in ten)
+_BEND = 8.0  # times the second differences beside it, and most others: of the 400 smooth drives of test_corners, with
+# noise or steps of a converter, none then has one, nor at 4; at 2.5 17 have
 _LEAST = 1 / 500  # of the range of the drive: through less a curve rings by a five-thousandth of it
 _STAYS = 2.0  # times a bend that stays, three samples on: 2 to 3, of one step up 1
 _BESIDE = (2, 3)  # samples away: the next may share a corner that lies between two
@@ -101,33 +101,30 @@ def broken_spline(drive: np.ndarray, found: Corners) -> BSpline:
     return make_interp_spline(x, y, k=3, t=knots)
 
 
+def through(drive: np.ndarray, found: Corners) -> BSpline | CubicSpline:
+    """The curve through a drive (n,) that is not held, by samples: smooth, but for its corners."""
+    from scipy.interpolate import CubicSpline  # here, as above
+
+    return broken_spline(drive, found) if found else CubicSpline(np.arange(len(drive), dtype=float), drive)
+
+
 def drive_at(drive: np.ndarray, places: np.ndarray) -> np.ndarray:
     """A drive (n,) that is not held at other places (m,) than its samples, in samples from 0 to n − 1."""
-    from scipy.interpolate import CubicSpline  # here, because its import costs more than reading a campaign
-
-    found = corners(drive)
-    return (broken_spline(drive, found) if found else CubicSpline(np.arange(len(drive), dtype=float), drive))(places)
+    return through(drive, corners(drive))(places)
 
 
 def _filled(x: np.ndarray, y: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The points with further ones on the lines and parabolas through those of short pieces, and where pieces end."""
-    short = np.flatnonzero(np.diff(ends) < _FEWEST - 1)
-    more: list[tuple[float, float]] = []
-    for first, last in zip(ends[short].tolist(), ends[short + 1].tolist(), strict=True):
-        own = np.arange(first, last + 1)
-        if len(own) == 2:
-            between = x[first] + (x[last] - x[first]) * np.array([1, 2]) / 3
-        else:
-            between = np.array([0.5 * (x[first] + x[first + 1])])
-        weights = np.polynomial.polynomial.polyfit(x[own] - x[first], y[own], len(own) - 1)
-        more += zip(between.tolist(), np.polynomial.polynomial.polyval(between - x[first], weights), strict=True)
-    if not more:
-        return x, y, ends
-    kept = np.zeros(len(x), dtype=bool)
-    kept[ends] = True
-    x, y = np.concatenate([x, [a for a, _ in more]]), np.concatenate([y, [b for _, b in more]])
+    at, more = x[ends], [(np.zeros(0), np.zeros(0))]
+    for k in np.flatnonzero(np.diff(ends) < _FEWEST - 1):
+        own = slice(ends[k], ends[k + 1] + 1)
+        few = len(x[own])
+        between = np.linspace(x[own][0], x[own][1], 2 + _FEWEST - few)[1:-1]
+        curve = np.polynomial.Polynomial.fit(x[own], y[own], few - 1)
+        more.append((between, curve(between)))
+    x, y = (np.concatenate([whole, *parts]) for whole, parts in zip((x, y), zip(*more, strict=True), strict=True))
     order = np.argsort(x)
-    return x[order], y[order], np.flatnonzero(np.concatenate([kept, np.zeros(len(more), dtype=bool)])[order])
+    return x[order], y[order], np.searchsorted(x[order], at)
 
 
 def rates(curve: BSpline, grid: np.ndarray) -> np.ndarray:

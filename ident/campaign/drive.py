@@ -11,7 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from .corners import Corners, broken_spline, corners, rates
+from .corners import Corners, broken_spline, corners, rates, through
 from .held_drive import held_drive
 from .period import fourier_basis, least_squares
 from .record import Trace
@@ -82,18 +82,17 @@ def _half_steps(drive: _Same, substeps: int, period: float | None, edge: float |
     """The drive and its derivative per sample interval on the half-step grid."""
     if edge is not None:
         return held_drive(drive.array, substeps, edge)
-    from scipy.interpolate import CubicSpline  # here, because its import costs more than reading a campaign
-
     samples, n = drive.array, len(drive.array)
     grid = np.arange(2 * (n - 1) * substeps + 1) / (2 * substeps)
-    if found := corners(samples):
-        voltage, slope = broken_spline(samples, found)(grid), rates(broken_spline(_quiet(samples, found), found), grid)
-        voltage.flags.writeable = slope.flags.writeable = False
-        return voltage, slope
-    voltage = CubicSpline(np.arange(n, dtype=float), samples, bc_type="not-a-knot")(grid)
-    voltage[:: 2 * substeps] = samples
+    found = corners(samples)
+    voltage = through(samples, found)(grid)
+    if found:
+        slope = rates(broken_spline(_quiet(samples, found), found), grid)
+    else:
+        voltage[:: 2 * substeps] = samples
+        slope = _slope(samples, substeps, period)
     voltage.flags.writeable = False  # it is handed to whoever asks
-    return voltage, _slope(samples, substeps, period)
+    return voltage, slope
 
 
 def _slope(drive: np.ndarray, substeps: int, period: float | None) -> np.ndarray:

@@ -19,17 +19,7 @@ def straight(points: list[tuple[float, float]], at: np.ndarray) -> np.ndarray:
     return np.interp(at, times, volts)
 
 
-TRAPEZOID = [
-    (0, 0.0),
-    (40, 0.0),
-    (46, 3.0),
-    (200, 3.0),
-    (209, -1.5),
-    (500, -1.5),
-    (507, 2.0),
-    (1000, -2.0),
-    (1200, 0.0),
-]
+TRAPEZOID = [(0, 0.0), (40, 0.0), (46, 3.0), (200, 3.0), (209, -1.5), (500, -1.5), (507, 2.0), (1000, -2.0), (1200, 0)]
 
 
 def smooth(seed: int) -> np.ndarray:

@@ -25,6 +25,7 @@ class Backlash(AbstractEffect):
 
     share = amplitude("1", "share of the drive that goes through the play, a")
     width = shape("V", "half width of the play, r", grid=(0.03, 0.08, 0.2, 0.45), scale="voltage")
+    # One play is found by searches at its usual 60, too, where six of unknown weights (`pushed`) ask for 24.
     edge = shape("1", "how sharply it is met, k", grid=(EDGE, 60.0, 150.0), limits=(4.0, 200.0), refines=True)
 
     def drive(self, hidden: tuple[Scalar, ...], drive: Drive, t: Scalar) -> Scalar:
