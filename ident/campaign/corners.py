@@ -14,7 +14,7 @@ import numpy as np
 from .held_drive import jumps
 
 if TYPE_CHECKING:
-    from scipy.interpolate import BSpline, CubicSpline
+    from scipy.interpolate import BSpline
 
 _BEND = 8.0  # times the second differences beside it, and most others: of the 400 smooth drives of test_corners, with
 # noise or steps of a converter, none then has one, nor at 4; at 2.5 17 have
@@ -22,6 +22,7 @@ _LEAST = 1 / 500  # of the range of the drive: through less a curve rings by a f
 _STAYS = 2.0  # times a bend that stays, three samples on: 2 to 3, of one step up 1
 _BESIDE = (2, 3)  # samples away: the next may share a corner that lies between two
 _NEAR = 0.25  # of a sampling interval, to a corner: a curve through both would make a slope of their noise
+_DEGREE = 5  # of a curve without corners
 _FEWEST = 4  # points of a piece: fewer lie on a line or a parabola, whose other points are as good
 
 
@@ -101,11 +102,17 @@ def broken_spline(drive: np.ndarray, found: Corners) -> BSpline:
     return make_interp_spline(x, y, k=3, t=knots)
 
 
-def through(drive: np.ndarray, found: Corners) -> BSpline | CubicSpline:
-    """The curve through a drive (n,) that is not held, by samples: smooth, but for its corners."""
-    from scipy.interpolate import CubicSpline  # here, as above
+def through(drive: np.ndarray, found: Corners) -> BSpline:
+    """The curve through a drive (n,) that is not held, by samples: smooth, but for its corners.
 
-    return broken_spline(drive, found) if found else CubicSpline(np.arange(len(drive), dtype=float), drive)
+    Without corners it is of the fifth degree: between the samples of a sine of a third of the sampling rate a cubic one
+    is 6 % low, this one 1.6 %.
+    """
+    from scipy.interpolate import make_interp_spline  # here, as above
+
+    if found:
+        return broken_spline(drive, found)
+    return make_interp_spline(np.arange(len(drive), dtype=float), drive, k=min(_DEGREE, len(drive) - 1))
 
 
 def drive_at(drive: np.ndarray, places: np.ndarray) -> np.ndarray:

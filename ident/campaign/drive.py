@@ -64,9 +64,9 @@ def _has_series(period: float) -> bool:
 def half_step_drive(record: Trace, substeps: int = 1) -> tuple[np.ndarray, np.ndarray]:
     """The drive and its derivative on the half-step grid of a Runge-Kutta solver with `substeps` steps per sample.
 
-    A smooth V is the not-a-knot cubic spline through the samples; V̇ the derivative of the drive's Fourier series if it
-    is periodic, otherwise of a smoothing spline that leaves out what the noise of the drive column hides. One with
-    corners is `corners.broken_spline`, one that is held `held_drive`.
+    A smooth V is the not-a-knot spline of the fifth degree through the samples; V̇ the derivative of the drive's Fourier
+    series if it is periodic, otherwise of a smoothing spline that leaves out what the noise of the drive column hides.
+    One with corners is `corners.broken_spline`, one that is held `held_drive`.
 
     **Returns:** V (2 (n−1) `substeps` + 1,) in V, V̇ of the same shape in V/s.
 
