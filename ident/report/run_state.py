@@ -53,6 +53,8 @@ def state(fit: Fit) -> dict[str, Any]:
         "weighed": model.weighed,
         "starts": [list(start) for start in fit.starts],
         "substeps": [span.substeps for span in fit.solved.data.tape.spans],
+        # Plays never forget how a record began: sought anew, their initial states may end elsewhere.
+        "initial_states": fit.solved.found.starts.tolist() if fit.solved.static.starts_free else None,
         # An estimate, and with sigma = "fitted" a result: another version might find another.
         "noise": [asdict(record.noise) for record in fit.campaign.records],
         # What of a trace was estimated: how it differs from the others, and where a drive that is held changes.
@@ -147,10 +149,12 @@ def rebuild(document: dict[str, Any], folder: Path) -> Fit:
 def rebuild_in(campaign: Campaign, document: dict[str, Any], folder: Path) -> Fit:
     """The Fit of a `run.json` in a campaign that was restored already."""
     model, values = _model(document, campaign, folder)
-    starts = [Start(_number(a), _number(b), steps, ok) for a, b, steps, ok in document["state"]["starts"]]
+    kept = document["state"]
+    starts = [Start(_number(a), _number(b), steps, ok) for a, b, steps, ok in kept["starts"]]
+    begun = kept.get("initial_states")
     return fit_at(
         model, campaign, values, sigma=document["sigma"], starts=starts, converged=document["converged"],
-        substeps=document["state"].get("substeps"),
+        substeps=kept.get("substeps"), begun=None if begun is None else np.array(begun),
     )  # fmt: skip
 
 

@@ -5,6 +5,7 @@ The devices are simulated by SciPy, long before the first sample that is kept.
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -24,6 +25,8 @@ from ident.fit import fit, rebuild
 from ident.fit.problem import evaluate
 from ident.fit.rebuild import fit_at
 from ident.model import Model
+from ident.report.run_json import run_dict
+from ident.report.run_state import rebuild_in, state
 from ident.response import Equation, respond
 from ident.response.lane import Lane
 from ident.response.tape import lay
@@ -88,7 +91,7 @@ def test_scores_allow_for_what_came_before():
     assert best.predicted_gain > 0.999
 
 
-def test_a_fit_at_the_values_of_a_search_begins_as_that_ended(monkeypatch):
+def test_a_fit_at_the_values_of_a_search_begins_as_that_ended_and_so_does_its_run(monkeypatch, tmp_path):
     """A play never forgets how a record began; on a PZT stage others left 130 noise floors instead of 98."""
     monkeypatch.setattr(rebuild, "fit_starts", lambda static, data, there: (there, evaluate(static, data, there)))
     model = Model(Oscillator()) + LIBRARY["backlash"](width=0.5)
@@ -97,6 +100,8 @@ def test_a_fit_at_the_values_of_a_search_begins_as_that_ended(monkeypatch):
     there = fit_at(model, cut, values, begun=begun)
     np.testing.assert_allclose(there.solved.found.starts, begun, rtol=1e-9)
     assert not np.allclose(fit_at(model, cut, values).solved.found.starts, begun, rtol=0.1)
+    document = json.loads(json.dumps({**run_dict(there), "state": state(there)}, allow_nan=False))
+    np.testing.assert_allclose(rebuild_in(cut, document, tmp_path).solved.found.starts, begun, rtol=1e-9)
 
 
 MEMORIES = {

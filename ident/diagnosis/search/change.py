@@ -86,7 +86,9 @@ def try_without(parent: Fit, name: str, start: Fit) -> Fit:
     starts = [rest, np.concatenate([start.values[:linear], rest[linear:]])]
     race = refit(model, parent.campaign, starts, _FEW)
     found = refit(model, parent.campaign, race.values, ENOUGH)
-    without = fit_at(model, parent.campaign, found.values, converged=False)  # what is kept of it is fitted to its end
+    begun = found.best.found.starts
+    # What is kept of it is fitted to its end.
+    without = fit_at(model, parent.campaign, found.values, converged=False, begun=begun)
     return without if still_possible(without, parent) else fit_at(model, parent.campaign, rest, converged=False)
 
 
