@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .held_drive import jumps
+from .smooth_drive import smooth_drive
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -22,7 +23,6 @@ _LEAST = 1 / 500  # of the range of the drive: through less a curve rings by a f
 _STAYS = 2.0  # times a bend that stays, three samples on: 2 to 3, of one step up 1
 _BESIDE = (2, 3)  # samples away: the next may share a corner that lies between two
 _NEAR = 0.25  # of a sampling interval, to a corner: a curve through both would make a slope of their noise
-_DEGREE = 5  # of a curve without corners
 _FEWEST = 4  # points of a piece: fewer lie on a line or a parabola, whose other points are as good
 
 
@@ -103,16 +103,8 @@ def broken_spline(drive: np.ndarray, found: Corners) -> BSpline:
 
 
 def through(drive: np.ndarray, found: Corners) -> BSpline:
-    """The curve through a drive (n,) that is not held, by samples: smooth, but for its corners.
-
-    Without corners it is of the fifth degree: between the samples of a sine of a third of the sampling rate a cubic one
-    is 6 % low, this one 1.6 %.
-    """
-    from scipy.interpolate import make_interp_spline  # here, as above
-
-    if found:
-        return broken_spline(drive, found)
-    return make_interp_spline(np.arange(len(drive), dtype=float), drive, k=min(_DEGREE, len(drive) - 1))
+    """The curve through a drive (n,) that is not held, by samples: smooth, but for its corners."""
+    return broken_spline(drive, found) if found else smooth_drive(drive)
 
 
 def drive_at(drive: np.ndarray, places: np.ndarray) -> np.ndarray:

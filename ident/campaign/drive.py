@@ -15,6 +15,7 @@ from .corners import Corners, broken_spline, corners, rates, through
 from .held_drive import held_drive
 from .period import fourier_basis, least_squares
 from .record import Trace
+from .smooth_drive import smooth_drive
 
 
 class _Same:
@@ -64,14 +65,13 @@ def _has_series(period: float) -> bool:
 def half_step_drive(record: Trace, substeps: int = 1) -> tuple[np.ndarray, np.ndarray]:
     """The drive and its derivative on the half-step grid of a Runge-Kutta solver with `substeps` steps per sample.
 
-    A smooth V is the not-a-knot spline of the fifth degree through the samples; V̇ the derivative of the drive's Fourier
-    series if it is periodic, otherwise of a smoothing spline that leaves out what the noise of the drive column hides.
-    One with corners is `corners.broken_spline`, one that is held `held_drive`.
+    A smooth V is `smooth_drive`; V̇ the derivative of the drive's Fourier series if it is periodic, otherwise of such a
+    curve without what the noise of the drive column hides. One with corners is `corners.broken_spline`, one that is
+    held `held_drive`.
 
     **Returns:** V (2 (n−1) `substeps` + 1,) in V, V̇ of the same shape in V/s.
 
-    Source: C. de Boor, A Practical Guide to Splines, 1978, ch. IV; P. H. C. Eilers, "A perfect smoother",
-    Anal. Chem. 75 (2003) 3631, doi:10.1021/ac034173t.
+    Source: P. H. C. Eilers, "A perfect smoother", Anal. Chem. 75 (2003) 3631, doi:10.1021/ac034173t.
     """
     voltage, slope = _half_steps(_Same(record.drive), substeps, record.period, record.edge)
     return voltage, slope / record.step
@@ -103,10 +103,7 @@ def _slope(drive: np.ndarray, substeps: int, period: float | None) -> np.ndarray
         return np.zeros(len(grid))
     if period is not None and _has_series(period):
         return _fourier_slope(drive, period, grid)
-    from scipy.interpolate import make_interp_spline
-
-    smooth = _smoothed(drive)
-    return make_interp_spline(np.arange(n, dtype=float), smooth, k=5).derivative()(grid)
+    return smooth_drive(_smoothed(drive)).derivative()(grid)
 
 
 def _fourier_series(drive: np.ndarray, period: float) -> tuple[np.ndarray, np.ndarray]:

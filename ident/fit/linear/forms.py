@@ -11,8 +11,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ...campaign.noise.recursive import recursive_filter
-from .stretches import Stretch, free_motion, oscillator_filter, sampled_filter
+from .stretches import Stretch, answered, free_motion, oscillator_filter, sampled_filter
 
 _POINTS_PER_OCTAVE = 5  # Nelder and Mead find the rest
 
@@ -64,7 +63,8 @@ class _WithSpring(Form):
         return list(itertools.product(np.geomspace(lowest, highest, count), self.qualities))
 
     def answer(self, point: np.ndarray, stretch: Stretch, push: np.ndarray) -> np.ndarray:
-        return recursive_filter(*oscillator_filter(point[0], point[1], stretch.step, stretch.order, stretch.edge), push)
+        filter_of = lambda step: oscillator_filter(point[0], point[1], step, stretch.order, stretch.edge)
+        return answered(stretch, filter_of, push)
 
     def free(self, point: np.ndarray, stretch: Stretch) -> np.ndarray:
         return free_motion(stretch, float(point[0]), float(point[1]))
@@ -139,7 +139,8 @@ class NoSpring(Form):
         return [(tau,) for tau in np.geomspace(shortest, 10 * longest, 40)]
 
     def answer(self, point: np.ndarray, stretch: Stretch, push: np.ndarray) -> np.ndarray:
-        return recursive_filter(*_drifting_filter(float(point[0]), stretch.step, stretch.order, stretch.edge), push)
+        filter_of = lambda step: _drifting_filter(float(point[0]), step, stretch.order, stretch.edge)
+        return answered(stretch, filter_of, push)
 
     def free(self, point: np.ndarray, stretch: Stretch) -> np.ndarray:
         t = stretch.step * np.arange(len(stretch.response))

@@ -26,10 +26,9 @@ import numpy as np
 from scipy import optimize
 
 from ...campaign.campaign import MOST_MODES
-from ...campaign.noise.recursive import recursive_filter
 from .free_modes import amplitudes, next_line
 from .guess import GRID_STEP, LEAST_QUALITY
-from .stretches import Stretch, free_motion, oscillator_filter
+from .stretches import Stretch, answered, free_motion, oscillator_filter
 
 _SAMPLES = 24_000  # that compare modes
 _QUALITIES = (8.0, 40.0)  # of a further mode, at each frequency of the grid
@@ -114,11 +113,8 @@ def _folds(stretches: Sequence[Stretch]) -> list[list[np.ndarray]]:
 def _columns(stretch: Stretch, points: np.ndarray, level: bool) -> tuple[np.ndarray, np.ndarray]:
     """What gains and constant do to a reading, (n, modes (+ 1)), and a basis of its free motions, (n, m)."""
     values = np.exp(points)
-    columns = [
-        recursive_filter(*oscillator_filter(f, q, stretch.step, stretch.order, stretch.edge), stretch.drive)
-        / stretch.size
-        for f, q in values
-    ]
+    filters = [lambda step, f=f, q=q: oscillator_filter(f, q, step, stretch.order, stretch.edge) for f, q in values]
+    columns = [answered(stretch, one, stretch.drive) / stretch.size for one in filters]
     columns += [np.ones_like(stretch.response) / stretch.size] if level else []
     if stretch.rest:
         return np.stack(columns, axis=1), np.empty((len(stretch.response), 0))

@@ -12,10 +12,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ...campaign.drive import half_step_drive
-from ...campaign.noise.recursive import recursive_filter
+from ...campaign.noise.recursive import convolved, recursive_filter
 from ...campaign.record import Trace
+from ...campaign.smooth_drive import smooth_drive
 
 _MOST_SAMPLES = 4000  # of a record: enough to place a resonance, and long records stay cheap
+_STRAIGHT = 0.13  # of the sampling rate: between the samples of slower drives a line is low by less than 6 %
+_REACH = 24  # samples to either side that a smooth drive depends on: 0.61²⁴ is 10⁻⁵
 _CRITICAL = 0.4999  # quality below which a start in motion leaves two exponentials
 
 
@@ -32,8 +35,9 @@ class Sums(NamedTuple):
 class Stretch(NamedTuple):
     """A record for the linear search: its liveliest stretch, the response divided by its `size`; `rate` of the drive,
     per s; `rest`: whether it starts from rest; `power` of the response about its mean; `order` of the derivative of the
-    displacement that it is; `edge` of a drive that is held and `load` of the device, as of `Trace`; `sums` that have
-    been asked for, by frequency, quality and mass."""
+    displacement that it is; `edge` of a drive that is held and `load` of the device, as of `Trace`; `finer`: into how
+    many parts its sampling intervals are divided, as a drive that is smooth is no line between few samples per period;
+    `sums` that have been asked for, by frequency, quality and mass."""
 
     step: float
     drive: np.ndarray
@@ -46,6 +50,7 @@ class Stretch(NamedTuple):
     order: int
     edge: float | None
     load: float
+    finer: int
     sums: dict[tuple[float, float, float], Sums]
 
 
@@ -70,6 +75,7 @@ def stretch_of(record: Trace) -> Stretch:
         record.order,
         record.edge,
         record.load,
+        _parts_of(record) if record.driven else 1,
         {},
     )
 
@@ -93,6 +99,40 @@ def liveliest(signal: np.ndarray, step: float, most: int) -> list[float]:
     power = np.abs(np.fft.rfft((signal - np.mean(signal)) * np.hanning(len(signal))))
     peaks = np.flatnonzero((power[1:-1] > power[:-2]) & (power[1:-1] >= power[2:])) + 1
     return [float(k / (len(signal) * step)) for k in peaks[np.argsort(-power[peaks])][:most]]
+
+
+def _parts_of(record: Trace) -> int:
+    """`Stretch.finer` of a driven record."""
+    return math.ceil(highest_content(record.drive, 1.0) / _STRAIGHT) if len(record.drive) > _REACH else 1
+
+
+def answered(
+    stretch: Stretch, filter_of: Callable[[float], tuple[np.ndarray, np.ndarray]], push: np.ndarray
+) -> np.ndarray:
+    """What a linear system answers to a push (n,) or (n, k) that is as smooth, or held, as the drive of a record is;
+    `filter_of` a sampling interval: its digital filter, exact for a push that is linear between samples, or held."""
+    if stretch.edge is not None or stretch.finer == 1:
+        return recursive_filter(*filter_of(stretch.step), push)
+    return recursive_filter(*filter_of(stretch.step / stretch.finer), _between(push, stretch.finer))[:: stretch.finer]
+
+
+def _between(push: np.ndarray, parts: int) -> np.ndarray:
+    """A smooth push (n, …) at ((n − 1) `parts` + 1, …) places, between which it is a line: sharpened by what lines take
+    from its curvature."""
+    ends = 2 * push[0] - push[_REACH:0:-1], 2 * push[-1] - push[-2 : -_REACH - 2 : -1]
+    wider, kernel = np.concatenate([ends[0], push, ends[1]]), _kernel(parts)
+    dense = np.stack([convolved(kernel[k::parts], wider) for k in range(parts)], axis=1)[2 * _REACH :]
+    curve = dense.reshape(-1, *push.shape[1:])[: (len(push) - 1) * parts + 1]
+    curve[1:-1] -= np.diff(curve, 2, axis=0) / 12
+    return curve
+
+
+@lru_cache(maxsize=8)
+def _kernel(parts: int) -> np.ndarray:
+    """What one sample does to a smooth drive beside it."""
+    alone = np.zeros(2 * _REACH + 1)
+    alone[_REACH] = 1.0
+    return smooth_drive(alone)(np.arange(2 * _REACH * parts + 1) / parts)
 
 
 def oscillator_filter(
@@ -180,6 +220,7 @@ def sums(stretches: Sequence[Stretch], frequency: float, quality: float, mass: f
                     stretch.order,
                     stretch.edge,
                     stretch.load,
+                    stretch.finer,
                 ),
                 [],
             ).append(stretch)
@@ -199,7 +240,8 @@ def _projected(stretches: Sequence[Stretch], frequency: float, quality: float, h
     forced = np.zeros_like(measured)  # to a decay a constant drive is a level, whatever the gain
     if first.driven:
         drives = np.stack([stretch.drive / (stretch.size * heavier) for stretch in stretches], axis=1)
-        forced = recursive_filter(*oscillator_filter(frequency, quality, first.step, first.order, first.edge), drives).T
+        filter_of = lambda step: oscillator_filter(frequency, quality, step, first.order, first.edge)
+        forced = answered(first, filter_of, drives).T
     both = np.stack([forced, measured])
     if first.rest:
         both -= both.mean(axis=2, keepdims=True)
