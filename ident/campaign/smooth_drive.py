@@ -2,8 +2,9 @@
 
 Such a signal has nothing above half the sampling rate, and its samples say all of it. A cubic spline through them is
 low between the samples: of a sine of a third of the sampling rate by 6 %, of one of two fifths by 17 %. One of the
-ninth degree is low by 0.1 and 1.7 %, and is still a curve of its surroundings. Where the record ends it is taken to go
-on as the samples there foretell: a spline of a high degree without any beyond swings.
+fifteenth degree is low by 0.001 and 0.15 %, and is still a curve of its surroundings (of the ninth, 1.7 % of two fifths
+were a second mode of a scanner mirror). Where the record ends it is taken to go on as the samples there foretell: a
+spline of a high degree without any beyond swings.
 
 Sources: M. Unser, Sampling – 50 years after Shannon, Proc. IEEE 88 (2000) 569, doi:10.1109/5.843002, §IV (cardinal
 splines tend to the sinc with their degree); S. M. Kay, S. L. Marple, Spectrum analysis – a modern perspective, Proc.
@@ -19,8 +20,8 @@ import numpy as np
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
-_DEGREE = 9
-_BEYOND = 40  # samples foretold: what they end with is 0.61⁴⁰ of itself where the record ends
+_DEGREE = 15
+_BEYOND = 80  # samples foretold: what they end with is 10⁻¹⁰ of itself where the record ends
 _ORDER, _FROM = 16, 120  # of the prediction, and samples that it is made from: sines of 4 to 100 samples a period, and
 # noise up to three tenths of the sampling rate, are met to 3e-4 in the first intervals (`test_smooth_drive`)
 

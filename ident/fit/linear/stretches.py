@@ -18,7 +18,7 @@ from ...campaign.smooth_drive import smooth_drive
 
 _MOST_SAMPLES = 4000  # of a record: enough to place a resonance, and long records stay cheap
 _STRAIGHT = 0.13  # of the sampling rate: between the samples of slower drives a line is low by less than 6 %
-_REACH = 24  # samples to either side that a smooth drive depends on: 0.61²⁴ is 10⁻⁵
+_REACH = 32  # samples to either side that a smooth drive depends on: those beyond count for less than 10⁻⁴
 _CRITICAL = 0.4999  # quality below which a start in motion leaves two exponentials
 
 
