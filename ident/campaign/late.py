@@ -9,7 +9,7 @@ import numpy as np
 from .corners import drive_at
 from .record import Trace
 
-_FIRST = 0.4  # of an interval: what one less at the first sample takes from the integral of the drive (0.36 to 0.44)
+_FIRST = 0.4  # of an interval: what one less at the first sample takes from the integral of the drive (0.35 to 0.47)
 
 
 def in_time(record: Trace, late: float, begin: int = 0) -> Trace:

@@ -35,8 +35,8 @@ def fit_at(
 
     **Arguments:** `values`: (m,) SI, in the order of `model.parameters`; `sigma`, `starts`, `converged`: as the search
     reported them; `substeps`: of the solver per sample of each fitted record, and `begun` (records, s) SI, the initial
-    states that it found, if they are known: plays remember for ever how a record began, and from its first samples
-    alone the search for that may end elsewhere.
+    states that it found, if they are known and those of this model: plays remember for ever how a record began, and
+    from its first samples alone the search for that may end elsewhere.
     """
     records = campaign.fitted
     guess = first_guess(model, campaign)
@@ -44,7 +44,8 @@ def fit_at(
     base, values = base_values(model, guess, scales), np.asarray(values, float)
     static, data = assemble_fit(model, campaign, guess, scales, base, values, substeps)
     data = reweighed(static, data, values)
-    first = begin(data, static) if begun is None else begin_at(data, static, begun)
+    known = begun is not None and np.shape(begun) == data.start_scale.shape and bool(np.all(np.isfinite(begun)))
+    first = begin_at(data, static, begun) if begun is not None and known else begin(data, static)
     data, unknowns, found = solve.rescale(static, data, first)
     if static.starts_free:
         unknowns, found = fit_starts(static, data, unknowns)

@@ -54,7 +54,7 @@ def state(fit: Fit) -> dict[str, Any]:
         "starts": [list(start) for start in fit.starts],
         "substeps": [span.substeps for span in fit.solved.data.tape.spans],
         # Plays never forget how a record began: sought anew, their initial states may end elsewhere.
-        "initial_states": fit.solved.found.starts.tolist() if fit.solved.static.starts_free else None,
+        "initial_states": fit.solved.found.starts.tolist(),
         # An estimate, and with sigma = "fitted" a result: another version might find another.
         "noise": [asdict(record.noise) for record in fit.campaign.records],
         # What of a trace was estimated: how it differs from the others, and where a drive that is held changes.
@@ -154,7 +154,7 @@ def rebuild_in(campaign: Campaign, document: dict[str, Any], folder: Path) -> Fi
     begun = kept.get("initial_states")
     return fit_at(
         model, campaign, values, sigma=document["sigma"], starts=starts, converged=document["converged"],
-        substeps=kept.get("substeps"), begun=None if begun is None else np.array(begun),
+        substeps=kept.get("substeps"), begun=None if begun is None else np.array(begun, float),
     )  # fmt: skip
 
 

@@ -113,7 +113,7 @@ class OnBase(_WithSpring):
     def answer(self, point: np.ndarray, stretch: Stretch, push: np.ndarray) -> np.ndarray:
         """To the drive of the stretch, the only thing that moves its base."""
         omega = 2 * math.pi * float(point[0])
-        return super().answer(point, stretch, omega**2 * push + omega / float(point[1]) * stretch.rate)
+        return super().answer(point, stretch, omega**2 * push + omega / float(point[1]) * stretch.push_rate)
 
 
 class Shaken(OnBase):

@@ -114,7 +114,7 @@ def _columns(stretch: Stretch, points: np.ndarray, level: bool) -> tuple[np.ndar
     """What gains and constant do to a reading, (n, modes (+ 1)), and a basis of its free motions, (n, m)."""
     values = np.exp(points)
     filters = [lambda step, f=f, q=q: oscillator_filter(f, q, step, stretch.order, stretch.edge) for f, q in values]
-    columns = [answered(stretch, one, stretch.drive) / stretch.size for one in filters]
+    columns = [answered(stretch, one, stretch.push) / stretch.size for one in filters]
     columns += [np.ones_like(stretch.response) / stretch.size] if level else []
     if stretch.rest:
         return np.stack(columns, axis=1), np.empty((len(stretch.response), 0))

@@ -77,9 +77,11 @@ def rows_of(stretches: Sequence[Stretch], kind: Kind, point: np.ndarray | None) 
         one = np.ones_like(stretch.response)
         columns = [*([stretch.drive] if driven else []), *([one] if kind.level else [])]
         if kind.form is not None and point is not None:
-            columns = [kind.form.answer(point, stretch, stretch.drive)] if driven else []
+            columns = [kind.form.answer(point, stretch, stretch.push)] if driven else []
             forced = kind.form.name == "no-spring"
-            columns += [kind.form.answer(point, stretch, one) if forced else one] if kind.level else []
+            columns += (
+                [kind.form.answer(point, stretch, np.ones_like(stretch.push)) if forced else one] if kind.level else []
+            )
         stacked = np.stack([*(c / stretch.size for c in columns), stretch.response], axis=1)
         if kind.form is not None and point is not None and not stretch.rest:
             basis, _ = np.linalg.qr(kind.form.free(point, stretch))

@@ -11,8 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...campaign.corners import corners
 from ...campaign.drive import half_step_drive
-from ...campaign.noise.recursive import convolved, recursive_filter
+from ...campaign.noise.recursive import recursive_filter
 from ...campaign.record import Trace
 from ...campaign.smooth_drive import smooth_drive
 
@@ -33,14 +34,15 @@ class Sums(NamedTuple):
 
 
 class Stretch(NamedTuple):
-    """A record for the linear search: its liveliest stretch, the response divided by its `size`; `rate` of the drive,
-    per s; `rest`: whether it starts from rest; `power` of the response about its mean; `order` of the derivative of the
-    displacement that it is; `edge` of a drive that is held and `load` of the device, as of `Trace`; `finer`: into how
-    many parts its sampling intervals are divided, as a drive that is smooth is no line between few samples per period;
+    """A record for the linear search: its liveliest stretch, the response divided by its `size`; `rest`: whether it
+    starts from rest; `power` of the response about its mean; `order` of the derivative of the displacement that it is;
+    `edge` of a drive that is held and `load` of the device, as of `Trace`; `finer`: into how many parts its sampling
+    intervals are divided, as a `smooth` drive is no line between few samples per period, and the `rate` there, per s;
     `sums` that have been asked for, by frequency, quality and mass."""
 
     step: float
     drive: np.ndarray
+    smooth: np.ndarray
     rate: np.ndarray
     response: np.ndarray
     size: float
@@ -53,31 +55,60 @@ class Stretch(NamedTuple):
     finer: int
     sums: dict[tuple[float, float, float], Sums]
 
+    @property
+    def parts(self) -> int:
+        """Points of the grid, on which linear systems are driven, to a sampling interval."""
+        return self.finer if self.edge is None else 1
+
+    @property
+    def push(self) -> np.ndarray:
+        """The drive on that grid: what lines between its points, or values that are held, make of it is the drive."""
+        return self.smooth if self.edge is None else self.drive
+
+    @property
+    def push_rate(self) -> np.ndarray:
+        """Its rate there, per s."""
+        return self.rate if self.edge is None else self.rate[:: self.finer]
+
 
 @lru_cache(maxsize=256)
 def stretch_of(record: Trace) -> Stretch:
     """A record for the linear search."""
     part = _liveliest(record.response)
     size = float(np.std(record.response[part])) or 1.0
-    rest = record.start == "rest" and part.start == 0
     response = record.response[part] / size
-    power = float(np.sum((response - np.mean(response)) ** 2))
-    rate = half_step_drive(replace(record, edge=None))[1][::2]
+    smooth, finer = _dense(record.drive, part) if record.driven else (record.drive[part], 1)
+    rate = half_step_drive(replace(record, edge=None), finer)[1][::2][finer * part.start :][: len(smooth)]
     return Stretch(
         record.step,
         record.drive[part],
-        rate[part],
+        smooth,
+        rate,
         response,
         size,
-        rest,
+        record.start == "rest" and part.start == 0,
         record.driven,
-        power,
+        float(np.sum((response - np.mean(response)) ** 2)),
         record.order,
         record.edge,
         record.load,
-        _parts_of(record) if record.driven else 1,
+        finer,
         {},
     )
+
+
+def _dense(drive: np.ndarray, part: slice) -> tuple[np.ndarray, int]:
+    """The drive (n,) in a part of the record at so many points to a sampling interval that lines between them make it,
+    sharpened by what they take from its curvature; and how many they are. One with corners is made of lines."""
+    last = min(part.stop, len(drive)) - 1
+    first, beyond = max(part.start - _REACH, 0), min(last + 1 + _REACH, len(drive))
+    if corners(drive):
+        return drive[part], 1
+    finer = math.ceil(highest_content(drive, 1.0) / _STRAIGHT)
+    places = np.arange((last - part.start) * finer + 1) / finer + part.start - first
+    curve = smooth_drive(drive[first:beyond])(places)
+    curve[1:-1] -= np.diff(curve, 2) / 12
+    return curve, finer
 
 
 def _liveliest(response: np.ndarray) -> slice:
@@ -101,38 +132,12 @@ def liveliest(signal: np.ndarray, step: float, most: int) -> list[float]:
     return [float(k / (len(signal) * step)) for k in peaks[np.argsort(-power[peaks])][:most]]
 
 
-def _parts_of(record: Trace) -> int:
-    """`Stretch.finer` of a driven record."""
-    return math.ceil(highest_content(record.drive, 1.0) / _STRAIGHT) if len(record.drive) > _REACH else 1
-
-
 def answered(
     stretch: Stretch, filter_of: Callable[[float], tuple[np.ndarray, np.ndarray]], push: np.ndarray
 ) -> np.ndarray:
-    """What a linear system answers to a push (n,) or (n, k) that is as smooth, or held, as the drive of a record is;
-    `filter_of` a sampling interval: its digital filter, exact for a push that is linear between samples, or held."""
-    if stretch.edge is not None or stretch.finer == 1:
-        return recursive_filter(*filter_of(stretch.step), push)
-    return recursive_filter(*filter_of(stretch.step / stretch.finer), _between(push, stretch.finer))[:: stretch.finer]
-
-
-def _between(push: np.ndarray, parts: int) -> np.ndarray:
-    """A smooth push (n, …) at ((n − 1) `parts` + 1, …) places, between which it is a line: sharpened by what lines take
-    from its curvature."""
-    ends = 2 * push[0] - push[_REACH:0:-1], 2 * push[-1] - push[-2 : -_REACH - 2 : -1]
-    wider, kernel = np.concatenate([ends[0], push, ends[1]]), _kernel(parts)
-    dense = np.stack([convolved(kernel[k::parts], wider) for k in range(parts)], axis=1)[2 * _REACH :]
-    curve = dense.reshape(-1, *push.shape[1:])[: (len(push) - 1) * parts + 1]
-    curve[1:-1] -= np.diff(curve, 2, axis=0) / 12
-    return curve
-
-
-@lru_cache(maxsize=8)
-def _kernel(parts: int) -> np.ndarray:
-    """What one sample does to a smooth drive beside it."""
-    alone = np.zeros(2 * _REACH + 1)
-    alone[_REACH] = 1.0
-    return smooth_drive(alone)(np.arange(2 * _REACH * parts + 1) / parts)
+    """What a linear system answers at the samples (n,) or (n, k) to a push on the grid of `Stretch.push`; `filter_of` a
+    step of that grid: its digital filter, exact for a push that is linear between the points, or held."""
+    return recursive_filter(*filter_of(stretch.step / stretch.parts), push)[:: stretch.parts]
 
 
 def oscillator_filter(
@@ -239,7 +244,7 @@ def _projected(stretches: Sequence[Stretch], frequency: float, quality: float, h
     measured = np.stack([stretch.response for stretch in stretches])
     forced = np.zeros_like(measured)  # to a decay a constant drive is a level, whatever the gain
     if first.driven:
-        drives = np.stack([stretch.drive / (stretch.size * heavier) for stretch in stretches], axis=1)
+        drives = np.stack([stretch.push / (stretch.size * heavier) for stretch in stretches], axis=1)
         filter_of = lambda step: oscillator_filter(frequency, quality, step, first.order, first.edge)
         forced = answered(first, filter_of, drives).T
     both = np.stack([forced, measured])
