@@ -51,7 +51,9 @@ def shaken() -> Fit:
         "strong": 4.5 * np.sin(2 * np.pi * 146 * time),
         "strong chirp": 5.0 * chirp(90.0, 210.0),
     }
-    records = tuple(record(name, drive, seed) for seed, (name, drive) in enumerate(drives.items()))
+    # What is asked here is where is looked from. The search for the stop itself ends elsewhere with the noise of every
+    # second seed, with a cubic spline between the samples as with the drive itself: these are not among them.
+    records = tuple(record(name, drive, seed) for seed, (name, drive) in enumerate(drives.items(), 40))
     return fit(Model(Oscillator()), Campaign("shaken", records, Oscillator()))
 
 

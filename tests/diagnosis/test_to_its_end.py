@@ -60,7 +60,8 @@ def test_without_an_effect_the_others_stay_what_they_can_be(monkeypatch: pytest.
     model = Model(Oscillator(), (CubicStiffness(), CoulombFriction()))
     parent = ended(model, [1.0, 10.0, 1.0, 5.0, 0.0, 0.2, 1e-4], 100.0, True)
     for friction, kept in ((-0.2, 0.2), (0.3, 0.3)):
-        found = SimpleNamespace(values=np.array([1.0, 10.0, 1.0, friction, 1e-4]))
+        best = SimpleNamespace(found=SimpleNamespace(starts=None))
+        found = SimpleNamespace(values=np.array([1.0, 10.0, 1.0, friction, 1e-4]), best=best)
         monkeypatch.setattr(change, "refit", lambda *_, found=found, **__: found)
         monkeypatch.setattr(change, "fit_at", lambda model, _, values, **__: ended(model, list(values), 200.0, False))
         without = change.try_without.__wrapped__(parent, "cubic-stiffness", parent)
