@@ -30,12 +30,12 @@ def smooth_drive(samples: np.ndarray) -> BSpline:
     """The curve through a drive (n,), a function of the place in samples, from 0 to n − 1."""
     from scipy.interpolate import make_interp_spline  # here, because its import costs more than reading a campaign
 
-    before, after = foretold(samples[::-1])[::-1], foretold(samples)
+    before, after = _going_on(samples[::-1])[::-1], _going_on(samples)
     at = np.arange(-len(before), len(samples) + len(after), dtype=float)
     return make_interp_spline(at, np.concatenate([before, samples, after]), k=_DEGREE)
 
 
-def foretold(samples: np.ndarray) -> np.ndarray:
+def _going_on(samples: np.ndarray) -> np.ndarray:
     """How a signal (n,) goes on after its end, as far as its last samples tell: (`_BEYOND`,)."""
     last = samples[-_FROM:].astype(float)
     forward, backward, filtered = last[1:], last[:-1], np.ones(1)

@@ -44,8 +44,10 @@ def fit_at(
     base, values = base_values(model, guess, scales), np.asarray(values, float)
     static, data = assemble_fit(model, campaign, guess, scales, base, values, substeps)
     data = reweighed(static, data, values)
-    known = begun is not None and np.shape(begun) == data.start_scale.shape and bool(np.all(np.isfinite(begun)))
-    first = begin_at(data, static, begun) if begun is not None and known else begin(data, static)
+    if begun is not None and np.shape(begun) == data.start_scale.shape and np.all(np.isfinite(begun)):
+        first = begin_at(data, static, begun)
+    else:
+        first = begin(data, static)
     data, unknowns, found = solve.rescale(static, data, first)
     if static.starts_free:
         unknowns, found = fit_starts(static, data, unknowns)

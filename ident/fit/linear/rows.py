@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -77,11 +78,10 @@ def rows_of(stretches: Sequence[Stretch], kind: Kind, point: np.ndarray | None) 
         one = np.ones_like(stretch.response)
         columns = [*([stretch.drive] if driven else []), *([one] if kind.level else [])]
         if kind.form is not None and point is not None:
-            columns = [kind.form.answer(point, stretch, stretch.push)] if driven else []
-            forced = kind.form.name == "no-spring"
-            columns += (
-                [kind.form.answer(point, stretch, np.ones_like(stretch.push)) if forced else one] if kind.level else []
-            )
+            answer = partial(kind.form.answer, point, stretch)
+            columns = [answer(stretch.push)] if driven else []
+            if kind.level:
+                columns.append(answer(np.ones_like(stretch.push)) if kind.form.name == "no-spring" else one)
         stacked = np.stack([*(c / stretch.size for c in columns), stretch.response], axis=1)
         if kind.form is not None and point is not None and not stretch.rest:
             basis, _ = np.linalg.qr(kind.form.free(point, stretch))
