@@ -106,6 +106,14 @@ def test_what_the_run_does_not_depend_on_may_change(lab, text):
     assert [record.name for record in loads(lab, text).records] == ["a.csv", "b.csv"]
 
 
+def nearly(told):
+    if isinstance(told, dict):
+        return {name: nearly(value) for name, value in told.items()}
+    if isinstance(told, list):
+        return [nearly(value) for value in told]
+    return pytest.approx(told, rel=1e-9) if isinstance(told, float) else told
+
+
 def test_records_that_change_their_order_keep_what_the_run_found_of_them(lab):
     turned = HEAD + "[[record]]\n" + RECORDS[1] + "\n[[record]]\n" + RECORDS[0]
     assert [record.name for record in loads(lab, turned).records] == ["a.csv", "b.csv"]
@@ -114,7 +122,8 @@ def test_records_that_change_their_order_keep_what_the_run_found_of_them(lab):
     assert [record.name for record in fit.campaign.records] == ["a.csv", "b.csv"]
     again = ident.write_run(fit, lab / "again", page=False)
     (lab / "campaign.toml").write_text(CAMPAIGN, encoding="utf-8")
-    assert read_run(again)["records"] == read_run(lab / "run")["records"]
+    # Another order of the sums, another rounding.
+    assert read_run(again)["records"] == nearly(read_run(lab / "run")["records"])
     assert load_run(again).fitted.error_over_noise == pytest.approx(fit.fitted.error_over_noise, rel=1e-6)
 
 
