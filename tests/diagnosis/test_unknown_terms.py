@@ -14,8 +14,12 @@ import pytest
 from ident.campaign.device import Oscillator
 from ident.diagnosis.unknown.effect_file import effect_source
 from ident.diagnosis.unknown.formula import Formula, goal
+from ident.diagnosis.unknown.products import _LINEAR as LINEAR
+from ident.diagnosis.unknown.products import _SIGN as SIGN
+from ident.diagnosis.unknown.products import Product
 from ident.diagnosis.unknown.splines import Size, plays, relaxed, sharp, splines
-from ident.diagnosis.unknown.terms import Term, monomial, paired, remembered, single, table
+from ident.diagnosis.unknown.tables import _level
+from ident.diagnosis.unknown.terms import Term, bumps, monomial, paired, remembered, single, table
 from ident.effects.dependence import Side
 from ident.effects.effect import AbstractEffect, Drive, State
 from ident.effects.registry import registry
@@ -53,6 +57,21 @@ def test_terms_of_one_coordinate_are_written_as_they_are(name, tmp_path):
         assert_same(side, terms, loaded(side, terms, tmp_path))
 
 
+@pytest.mark.parametrize("side", ["force", "drive"])
+@pytest.mark.parametrize("factor", [LINEAR, SIGN])
+def test_a_table_is_written_with_what_the_linear_part_has_of_it(side, factor, tmp_path):
+    of, by = ("z", "v") if side == "force" else ("V", "dV")
+    sizes = {name: size._replace(mostly=(0.8 * size.low, 0.7 * size.high)) for name, size in SIZES.items()}
+    x = np.random.default_rng(5).uniform(-1, 1, (5, 1, 400))
+    seen = [{name: part * SIZES[name].largest for name, part in zip(SIZES, x, strict=True)}]
+    terms = Product(of, by, factor, 24).table(side, sizes, seen)
+    assert_same(side, terms, loaded(side, terms, tmp_path))
+    slanted = [_level(t, of, sizes[of], seen) for t in bumps(of, sizes[of], gauge=True, knots=12)]
+    assert_same(side, slanted, loaded(side, slanted, tmp_path))
+    text = (tmp_path / "written.py").read_text(encoding="utf-8")
+    assert "slope = jnp.array" in text and max(map(len, text.splitlines())) < 120
+
+
 @pytest.mark.parametrize("names", [("z", "v"), ("z", "V"), ("v", "t"), ("V", "dV")])
 def test_terms_of_two_coordinates_are_written_as_they_are(names, tmp_path):
     terms = [monomial([]), *paired(*names)]
@@ -68,7 +87,7 @@ def assert_same(side: Side, terms: list[Term], effect: type[AbstractEffect]) -> 
             alone = effect(Oscillator(), **{a: float(a == own) for a in amplitudes})
             written = alone.drive((), drive, x["t"]) if side == "drive" else getattr(alone, side)(state, drive, x["t"])
             points = {n: np.array([[0.999, 1.0, 1.001]]) * value for n, value in x.items()}
-            assert float(written) == pytest.approx(term.value(points)[0, 1], rel=2e-3, abs=1e-300), term.text
+            assert float(written) == pytest.approx(term.value(points)[0, 1], rel=2e-3, abs=1e-30), term.text
 
 
 def test_terms_with_memory_are_written_with_their_hidden_states(tmp_path):

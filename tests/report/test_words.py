@@ -120,6 +120,14 @@ def test_strong_correlations_in_words(make_fit):
     assert correlation_sentences(fit) == ()
 
 
+def test_of_many_strong_correlations_the_closest(make_fit):
+    fit = make_fit(effects=["cubic-stiffness", "quadratic-damping"])
+    deviation = np.sqrt(fit.covariance.diagonal())
+    told = correlation_sentences(replace(fit, covariance=0.95 * np.outer(deviation, deviation)))
+    pairs = len(deviation) * (len(deviation) - 1) // 2
+    assert len(told) == 7 and told[-1] == f"so are {pairs - 6} more pairs, with correlations beyond ±0.9"
+
+
 def test_a_good_fit_is_called_good_and_a_bad_one_is_not_trusted(make_fit):
     good, bad = make_fit(), make_fit(misfit=0.05)
     assert "to the noise floor" in verdict(good)

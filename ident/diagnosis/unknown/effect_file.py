@@ -12,17 +12,11 @@ from ...errors import UserError
 from .find import Unknown
 from .formula import Formula
 from .splines import UNITS
+from .table_code import Shapes, written_table
 from .terms import Term, amplitude_unit
 
 _STATE = {"z": "state.z", "v": "state.v", "V": "drive.V", "t": "t", "rate": "drive.rate"}
 _LOOP = "    dV = drive.rate / jnp.where(drive.omega > 0, drive.omega, jnp.inf)\n"
-_BUMP = '''
-
-def bump(x):
-    """Cubic B-spline of whole-numbered knots: 2/3 at its centre, 0 from ±2."""
-    far = jnp.abs(x)
-    return (jnp.maximum(2 - far, 0.0) ** 3 - 4 * jnp.maximum(1 - far, 0.0) ** 3) / 6
-'''
 
 
 class _Written(NamedTuple):
@@ -54,27 +48,31 @@ def write_effect(unknown: Unknown, path: Path, name: str) -> None:
 
 def effect_source(formula: Formula, name: str, found: str = "") -> str:
     """The text of that file."""
-    shapes: dict[tuple[str, float, bool], str] = {}
+    shapes: Shapes = {}
     terms, hidden = [], 0
     for i, (term, amplitude) in enumerate(zip(formula.terms, formula.coefficients, strict=True), 1):
         terms.append(_term(i, term, float(amplitude), formula.side, shapes, hidden))
         hidden += bool(term.memory)
-    product = " + ".join(term.product for term in terms)
+    table = written_table(formula.terms, shapes)
+    products = [t.product for t, term in zip(terms, formula.terms, strict=True) if term.knot is None]
+    products += [table.product] if table else []
+    product = " + ".join(products)
     if len(product) > 90:
-        product = "(\n            " + "\n            + ".join(term.product for term in terms) + "\n        )"
+        product = "(\n            " + "\n            + ".join(products) + "\n        )"
     signature = {"force": "force(self, state, drive, t)", "drive": "drive(self, hidden, drive, t)",
                  "sensor": "sensor(self, state, drive, t)"}[formula.side]  # fmt: skip
     store = "hidden" if formula.side == "drive" else "state.hidden"
     names = sorted({n for term in formula.terms for n in term.names})
-    body = _locals(names) + f"        return {product.replace('{hidden}', store)}\n"
+    body = _locals(names) + (table.body if table else "") + f"        return {product.replace('{hidden}', store)}\n"
     declared = "".join(f"    {line}\n" for term in terms for line in term.declared)
     rates = [term.rate for term in terms if term.rate]
     memory = _memory(rates) if rates else ""
     units = "    hidden_units = " + _tuple([f'"{t.hidden_unit}"' for t in terms if t.rate]) + "\n" if rates else ""
-    whole = body + memory
-    imports = "import jax.numpy as jnp\n\n" if "jnp." in whole or "bump(" in whole else ""
+    whole = (table.prepare if table else "") + body + memory
+    imports = "import jax.numpy as jnp\n\n" if "jnp." in whole else ""
     kinds = "AbstractEffect, amplitude" + (", shape" if "= shape(" in declared else "")
-    plays = "from ident.effects.memory import dragged\n" if "dragged(" in whole else ""
+    helpers = "from ident.effects.memory import dragged\n" if "dragged(" in whole else ""
+    helpers += "from ident.effects.table import spline\n" if table else ""
     sharp = next((n for mark, n in (("tanh", 250), ("dragged(", 120), ("maximum(", 120)) if mark in whole), 0)
     fine = f"    steps_per_period = {sharp}\n" if sharp else ""
     if "tanh" in whole or "maximum(" in whole:
@@ -84,16 +82,14 @@ def effect_source(formula: Formula, name: str, found: str = "") -> str:
     title = "".join(word.capitalize() for word in name.split("-"))
     text = formula.text if len(formula.text) < 90 else f"{len(formula.terms)} terms in {', '.join(names)}"
     return (
-        f"{head}{imports}from ident import {kinds}\n{plays}{_BUMP if 'bump(' in whole else ''}\n\n"
+        f"{head}{imports}from ident import {kinds}\n{helpers}\n\n"
         f'class {title}(AbstractEffect):\n    """{text}."""\n\n'
         f'    name = "{name}"\n    equation = "{text}"\n{units}{fine}\n{declared}\n'
-        f"    def {signature}:\n{body}{memory}"
+        f"{table.prepare if table else ''}    def {signature}:\n{body}{memory}"
     )
 
 
-def _term(
-    i: int, term: Term, amplitude: float, side: Side, shapes: dict[tuple[str, float, bool], str], hidden: int
-) -> _Written:
+def _term(i: int, term: Term, amplitude: float, side: Side, shapes: Shapes, hidden: int) -> _Written:
     unit = amplitude_unit(side, term.powers)
     declared = [f'c{i} = amplitude("{unit}", "of {term.text}", default={amplitude:.9g})']
     own = {"{n}": "", "{w}": ""}

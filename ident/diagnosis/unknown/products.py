@@ -148,7 +148,8 @@ def _along(term: Term, seen: Sequence[Places]) -> np.ndarray:
 
 
 def _less(term: Term, mean: float) -> Term:
-    return term._replace(code=f"({term.code} - {mean:.9g})", value=lambda x: term.value(x) - mean)
+    knot = term.knot and term.knot._replace(level=mean)
+    return term._replace(knot=knot, value=lambda x: term.value(x) - mean)
 
 
 def products(first: str, second: str, ranges: Mapping[str, Size]) -> Iterator[Product]:

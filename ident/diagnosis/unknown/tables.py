@@ -62,8 +62,8 @@ def _level(term: Term, name: str, size: Size, seen: Sequence[Places]) -> Term:
     along = lambda place: np.clip(place[name] / size.largest, low, high)
     x = np.concatenate([along(place).ravel() for place in seen])
     slope = float(x @ np.concatenate([term.value(place).ravel() for place in seen]) / (x @ x))
-    code = f"({term.code} - {slope:.9g} * jnp.clip({name} / {{n}}, {low:.6g}, {high:.6g}))"
-    return term._replace(code=code, value=lambda place: term.value(place) - slope * along(place))
+    knot = term.knot and term.knot._replace(slope=slope)
+    return term._replace(knot=knot, value=lambda place: term.value(place) - slope * along(place))
 
 
 def _told(found: Formula, g: str, law: np.ndarray, known: bool) -> Formula:

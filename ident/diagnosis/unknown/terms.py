@@ -42,6 +42,24 @@ class Number(NamedTuple):
     fitted: bool
 
 
+class Knot(NamedTuple):
+    """One spline of a table over a coordinate: the `index`-th of `count` from `low` to `high`, in parts of the term's
+    number, less a constant `level` and a line of so much `slope` over the same clipped parts."""
+
+    name: str
+    low: float
+    high: float
+    count: int
+    index: int
+    level: float = 0.0
+    slope: float = 0.0
+
+    @property
+    def table(self) -> tuple[str, float, float, int]:
+        """What all splines of one table share."""
+        return self.name, self.low, self.high, self.count
+
+
 class Term(NamedTuple):
     """One function.
 
@@ -55,6 +73,7 @@ class Term(NamedTuple):
     - `kind`, of terms that differ in their number alone, or share one and say most together, as a sine and a cosine
       do; and `again`, the same with another number.
     - `law`: "g(z) v" for all terms that are a function of z times v; `width`: of a step that these are multiplied by.
+    - `knot`: of a term that is one spline of a table, whose `code` is only what it is multiplied by.
     """
 
     text: str
@@ -69,6 +88,7 @@ class Term(NamedTuple):
     again: Callable[[float], Term] | None = None
     width: Number | None = None
     law: str = ""
+    knot: Knot | None = None
 
 
 def monomial(powers: Iterable[tuple[str, int]]) -> Term:
@@ -213,10 +233,18 @@ def bumps(name: str, size: Size, gauge: bool, knots: int) -> list[Term]:
     found = []
     for k in range(gauge, knots):
         centre = low + (k - 1) * spacing
-        code = f"bump((jnp.clip({name} / {{n}}, {low:.6g}, {high:.6g}) - {centre:.6g}) / {spacing:.6g})"
-        code = code.replace("- -", "+ ")
         value = lambda x, c=centre: bump((np.clip(x[name] / size.largest, low, high) - c) / spacing)
-        found.append(Term(f"bump {k}", code, (name,), (), value, own))
+        found.append(
+            Term(
+                f"spline at {number(centre * size.largest)}",
+                "1.0",
+                (name,),
+                (),
+                value,
+                own,
+                knot=Knot(name, low, high, knots, k),
+            )
+        )
     return found
 
 

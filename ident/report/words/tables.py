@@ -21,6 +21,7 @@ _FLAGS = {
     "held": "held",
 }
 _CORRELATED = 0.9  # correlation from which two parameters are said to be poorly told apart
+_MOST_PAIRS = 6  # of such parameters that are told: a table of fifty numbers has a thousand
 _SAME_MINIMUM = 1e-3  # relative difference of the error within which two starts reached the same minimum
 
 
@@ -179,7 +180,8 @@ def start_sentence(fit: Fit) -> str:
 
 
 def correlation_sentences(fit: Fit) -> tuple[str, ...]:
-    """Pairs of determined parameters that the records hardly tell apart, the closest first."""
+    """Pairs of determined parameters that the records hardly tell apart, the closest first, and how many there are
+    beside these."""
     deviation = [math.sqrt(max(v, 0.0)) for v in fit.covariance.diagonal()] if len(fit.free) else []
     known = [k for k, i in enumerate(fit.free) if fit.estimates[i].standard_error is not None and deviation[k] > 0]
     pairs = []
@@ -189,7 +191,9 @@ def correlation_sentences(fit: Fit) -> tuple[str, ...]:
             if abs(r) > _CORRELATED:
                 pairs.append((r, fit.estimates[fit.free[i]].name, fit.estimates[fit.free[j]].name))
     words = {True: "both can grow together", False: "one can grow as the other shrinks"}
-    return tuple(
-        f"{a} and {b} are poorly told apart: {words[r > 0]} (correlation {r:.2f})"
-        for r, a, b in sorted(pairs, key=lambda pair: -abs(pair[0]))
-    )
+    pairs.sort(key=lambda pair: -abs(pair[0]))
+    told = [f"{a} and {b} are poorly told apart: {words[r > 0]} (correlation {r:.2f})" for r, a, b in pairs]
+    more = len(told) - _MOST_PAIRS
+    if more > 1:
+        told[_MOST_PAIRS:] = [f"so are {more} more pairs, with correlations beyond ±{_CORRELATED}"]
+    return tuple(told)
