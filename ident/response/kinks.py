@@ -23,7 +23,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from .lane import Numbers
-from .runge_kutta import Slope, runge_kutta
+from .runge_kutta import Slope, with_stages
 from .system import System, accelerated
 
 SHORTEST = 1 / 256
@@ -48,14 +48,33 @@ def sticks(system: System, slots: tuple[slice | None, ...], y: tuple[Array, ...]
     return -h * jax.jvp(by_velocity, (y[1],), (jnp.ones_like(y[1]),))[1] > STIFF
 
 
-def crept(slope: Slope, y: tuple[Array, ...], at: list[tuple[Any, ...]], h: Any) -> tuple[Array, ...]:
-    """The state after a step `h` in which friction sticks: the velocity by a linearly implicit step to where forces
-    balance, all else as it moves with that."""
-    by_velocity = lambda v: slope((y[0], v, *y[2:]), at[2])[1]
-    acceleration, steep = jax.jvp(by_velocity, (y[1],), (jnp.ones_like(y[1]),))
-    v = y[1] + h * acceleration / (1.0 - h * steep)
-    held = lambda s, u: (v, 0.0 * v, *slope((s[0], v, *s[2:]), u)[2:])
-    return runge_kutta(held, (y[0], v, *y[2:]), at, h)
+def advanced(
+    system: System, slope: Slope, slots: tuple[slice | None, ...], y: tuple[Array, ...], at: list[tuple[Any, ...]],
+    h: Any, can_stick: bool,
+) -> tuple[tuple[Array, ...], tuple[tuple[Array, ...], ...]]:  # fmt: skip
+    """The state after a step `h` with the inputs `at` its beginning, middle and end, and the four states of the method;
+    `slope` of the system's state.
+
+    Where friction sticks the velocity goes by a linearly implicit step to where forces balance, and all else moves with
+    that. It is one method whose velocity is held or not, so that the laws are compiled once.
+    """
+    if not can_stick:
+        return with_stages(slope, y, at, h)
+    still = sticks(system, slots, y, at[2], h)
+
+    def balanced() -> Array:
+        by_velocity = lambda v: slope((y[0], v, *y[2:]), at[2])[1]
+        acceleration, steep = jax.jvp(by_velocity, (y[1],), (jnp.ones_like(y[1]),))
+        return y[1] + h * acceleration / (1.0 - h * steep)
+
+    v = lax.cond(still, balanced, lambda: y[1])
+
+    def moved(s: tuple[Array, ...], u: tuple[Any, ...]) -> tuple[Array, ...]:
+        pace = jnp.where(still, v, s[1])
+        _, acceleration, *rates = slope((s[0], pace, *s[2:]), u)
+        return pace, jnp.where(still, 0.0, acceleration), *rates
+
+    return with_stages(moved, (y[0], jnp.where(still, v, y[1]), *y[2:]), at, h)
 
 
 def bend(system: System, slots: tuple[slice | None, ...], states: Any, inputs: Any, h: Numbers) -> Array:
