@@ -119,19 +119,19 @@ def unsettled(lab: Lab, rng: np.random.Generator) -> None:
     _records(lab, rng, _hardening, lambda i, t, z: z + wander(i, t))
 
 
-@device(beyond=True)
+@device("drive-saturation")
 def amplifier(lab: Lab, rng: np.random.Generator) -> None:
     """An amplifier at its limit behind the point where the drive is measured."""
     _records(lab, rng, lambda w, z, v: 0.0, push=lambda u: 3 * np.tanh(u / 3))
 
 
-@device(beyond=True, floor=False)
+@device("drive-dead-zone")
 def dead_zone(lab: Lab, rng: np.random.Generator) -> None:
     """A drive that does nothing below 0.6 V."""
     _records(lab, rng, lambda w, z, v: 0.0, push=lambda u: np.sign(u) * np.maximum(np.abs(u) - 0.6, 0.0))
 
 
-@device(beyond=True)
+@device("asymmetric-damping")
 def one_way_damper(lab: Lab, rng: np.random.Generator) -> None:
     """A damper that is stronger one way."""
     _records(lab, rng, lambda w, z, v: -0.3 * w / 40 * abs(v))

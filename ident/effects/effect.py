@@ -293,6 +293,10 @@ class AbstractEffect:
     def begun(self, drive: Drive) -> tuple[Scalar, ...]:
         return self.state0()
 
+    def swing(self) -> Scalar:
+        """How many times as large as what moves them its hidden states may become: a mode, as its quality says."""
+        return 1.0
+
     def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
         return ()
 

@@ -26,4 +26,5 @@ def spline(x: Scalar, low: float, high: float, coefficients: Array) -> Array:
     weights = ((1 - u) ** 3, 3 * u**3 - 6 * u**2 + 4, 1 + 3 * u + 3 * u**2 - 3 * u**3, u**3)
     k = first.astype(int)
     near = (coefficients.at[k + i].get(mode="promise_in_bounds") for i in range(4))
-    return sum(weight * c for weight, c in zip(weights, near, strict=True)) / 6
+    first, *others = (weight * c for weight, c in zip(weights, near, strict=True))
+    return sum(others, first) / 6

@@ -116,7 +116,8 @@ class Passes:
         stiffness, damping = equation.model.spring_and_damper(values[FREQUENCY], values[QUALITY], mass)
         answer = values[GAIN] * force * level / (stiffness - (mass + lane.load) * omega**2 + 1j * omega * damping)
         size = max(abs(answer), 1e-300)
-        unit = np.array([size, omega * size, *size_of_hidden(equation.history_units, size, abs(level), omega)])
+        hidden = size_of_hidden(equation.history_units, size, abs(level), omega) * equation.swings(values)
+        unit = np.array([size, omega * size, *hidden])
         guess = np.zeros(n)
         guess[:2] = answer.real, (1j * omega * answer).real
         known = self.known.setdefault(equation, {})

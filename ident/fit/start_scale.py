@@ -5,17 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+import numpy as np
+
 from ..units import exponents
 from .linear.guess import DataScales
 
 _PART = 0.1  # of the spring's force at the largest amplitude: a law that is seen, and does not rule
 
 
-def size_of_hidden(units: Sequence[str], amplitude: float, volts: float, omega: float) -> list[float]:
-    """About as large as hidden states with these units become in a motion of an amplitude (m) at a pulsation (rad/s)
-    under a drive (V)."""
+def size_of_hidden(units: Sequence[str], amplitude: float, volts: float, omega: float) -> np.ndarray:
+    """About as large as what moves hidden states with these units makes them in a motion of an amplitude (m) at a
+    pulsation (rad/s) under a drive (V)."""
     sizes = {"m": amplitude, "V": volts, "s": 1.0 / omega}
-    return [math.prod(sizes.get(base, 1.0) ** power for base, power in exponents(unit).items()) for unit in units]
+    size = lambda unit: math.prod(sizes.get(base, 1.0) ** power for base, power in exponents(unit).items())
+    return np.array([size(unit) for unit in units])
 
 
 def small_size(unit: str, scales: DataScales, mass: float) -> float:

@@ -50,13 +50,15 @@ def read_by(campaign: Campaign, parts: Sequence[np.ndarray]) -> Campaign:
     return replace(campaign, records=tuple(told))
 
 
-@np.errstate(over="ignore", invalid="ignore")  # a motion without bound has no zero
+@np.errstate(over="ignore", invalid="ignore")
 def best_by(zeros: Sequence[Zero], slices: Sequence[slice], weight: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """The part (k, samples) of rows that zeros make best, each record's own with the weights of its samples."""
+    """The part (k, samples) of rows that zeros make best, each record's own with the weights of its samples. A motion
+    without bound has no zero: a record read by one would be no record any more."""
     part = np.zeros_like(rows)
     for zero in zeros:
         own = slices[zero.place]
         seen = zero.curves * weight[own]
         share = np.linalg.pinv(seen @ seen.T, hermitian=True) @ (seen @ (rows[:, own] * weight[own]).T)
-        part[:, own] = share.T @ zero.curves
+        found = share.T @ zero.curves
+        part[:, own] = np.where(np.all(np.isfinite(found), axis=1, keepdims=True), found, 0.0)
     return part

@@ -16,6 +16,7 @@ Source: E. Hairer, S. P. Nørsett, G. Wanner, Solving Ordinary Differential Equa
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import jax
@@ -23,8 +24,8 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from .lane import Numbers
-from .runge_kutta import Slope, with_stages
-from .system import System, accelerated
+from .runge_kutta import runge_kutta
+from .system import System, accelerated, derivative
 
 SHORTEST = 1 / 256
 """Part of a step: ten thousand in a period of the resonance, if the step is one of `model.COARSE`."""
@@ -49,17 +50,17 @@ def sticks(system: System, slots: tuple[slice | None, ...], y: tuple[Array, ...]
 
 
 def advanced(
-    system: System, slope: Slope, slots: tuple[slice | None, ...], y: tuple[Array, ...], at: list[tuple[Any, ...]],
-    h: Any, can_stick: bool,
-) -> tuple[tuple[Array, ...], tuple[tuple[Array, ...], ...]]:  # fmt: skip
-    """The state after a step `h` with the inputs `at` its beginning, middle and end, and the four states of the method;
-    `slope` of the system's state.
+    system: System, slots: tuple[slice | None, ...], y: tuple[Array, ...], at: list[tuple[Any, ...]], h: Any,
+    can_stick: bool,
+) -> tuple[Array, ...]:  # fmt: skip
+    """The state after a step `h` with the inputs `at` its beginning, middle and end.
 
     Where friction sticks the velocity goes by a linearly implicit step to where forces balance, and all else moves with
     that. It is one method whose velocity is held or not, so that the laws are compiled once.
     """
+    slope = jax.jit(partial(derivative, system, slots))  # traced once instead of four times
     if not can_stick:
-        return with_stages(slope, y, at, h)
+        return runge_kutta(slope, y, at, h)
     still = sticks(system, slots, y, at[2], h)
 
     def balanced() -> Array:
@@ -74,7 +75,7 @@ def advanced(
         _, acceleration, *rates = slope((s[0], pace, *s[2:]), u)
         return pace, jnp.where(still, 0.0, acceleration), *rates
 
-    return with_stages(moved, (y[0], jnp.where(still, v, y[1]), *y[2:]), at, h)
+    return runge_kutta(moved, (y[0], v, *y[2:]), at, h)
 
 
 def bend(system: System, slots: tuple[slice | None, ...], states: Any, inputs: Any, h: Numbers) -> Array:
@@ -121,9 +122,10 @@ def halved(
 
     def half(state: tuple[Any, Any]) -> tuple[Any, Any]:
         length, _ = state
-        return 0.5 * length, (length > 2 * SHORTEST) & misses(0.5 * length)
+        length = jnp.where(misses(length), 0.5 * length, length)
+        return length, (length < state[0]) & (length > SHORTEST)
 
-    return lax.while_loop(lambda state: state[1], half, (length, (length > SHORTEST) & misses(length)))[0]
+    return lax.while_loop(lambda state: state[1], half, (length, length > SHORTEST))[0]
 
 
 def between(grids: tuple[Any, ...], first: Any, length: Any) -> list[tuple[Any, ...]]:

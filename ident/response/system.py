@@ -93,6 +93,11 @@ class Equation:
         """Units of all hidden states."""
         return self.history_units_of(0)
 
+    def swings(self, values: np.ndarray) -> np.ndarray:
+        """By how much more than what moves them all hidden states may swing, at some values (m,) SI."""
+        effects = self.model.bind(values)[1]
+        return np.concatenate([np.zeros(0), *(np.full(len(e.state0()), float(e.swing())) for e in effects)])
+
     def history_units_of(self, order: int) -> tuple[str, ...]:
         """The same in a record whose sensor reads the `order`-th derivative of the displacement."""
         units: list[str] = []

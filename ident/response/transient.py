@@ -23,7 +23,7 @@ from ..programs import program
 from .kinks import advanced, bend, between, halved, limits_of, sticks
 from .lane import Numbers
 from .memory import Remembered, Seen, forgotten, remembered_force
-from .runge_kutta import by_steps, stages
+from .runge_kutta import by_steps, stages, with_stages
 from .system import Block, Equation, System, assemble, begun, derivative, reading, slices, tangents
 from .tape import BLOCK, BLOCKS, Chunk, Tape
 
@@ -181,60 +181,44 @@ def march(
         fresh = tangents(beginning, (numbers, begin[k]), (along, own_kick))
         y, dy = jax.tree.map(lambda a, b: jnp.where(first > 0, a, b), fresh, (y, dy))
 
-        def there(numbers: Any) -> tuple[System, Any]:
+        def ahead(numbers: Any, y: tuple, inputs: list) -> tuple:
             system = system_of(numbers).at(block)
-            return system, jax.jit(partial(derivative, system, parts))  # traced once instead of four times
+            slope = jax.jit(partial(derivative, system, parts))  # traced once instead of four times
+            shown = reading(system, parts, y, inputs[0][:3], slope(y, inputs[0])[1])
+            after, states = with_stages(slope, y, inputs, block.step)
+            return after, shown, states
 
-        def step(numbers: Any, y: tuple, inputs: list, h: Any) -> tuple:
-            return advanced(*there(numbers), parts, y, inputs, h, equation.can_stick)
-
-        def shown_at(numbers: Any, y: tuple, now: tuple) -> Any:
-            system, slope = there(numbers)
-            return reading(system, parts, y, now, slope(y, now)[1])
-
-        def at_once(numbers: Any, y: tuple, inputs: list) -> tuple:
-            system, slope = there(numbers)
-            after = advanced(system, slope, parts, y, inputs, block.step, False)[0]
-            return after, reading(system, parts, y, inputs[0], slope(y, inputs[0])[1])
-
-        def in_parts(y: tuple, dy: tuple, at: tuple, remembered: tuple, changes: Any) -> tuple:
-            """A step that is tried whole, and divided if it meets a kink."""
-            now = system_of(numbers).at(block)
-            grids, (first, middle, last) = (*at, *remembered), stages((*at, *remembered))
-            rate, allowed = limits = limits_of(now, block.allowed)
-            only = lambda y, inputs, h: step(numbers, y, inputs, h)[0]
+        def in_parts(y: tuple, dy: tuple, at: tuple, remembered: tuple, changes: Any, limits: tuple) -> tuple:
+            def stepped(numbers: Any, y: tuple, inputs: list, h: Any) -> tuple:
+                return advanced(system_of(numbers).at(block), parts, y, inputs, h, equation.can_stick)
 
             def part(state: tuple) -> tuple:
-                begun, length, divided, y, dy = state
-                shorter = lambda: halved(only, y, grids, block.step, begun, length, limits)
-                length = lax.cond(divided, shorter, lambda: length)
+                first, length, y, dy = state
+                length = halved(partial(stepped, numbers), y, (*at, *remembered), block.step, first, length, limits)
 
                 def one(numbers: Any, y: tuple, remembered: tuple) -> tuple:
-                    return step(numbers, y, between((*at, *remembered), begun, length), block.step * length)
+                    return stepped(numbers, y, between((*at, *remembered), first, length), block.step * length)
 
-                (after, states), change = tangents(one, (numbers, y, remembered), (along, dy, changes))
-                missed = bend(now, parts, states, (first, middle, middle, last), block.step)
-                again = ~divided & (missed > rate * allowed)
-                keep = lambda old, new: jax.tree.map(lambda a, b: jnp.where(again, a, b), old, new)
-                begun = jnp.where(again, begun, begun + length)
-                y, dy = keep(y, after), None if change is None else keep(dy, change[0])
-                return begun, jnp.minimum(2 * length, 1 - begun), divided | again, y, dy
+                y, dy = tangents(one, (numbers, y, remembered), (along, dy, changes))
+                first = first + length
+                return first, jnp.minimum(2 * length, 1 - first), y, dy
 
-            # Of the states of a method that is not stable where friction sticks nothing is told: there it is divided.
-            stuck = sticks(now, parts, y, last, block.step) if equation.can_stick else block.step < 0
             zero = 0.0 * block.step
-            return lax.while_loop(lambda state: state[0] < 1, part, (zero, zero + 1, stuck, y, dy))[3:]
+            return lax.while_loop(lambda state: state[0] < 1, part, (zero, zero + 1, y, dy))[2:]
 
         def advance(state: tuple, x: tuple) -> tuple:
             (y, dy), (at, remembered, changes) = state, x
+            f = lambda numbers, y, remembered: ahead(numbers, y, stages((*at, *remembered)))
+            (after, shown, states), change = tangents(f, (numbers, y, remembered), (along, dy, changes))
+            dafter, dshown, _ = change or (None, None, None)
             if equation.has_kink:
-                f = lambda numbers, y, remembered: shown_at(numbers, y, stages((*at, *remembered))[0])
-                shown, dshown = tangents(f, (numbers, y, remembered), (along, dy, changes))
-                after, dafter = in_parts(y, dy, at, remembered, changes)
-            else:
-                f = lambda numbers, y, remembered: at_once(numbers, y, stages((*at, *remembered)))
-                (after, shown), change = tangents(f, (numbers, y, remembered), (along, dy, changes))
-                dafter, dshown = change or (None, None)
+                now, (first, middle, last) = system_of(numbers).at(block), stages(at)
+                rate, allowed = limits = limits_of(now, block.allowed)
+                missed = bend(now, parts, states, (first, middle, middle, last), block.step)
+                if equation.can_stick:  # of the states of a method that is not stable there nothing is told
+                    missed = jnp.where(sticks(now, parts, y, last, block.step), jnp.inf, missed)
+                divided = lambda: in_parts(y, dy, at, remembered, changes, limits)
+                after, dafter = lax.cond(missed > rate * allowed, divided, lambda: (after, dafter))
             return (after, dafter), (shown, y[0], y[1], dshown)
 
         inputs = (by_steps((voltage, rate, time)), by_steps(forces), pushes and by_steps(pushes))

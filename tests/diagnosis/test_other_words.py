@@ -26,9 +26,10 @@ def candidate(words: str, drop: float, *others: Candidate) -> Candidate:
         ({"usual": 2.0, "other": 1.0}, 3600.0, True, "other"),
         ({"usual": 1.0, "other": 2.0}, 3600.0, True, "usual"),
         ({"usual": 1.0, "other": 1.0}, 3600.0, True, "usual"),
-        ({"usual": 2.0, "other": 1.0}, 3000.0, True, "usual"),  # what it promises the usual ones have kept
-        ({"usual": 2.0, "other": 1.0}, 3230.0, True, "usual"),  # laws of one kind differ by as much
-        ({"usual": 2.0, "other": 1.0}, 3600.0, False, "usual"),  # an effect that ends in what cannot be is refused
+        ({"usual": 1.1, "other": 1.0}, 3550.0, True, "usual"),  # which leave noise alone
+        ({"usual": 2.0, "other": 1.0}, 3000.0, True, "other"),  # a promise is of first order
+        ({"usual": 2.0, "other": 1.3}, 3600.0, False, "usual"),  # an effect that ends in what cannot be is refused
+        ({"usual": 2.0, "other": 1.0}, 3600.0, False, "other"),  # unless other words leave noise alone
     ],
 )
 def test_the_words_whose_refit_says_more_are_taken(

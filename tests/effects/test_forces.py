@@ -64,6 +64,10 @@ KINKED_LAWS = {
         dict(stiffness=0.1 * K, width=5e-8),
         lambda t, z, v, h: -0.1 * K * (np.hypot(z, 5e-8) - 5e-8),
     ),
+    "asymmetric-damping": (
+        dict(damping=0.3 * C, width=2e-4),
+        lambda t, z, v, h: -0.3 * C * (np.hypot(v, 2e-4) - 2e-4),
+    ),
     "quadratic-damping": (dict(c2=C / 2e-2), lambda t, z, v, h: -C * v * abs(v) / 2e-2),
     "power-law-stiffness": (
         dict(stiffness=0.1 * K, exponent=2.2, displacement=5e-6),

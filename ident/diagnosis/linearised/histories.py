@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...fit.assemble import start_scale
-from ...model import Model
+from ...model import FREQUENCY, Model
 from ...response import Equation
 from .basis import orthonormal
 from .inner import Inner, inner
@@ -113,8 +113,9 @@ def begun_apart(regression: Regression, model: Model, places: int) -> np.ndarray
     records, states = regression.fit.campaign.fitted, len(model.effects[-1].state0())
     if not states or all(record.start == "rest" for record in records):
         return None
-    equation = Equation(model)
-    scales = np.array([start_scale(record, 1.0 / regression.fit.scales.period, equation)[2:] for record in records])
+    equation, values = Equation(model), np.array([p.value for p in model.parameters])
+    values[FREQUENCY] = 1.0 / regression.fit.scales.period
+    scales = np.array([start_scale(record, values, equation)[2:] for record in records])
     found = np.zeros((states, places, *scales.shape))
     for j, hidden in enumerate(range(scales.shape[1] - states, scales.shape[1])):
         found[j, :, :, hidden] = scales[:, hidden]

@@ -81,9 +81,7 @@ def confirm(
     Its own shapes race from the best points of their grids, the best also with what it moves the other parameters to,
     and on curves with the other sign: beside an effect that acts by its square, which may grow severalfold to make room
     for it, the slope there may have the wrong one. Then those of effects accepted before race from theirs, as a new
-    term may free them. Where other words of its choices promise more than that has kept, by more than laws of one kind
-    differ by, they are refitted too, and the best of all is taken; not in the place of usual ones that end in what
-    cannot be.
+    term may free them. Other words of its choices that are worth it are refitted too, and the best of all is taken.
 
     `base`: values of the other parameters to start from, if not those of the regression's fit; `refining`: whether what
     refines its law is asked for, where it may be and leaves more than noise.
@@ -103,13 +101,16 @@ def confirm(
 def _best_of_words(
     regression: Regression, effect: type[AbstractEffect], candidate: Candidate, most: int, base: np.ndarray | None
 ) -> Confirmed:
-    """The best refit of those with the words of a candidate's choices that are worth one."""
+    """The best refit of those with the words of a candidate's choices that are worth one: that promise clearly more
+    than another kept, or that were promising where it leaves more than noise. Where the usual ones end in what cannot
+    be others bend to mimic, too, unless they leave nothing but noise."""
     found = _refitted(regression, effect, candidate, most, base)
     for other in candidate.otherwise:
         more = other.promised(regression) - (regression.best_chi2 - found.chi2)
-        if found.possible and worth_a_name(more, regression):
+        if worth_a_name(more, regression) or not leaves_noise(found, regression):
             again = _refitted(regression, effect, other, most, base)
-            found = again if again.possible and behind(again, found) < 0 else found
+            better = behind(again, found) < 0 if found.possible else leaves_noise(again, regression)
+            found = again if again.possible and better else found
     return found
 
 

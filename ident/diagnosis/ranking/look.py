@@ -147,10 +147,13 @@ class Look:
     ) -> list[Confirmed]:
         """What was tried, and refits of the rest as long as they may be the best."""
         tried, rest = list(tried), list(rest)
-        while rest and len(tried) < _SHORTLIST * 2 and self._may_be_best(rest[0], possible(self.real, tried), tried):
-            if enough(tried):
+        while len(tried) < _SHORTLIST * 2:
+            # The order is that of usual words, and another word of a later one may promise more.
+            there = possible(self.real, tried)
+            candidate = next((one for one in rest if self._may_be_best(one, there, tried)), None)
+            if candidate is None or enough(tried):
                 break
-            candidate = rest.pop(0)
+            rest.remove(candidate)
             self.report(f"confirming {candidate.name}")
             # Beside an effect that leaves noise no finer law of another is worth its numbers.
             refining = not any(leaves_noise(found, self.regression) for found in tried)
@@ -165,7 +168,8 @@ class Look:
         if len(tried) >= _RIVALS:
             # Where short refits rank, what they reached is the least that a candidate gains, not the most.
             return here > kept * (1.0 if regression.credible else BROKEN)
-        return here > min(real[0].promised(regression), kept) - self._near
+        most = max((one.promised(regression) for one in real), default=np.inf)
+        return here > min(most, kept) - self._near
 
     @property
     def _near(self) -> float:

@@ -60,6 +60,9 @@ class AttachedMass(AbstractEffect):
     def state0(self) -> tuple[Scalar, ...]:
         return (0.0, 0.0)
 
+    def swing(self) -> Scalar:
+        return max(self.quality, 1.0)
+
     def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
         x, speed = state.hidden
         omega = 2 * math.pi / self.period

@@ -19,7 +19,7 @@ class BilinearStiffness(AbstractEffect):
     name = "bilinear-stiffness"
     equation = "F = −k_b (√(z² + w²) − w)"
     source = "S. W. Shaw, P. J. Holmes, A periodically forced piecewise linear oscillator, 1983, J. Sound Vib. 90, 129"
-    mistaken_for = ("quadratic-stiffness",)
+    mistaken_for = ("quadratic-stiffness", "asymmetric-damping")
     alike = (EVEN_HARMONICS, SAME_HARMONICS)
     has_kink = True
 

@@ -21,7 +21,7 @@ class QuadraticStiffness(AbstractEffect):
     source = "Nayfeh & Mook, Nonlinear Oscillations, 1979, §4.2"
     mistaken_for = (
         "residual-stress", "arch-force", "voltage-stiffness", "electrostriction", "electrostatic-force", "end-stop",
-        "sensor-nonlinearity", "bilinear-stiffness", "variable-inertia", "cogging",
+        "sensor-nonlinearity", "bilinear-stiffness", "asymmetric-damping", "variable-inertia", "cogging",
     )  # fmt: skip
     alike = (QUADRATIC_FORCE, BENT_RESONANCE, EVEN_HARMONICS, SECOND_ORDER, WITHIN_A_PITCH, SAME_HARMONICS)
 
