@@ -186,8 +186,9 @@ def _said(task: Task, effect_file: Path) -> dict[str, Any]:
     }  # fmt: skip
     if task.part == "outside":
         row["unknown"] = _unknown(found)
-        if found.verdict == "identified":
-            row["unknown"]["left_by_name"] = round(left_by(case, [s.added for s in found.steps]), 1)
+        names = [s.added for s in found.steps]
+        if found.verdict == "identified" and set(names) <= INDEX.keys():  # others the study cannot simulate
+            row["unknown"]["left_by_name"] = round(left_by(case, names), 1)
     if task.part == "poor":
         row["next"] = _measured_next(case, found)
     return row
