@@ -21,6 +21,8 @@ class DriveDeadZone(AbstractEffect):
         "H. E. Merritt, Hydraulic Control Systems, 1967, §5.6"
     )
     mistaken_for = ("drive-saturation", "backlash")
+    steps_per_period = 120
+    has_kink = True
 
     share = amplitude("1", "of the gain that is missing in the zone, s")
     zone = shape("V", "voltage at which the zone ends, d", grid=(0.03, 0.06, 0.1, 0.16, 0.25, 0.4, 0.6),
