@@ -44,11 +44,12 @@ def assemble(
     frequency = float(values[FREQUENCY])
     moving = any(record.start != "rest" for record in records)
     states = 2 + len(equation.history_units) * moving
+    swings = equation.swings(values) if moving else np.ones(len(equation.history_units))
     data = Data(
         tape,
         np.concatenate([np.zeros(0), *(record.response for record in records)]),
         np.concatenate([np.zeros(0), *(weight_of(record, frequency) for record in records)]),
-        np.array([start_scale(record, values, equation)[:states] for record in records]).reshape(-1, states),
+        np.array([start_scale(record, frequency, equation, swings)[:states] for record in records]).reshape(-1, states),
         values,
         bounds[:, 0],
         bounds[:, 1],
@@ -109,14 +110,14 @@ def weight_of(record: Trace, frequency: float) -> np.ndarray:
     return (counted if record.masked is None else counted & ~record.masked) / record.noise.sigma
 
 
-def start_scale(record: Trace, values: np.ndarray, equation: Equation) -> np.ndarray:
-    """Typical displacement, velocity and hidden states of an equation of motion at some values (m,) SI, in their units,
-    of a record that does not start at rest, else zero. A reading of acceleration, in m/s², is as large as ω²
+def start_scale(record: Trace, frequency: float, equation: Equation, swings: np.ndarray) -> np.ndarray:
+    """Typical displacement, velocity and hidden states of an equation of motion, in their units, of a record that does
+    not start at rest, else zero; `swings` of the hidden states. A reading of acceleration, in m/s², is as large as ω²
     displacements."""
-    omega = 2 * np.pi * float(values[FREQUENCY])
+    omega = 2 * np.pi * frequency
     amplitude = (float(np.max(np.abs(record.response))) or 1.0) / omega**record.order
     units, volts = equation.history_units_of(record.order), float(np.max(np.abs(record.drive))) or 1.0
-    hidden = size_of_hidden(units, amplitude, volts, omega) * equation.swings(values)
+    hidden = size_of_hidden(units, amplitude, volts, omega) * swings
     return (record.start != "rest") * np.array([amplitude, amplitude * omega, *hidden])
 
 

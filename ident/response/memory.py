@@ -96,12 +96,13 @@ def follows_drive_alone(effect: AbstractEffect) -> bool:
     return _can_remember(effect, State(None, None, effect.state0()))
 
 
-def _can_remember(effect: AbstractEffect, state: State) -> bool:
-    """Whether the memory of an effect needs nothing of what is None."""
+def _can_remember(effect: AbstractEffect, state: State, **absent: None) -> bool:
+    """Whether the memory of an effect needs nothing of what is None, be it a state or a number that is `absent`."""
     drive = Drive(1.0, 1.0, 1.0, 1.0)
     begun, rate = lambda: effect.begun(drive), lambda: effect.rate(state, drive, 0.0)
     followed = lambda: effect.follow(state.hidden, drive, drive, 1.0)
     try:
+        effect = effect.with_values(**absent) if absent else effect
         for asked in (begun, followed, rate):
             jax.eval_shape(asked)  # nothing is computed
     except (TypeError, ValueError, AttributeError):
@@ -112,7 +113,7 @@ def _can_remember(effect: AbstractEffect, state: State) -> bool:
 def shaping(effect: AbstractEffect) -> tuple[str, ...]:
     """Names of the parameters on which the memory of an effect depends."""
     state = State(0.0, 0.0, effect.state0())
-    return tuple(name for name in effect.values if not _can_remember(effect.with_values(**{name: None}), state))
+    return tuple(name for name in effect.values if not _can_remember(effect, state, **{name: None}))
 
 
 class Remembered(NamedTuple):

@@ -214,11 +214,11 @@ def march(
             if equation.has_kink:
                 now, (first, middle, last) = system_of(numbers).at(block), stages(at)
                 rate, allowed = limits = limits_of(now, block.allowed)
-                missed = bend(now, parts, states, (first, middle, middle, last), block.step)
+                missed = bend(now, parts, states, (first, middle, middle, last), block.step) > rate * allowed
                 if equation.can_stick:  # of the states of a method that is not stable there nothing is told
-                    missed = jnp.where(sticks(now, parts, y, last, block.step), jnp.inf, missed)
+                    missed = missed | sticks(now, parts, y, last, block.step)
                 divided = lambda: in_parts(y, dy, at, remembered, changes, limits)
-                after, dafter = lax.cond(missed > rate * allowed, divided, lambda: (after, dafter))
+                after, dafter = lax.cond(missed, divided, lambda: (after, dafter))
             return (after, dafter), (shown, y[0], y[1], dshown)
 
         inputs = (by_steps((voltage, rate, time)), by_steps(forces), pushes and by_steps(pushes))

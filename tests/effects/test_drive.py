@@ -55,7 +55,7 @@ def test_dead_zone(share):
 
 
 def test_a_dead_zone_with_round_corners_is_nothing_at_rest():
-    effect = make("drive-dead-zone", share=1.0, zone=2.0, asymmetry=0.1, corner=1.0)
+    effect = make("drive-dead-zone", share=1.0, zone=2.0, asymmetry=0.1, corner=0.5)
     given = [float(effect.drive((), Drive(v, 0.0, 1.0, GAIN), 0.0)) / GAIN for v in (0.0, -50.0, 50.0)]
     assert given[0] == 0.0 and given[2] - given[1] == pytest.approx(-(2.0 + 0.2), rel=2e-3)
 

@@ -10,8 +10,12 @@ from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor, Trace
 from ident.diagnosis.linearised.regression import prepare
 from ident.effects.library.stribeck_friction import StribeckFriction
+from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.model import Model
+from ident.response import Equation, respond
+from ident.response.lane import Lane
+from ident.response.tape import lay
 
 ONE = Channel("V", 1.0)
 BREAK, KEPT, FALL, DRAG, GAIN = 2.2, 0.7, 0.03, 4.9, 0.12  # m/s², share, m/s, 1/s, m/(N s²)
@@ -63,3 +67,23 @@ def test_the_law_is_found_with_error_bars_and_can_be_looked_at_for_more():
         assert estimate.standard_error is not None and 1e-6 < estimate.standard_error / true < 0.01
         assert abs(estimate.value / true - 1) < 0.02
     assert np.all(np.isfinite(prepare(found).absorbed))
+
+
+def test_derivatives_stay_finite_where_friction_sticks_and_no_step_is_divided():
+    """Lanes of sweeps allow any miss at a kink; where explicit steps are not stable they are not taken all the same."""
+    step, n = 1 / (500.0 * 250), 2000
+    drive = 2 * np.pi * 200.0
+    half = np.arange(2 * n + 1) * step / 2
+    lane = Lane(step, 5 * np.cos(drive * half), -5 * drive * np.sin(drive * half), drive, moving=1.0, sine=1.0)
+    model = Model(Oscillator(), (built_in()["coulomb-friction"](Oscillator()),))
+    values = np.array([500.0, 20.0, 2.0, 6.0, 1e-5])
+    found = respond(
+        Equation(model), lay([lane], [1]), values, np.zeros((1, 2)), np.diag(values), np.zeros((5, 1, 2))
+    )  # fmt: skip
+    apart = np.stack([readings(model, lane, values * (1 + 1e-4 * sign * np.eye(5)[3])) for sign in (1, -1)])
+    by_friction = (apart[0] - apart[1]) / 2e-4
+    assert np.max(np.abs(found.slopes[3] - by_friction)) < 0.05 * np.max(np.abs(by_friction))
+
+
+def readings(model: Model, lane: Lane, values: np.ndarray) -> np.ndarray:
+    return respond(Equation(model), lay([lane], [1]), values, np.zeros((1, 2))).readings

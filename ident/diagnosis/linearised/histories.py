@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ...fit.assemble import start_scale
-from ...model import FREQUENCY, Model
+from ...model import Model
 from ...response import Equation
 from .basis import orthonormal
 from .inner import Inner, inner
@@ -107,18 +107,19 @@ class _Met(NamedTuple):
         return Inner(themselves, changed(alone.kept, self.kept_with, self.kept), alone.along + found @ self.along)
 
 
-def begun_apart(regression: Regression, model: Model, places: int) -> np.ndarray | None:
-    """Histories (h, places, records, hidden) of a model whose last effect has each of its h hidden states in turn at
-    its unit when a record begins in motion; None if it has none, or if all records start at rest."""
+def begun_apart(regression: Regression, model: Model, values: np.ndarray) -> np.ndarray | None:
+    """Histories (h, places, records, hidden) of a model at `values` (places, m) whose last effect has each of its h
+    hidden states in turn at its unit when a record begins in motion; None if it has none, or if all records start at
+    rest."""
     records, states = regression.fit.campaign.fitted, len(model.effects[-1].state0())
     if not states or all(record.start == "rest" for record in records):
         return None
-    equation, values = Equation(model), np.array([p.value for p in model.parameters])
-    values[FREQUENCY] = 1.0 / regression.fit.scales.period
-    scales = np.array([start_scale(record, values, equation)[2:] for record in records])
-    found = np.zeros((states, places, *scales.shape))
-    for j, hidden in enumerate(range(scales.shape[1] - states, scales.shape[1])):
-        found[j, :, :, hidden] = scales[:, hidden]
+    equation, frequency = Equation(model), 1.0 / regression.fit.scales.period
+    swings = [equation.swings(one) for one in values]
+    scales = np.array([[start_scale(record, frequency, equation, each)[2:] for record in records] for each in swings])
+    found = np.zeros((states, *scales.shape))
+    for j, hidden in enumerate(range(scales.shape[2] - states, scales.shape[2])):
+        found[j, :, :, hidden] = scales[:, :, hidden]
     return found
 
 

@@ -140,7 +140,7 @@ def _asked_with(regression: Regression, effect: type[AbstractEffect], words: Map
         places = [len(fitted.values) + a for a in amplitudes]
         passed = pass_columns(regression, fitted.model + instance, there, places)
     raw = stack(regression, model, values, directions, moves=moves, passed=passed)
-    apart, changed = begun_apart(regression, model, len(values)), None
+    apart, changed = begun_apart(regression, model, values), None
     if apart is not None:
         again, begun = np.tile(values, (len(apart), 1)), apart.reshape(-1, *apart.shape[2:])
         held = moves and moves.rows(np.tile(np.arange(len(raw)), len(apart)))

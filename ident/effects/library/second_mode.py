@@ -45,7 +45,7 @@ class SecondMode(AbstractEffect):
         return (0.0, 0.0)
 
     def swing(self) -> Scalar:
-        return max(self.quality, 1.0)
+        return max(1.0, self.quality)
 
     def rate(self, state: State, drive: Drive, t: Scalar) -> tuple[Scalar, ...]:
         x, speed = state.hidden
