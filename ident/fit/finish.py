@@ -58,7 +58,8 @@ def finish(model: Model, campaign: Campaign, minimum: Minimum, sigma: SigmaChoic
     stretch = slopes(values[free], data.lower, data.upper)  # d(physical value)/d(coordinate)
     spectrum = covariance(linear, data.prior_weight * stretch)
     judged = identifiability([parameters[i] for i in free], values[free], stretch, spectrum)
-    motion, zero = found.response.readings, found.readings - found.response.readings
+    motion = found.response.readings
+    zero = data.zeros_beside(motion)
     inside = [(motion[own], zero[own]) for own in data.tape.slices]
     heldout = read_and_zeros(model, values, campaign.heldout) if campaign.heldout else []
     both = _in_order(campaign, inside, heldout)

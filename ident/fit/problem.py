@@ -88,11 +88,13 @@ class Data(NamedTuple):
                    for own in self.tape.slices]  # fmt: skip
         return [math.sqrt(x) if math.isfinite(x) else math.inf for x in squares]
 
+    def zeros_beside(self, readings: np.ndarray) -> np.ndarray:
+        """The zeros of the records' own that fit best beside some readings, (samples,) each."""
+        return best_by(self.zeros, self.tape.slices, self.weight, (self.response - readings)[None])[0]
+
     def with_zeros(self, readings: np.ndarray) -> np.ndarray:
-        """Readings (samples,) with the zeros of the records' own that fit best beside them."""
-        if not self.zeros:
-            return readings
-        return readings + best_by(self.zeros, self.tape.slices, self.weight, (self.response - readings)[None])[0]
+        """Readings (samples,) with these zeros."""
+        return readings + self.zeros_beside(readings) if self.zeros else readings
 
     def beside_zeros(self, rows: np.ndarray) -> np.ndarray:
         """Rows (k, samples), of readings or derivatives, without what these zeros take up of them."""

@@ -14,6 +14,7 @@ from ident.campaign.device import Oscillator
 from ident.campaign.record import Channel, NoiseFloor
 from ident.fit import fit
 from ident.fit.problem import Unknowns, evaluate
+from ident.fit.rebuild import fit_at
 from ident.model import build_model
 from ident.posterior.density import make_density
 
@@ -91,3 +92,9 @@ def test_a_posterior_knows_of_them(floated):
     for white in density.innovations(np.zeros((1, density.size))):
         assert np.std(white) == pytest.approx(1.0, abs=0.1)
         assert abs(np.mean(white)) < 0.01
+
+
+def test_no_record_is_read_by_a_zero_beside_a_motion_without_bound(floated):
+    there = fit_at(build_model(floated), floated, np.array([10.0, QUALITY, 1.0, -1e9, 0.0]))
+    assert not np.all(np.isfinite(there.readings[0]))
+    assert all(np.all(np.isfinite(record.response)) for record in there.campaign.traces)
