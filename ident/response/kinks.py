@@ -37,8 +37,9 @@ STIFF = 2.5  # of velocity, in a step: the method is stable to 2.78
 def _alone(system: System, slots: tuple[slice | None, ...], z: Any) -> tuple[System, tuple[slice | None, ...]]:
     """The effects with kinks, and nothing else but the mass that moves at a displacement."""
     own = [i for i, effect in enumerate(system.effects) if effect.has_kink]
-    alone = system._replace(effects=tuple(system.effects[i] for i in own), damping=0.0, stiffness=0.0, gain=0.0)
-    alone = alone._replace(mass=system.moved(z))
+    alone = system._replace(effects=tuple(system.effects[i] for i in own), damping=0.0, stiffness=0.0)
+    # A base that does not move takes the push of the drive away, and leaves the gain to laws that need it.
+    alone = alone._replace(mass=system.moved(z), base=0.0 if system.base is None else system.base)
     return alone, tuple(slots[i] for i in own)
 
 
