@@ -77,7 +77,7 @@ def bouncing(lab: Lab, rng: np.random.Generator) -> None:
         lab.write(f"h{i}", "time_s,force_N,displacement_mm", t, u(t), 1e3 * z, noise=0.006, held=i == 3)
 
 
-@device("drive-dead-zone")
+@device(beyond=True, floor=False)
 def valve(lab: Lab, rng: np.random.Generator) -> None:
     """A proportional valve that does nothing within its dead band, sines, a sweep and a switched drive, V and mm."""
     f, t = 28 * rng.uniform(0.9, 1.1), np.arange(2400) / 2000

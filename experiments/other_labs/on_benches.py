@@ -125,7 +125,7 @@ def amplifier(lab: Lab, rng: np.random.Generator) -> None:
     _records(lab, rng, lambda w, z, v: 0.0, push=lambda u: 3 * np.tanh(u / 3))
 
 
-@device("drive-dead-zone")
+@device(beyond=True, floor=False)
 def dead_zone(lab: Lab, rng: np.random.Generator) -> None:
     """A drive that does nothing below 0.6 V."""
     _records(lab, rng, lambda w, z, v: 0.0, push=lambda u: np.sign(u) * np.maximum(np.abs(u) - 0.6, 0.0))

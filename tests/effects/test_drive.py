@@ -44,22 +44,6 @@ def test_electrostriction():
     assert_agrees(make("electrostriction", share=0.02), physics, SMOOTH)
 
 
-@pytest.mark.parametrize("share", [1.0, 0.3])
-def test_dead_zone(share):
-    def force(t, z, v, h):
-        left = voltage(t) - np.clip(voltage(t), -0.8, 2.0)
-        return share * GAIN * (left - voltage(t))
-
-    effect = make("drive-dead-zone", share=share, zone=2.0, asymmetry=0.4, corner=1e-3)
-    assert_agrees(effect, Physics(force), KINKED)
-
-
-def test_a_dead_zone_with_round_corners_is_nothing_at_rest():
-    effect = make("drive-dead-zone", share=1.0, zone=2.0, asymmetry=0.1, corner=0.5)
-    given = [float(effect.drive((), Drive(v, 0.0, 1.0, GAIN), 0.0)) / GAIN for v in (0.0, -50.0, 50.0)]
-    assert given[0] == 0.0 and given[2] - given[1] == pytest.approx(-(2.0 + 0.2), rel=2e-3)
-
-
 def test_polynomial_hysteresis_of_a_generic_oscillator():
     omega = TONES[0][1]
     physics = Physics(lambda t, z, v, h: -2e-3 * voltage(t) ** 3 + 3e-3 * (voltage_rate(t) / omega) ** 3)

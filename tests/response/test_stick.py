@@ -14,9 +14,7 @@ from ident.effects.registry import built_in
 from ident.fit import fit
 from ident.model import Model
 from ident.response import Equation, respond
-from ident.response.kinks import bend
 from ident.response.lane import Lane
-from ident.response.system import assemble, slices
 from ident.response.tape import lay
 
 ONE = Channel("V", 1.0)
@@ -89,16 +87,3 @@ def test_derivatives_stay_finite_where_friction_sticks_and_no_step_is_divided():
 
 def readings(model: Model, lane: Lane, values: np.ndarray) -> np.ndarray:
     return respond(Equation(model), lay([lane], [1]), values, np.zeros((1, 2))).readings
-
-
-def test_a_kink_of_the_drive_is_seen_too():
-    """A law of the drive needs the gain, whose own push has no kink."""
-    model = Model(Oscillator(), (built_in()["drive-dead-zone"](Oscillator()),))
-    values = {"oscillator.frequency": 500.0, "oscillator.quality": 20.0, "oscillator.gain": 2.0,
-              "drive-dead-zone.share": 1.0, "drive-dead-zone.zone": 1.0, "drive-dead-zone.corner": 0.005}  # fmt: skip
-    equation = Equation(model)
-    system = assemble(equation, equation.constants, np.array([values.get(p.name, 1.0) for p in model.parameters]))
-    volts = np.array([-0.2, 0.0, 0.0, 0.2])
-    inputs = lambda middle: [(v, 0.0, 0.0) for v in middle + volts]
-    missed = lambda middle: bend(system, slices(equation), [(0.0, 0.0)] * 4, inputs(middle), 1e-3)
-    assert float(missed(1.0)) > 100 * float(missed(2.0)) and float(missed(2.0)) < 1e-9

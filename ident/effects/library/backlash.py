@@ -19,9 +19,7 @@ class Backlash(AbstractEffect):
     name = "backlash"
     equation = "F = −G a (V − p), p the play of half width r"
     source = "Nordin & Gutman, Controlling mechanical systems with backlash: a survey, 2002, Automatica 38, 1633, §2"
-    mistaken_for = (
-        "prandtl-ishlinskii", "bouc-wen-drive", "drive-lag", "slew-limit", "pzt-hysteresis", "drive-dead-zone"
-    )  # fmt: skip
+    mistaken_for = ("prandtl-ishlinskii", "bouc-wen-drive", "drive-lag", "slew-limit", "pzt-hysteresis")
     alike = (LOOP_OF_THE_DRIVE, SHIFT_OF_PHASE)
     hidden_units = ("V",)
 

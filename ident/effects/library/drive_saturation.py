@@ -17,7 +17,7 @@ class DriveSaturation(AbstractEffect):
     name = "drive-saturation"
     equation = "F = −G c V³/(1 + s |c| V²)"
     source = "W. Klippel, Tutorial: Loudspeaker nonlinearities, 2006, J. Audio Eng. Soc. 54, 907"
-    mistaken_for = ("pzt-hysteresis", "drive-heating", "drive-dead-zone")
+    mistaken_for = ("pzt-hysteresis", "drive-heating")
     alike = (SATURATES,)
 
     cubic = amplitude("1/V^2", "cubic saturation, c")
