@@ -12,9 +12,9 @@ from ident.campaign import NoiseFloor, Platform
 from ident.campaign.quality.clipping import clipped_mask
 from ident.fit.identifiability import Combination
 from ident.fit.result import Start
+from ident.report.words import tables
 from ident.report.words.drives import drive_words, only_frequency
 from ident.report.words.sentences import _noise, sentences, verdict
-from ident.report.words import tables
 from ident.report.words.tables import (
     combination_sentences,
     correlation_sentences,
@@ -124,6 +124,7 @@ def test_strong_correlations_in_words(make_fit):
 def test_of_many_strong_correlations_the_closest(make_fit, monkeypatch):
     fit = make_fit()
     deviation = np.sqrt(fit.covariance.diagonal())
+    monkeypatch.setattr(tables, "_MOST_PAIRS", 1000)
     every = correlation_sentences(whole := replace(fit, covariance=0.95 * np.outer(deviation, deviation)))
     assert len(every) > 3
     monkeypatch.setattr(tables, "_MOST_PAIRS", 2)
