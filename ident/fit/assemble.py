@@ -44,7 +44,7 @@ def assemble(
     frequency = float(values[FREQUENCY])
     moving = any(record.start != "rest" for record in records)
     states = 2 + len(equation.history_units) * moving
-    swings = equation.swings(values) if moving else np.ones(len(equation.history_units))
+    swings = equation.swings(values)
     data = Data(
         tape,
         np.concatenate([np.zeros(0), *(record.response for record in records)]),

@@ -41,7 +41,7 @@ def read_and_zeros(
         motion = motions(static, data, unknowns) if data.steady else found.response.readings
     else:
         motion = motions(static, data, unknowns)
-    zero = data.zeros_beside(motion)  # not what they make of the readings less these: these may have no bound
+    zero = data.zeros_beside(motion)  # a number, also beside a motion without bound
     return [(motion[own], zero[own]) for own in tape.slices]
 
 

@@ -55,7 +55,7 @@ def effect_source(formula: Formula, name: str, found: str = "") -> str:
         hidden += bool(term.memory)
     table = written_table(formula.terms, shapes)
     products = [t.product for t, term in zip(terms, formula.terms, strict=True) if term.knot is None]
-    products += [table.product] if table else []
+    products += [table.product] if table.product else []
     product = " + ".join(products)
     if len(product) > 90:
         product = "(\n            " + "\n            + ".join(products) + "\n        )"
@@ -63,16 +63,16 @@ def effect_source(formula: Formula, name: str, found: str = "") -> str:
                  "sensor": "sensor(self, state, drive, t)"}[formula.side]  # fmt: skip
     store = "hidden" if formula.side == "drive" else "state.hidden"
     names = sorted({n for term in formula.terms for n in term.names})
-    body = _locals(names) + (table.body if table else "") + f"        return {product.replace('{hidden}', store)}\n"
+    body = _locals(names) + table.body + f"        return {product.replace('{hidden}', store)}\n"
     declared = "".join(f"    {line}\n" for term in terms for line in term.declared)
     rates = [term.rate for term in terms if term.rate]
     memory = _memory(rates) if rates else ""
     units = "    hidden_units = " + _tuple([f'"{t.hidden_unit}"' for t in terms if t.rate]) + "\n" if rates else ""
-    whole = (table.prepare if table else "") + body + memory
+    whole = table.prepare + body + memory
     imports = "import jax.numpy as jnp\n\n" if "jnp." in whole else ""
     kinds = "AbstractEffect, amplitude" + (", shape" if "= shape(" in declared else "")
     helpers = "from ident.effects.memory import dragged\n" if "dragged(" in whole else ""
-    helpers += "from ident.effects.table import spline\n" if table else ""
+    helpers += "from ident.effects.table import spline\n" if table.product else ""
     sharp = next((n for mark, n in (("tanh", 250), ("dragged(", 120), ("maximum(", 120)) if mark in whole), 0)
     fine = f"    steps_per_period = {sharp}\n" if sharp else ""
     if "tanh" in whole or "maximum(" in whole:
@@ -85,7 +85,7 @@ def effect_source(formula: Formula, name: str, found: str = "") -> str:
         f"{head}{imports}from ident import {kinds}\n{helpers}\n\n"
         f'class {title}(AbstractEffect):\n    """{text}."""\n\n'
         f'    name = "{name}"\n    equation = "{text}"\n{units}{fine}\n{declared}\n'
-        f"{table.prepare if table else ''}    def {signature}:\n{body}{memory}"
+        f"{table.prepare}    def {signature}:\n{body}{memory}"
     )
 
 

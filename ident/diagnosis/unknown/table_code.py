@@ -10,7 +10,6 @@ from .terms import Number, Term
 Shapes = dict[tuple[str, float, bool], str]
 """Names in the file of the shape numbers of terms, by name, value and whether they are fitted."""
 
-
 _WIDTH = 100  # characters of a line of numbers
 
 
@@ -23,15 +22,15 @@ class TableCode(NamedTuple):
     product: str
 
 
-def written_table(terms: Sequence[Term], shapes: Shapes) -> TableCode | None:
-    """The code of those terms of a formula that are splines of a table; None if there are none.
+def written_table(terms: Sequence[Term], shapes: Shapes) -> TableCode:
+    """The code of those terms of a formula that are splines of a table; no text if there are none.
 
     `c1`, `c2` … are the numbers of the terms in their order. What of each spline is a constant or a straight line the
     model has in its linear part already, and is taken off.
     """
     splines = [(i, term, term.knot) for i, term in enumerate(terms, 1) if term.knot is not None]
     if not splines:
-        return None
+        return TableCode("", "", "")
     _, term, knot = splines[0]
     if term.number is None or any(other.table != knot.table for _, _, other in splines):
         raise ValueError("a formula has one table, and that a scale")

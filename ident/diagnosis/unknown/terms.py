@@ -234,17 +234,8 @@ def bumps(name: str, size: Size, gauge: bool, knots: int) -> list[Term]:
     for k in range(gauge, knots):
         centre = low + (k - 1) * spacing
         value = lambda x, c=centre: bump((np.clip(x[name] / size.largest, low, high) - c) / spacing)
-        found.append(
-            Term(
-                f"spline at {number(centre * size.largest)}",
-                "1.0",
-                (name,),
-                (),
-                value,
-                own,
-                knot=Knot(name, low, high, knots, k),
-            )
-        )
+        text, knot = f"spline at {number(centre * size.largest)}", Knot(name, low, high, knots, k)
+        found.append(Term(text, "1.0", (name,), (), value, own, knot=knot))
     return found
 
 
