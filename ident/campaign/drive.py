@@ -11,25 +11,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from .corners import Corners, broken_spline, corners, rates, through
+from .corners import Corners, Same, broken_spline, corners, rates, through
 from .held_drive import held_drive
 from .period import fourier_basis, least_squares
 from .record import Trace
 from .smooth_drive import smooth_drive
-
-
-class _Same:
-    """An array of a record as the key of what is known of it. Hypotheses about a record change its clock or its
-    response; the drive stays the same array, and arrays of records never change."""
-
-    def __init__(self, array: np.ndarray):
-        self.array = array
-
-    def __hash__(self) -> int:
-        return id(self.array)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Same) and self.array is other.array
 
 
 def drive_frequency(record: Trace) -> float:
@@ -37,11 +23,11 @@ def drive_frequency(record: Trace) -> float:
 
     Source: docs/physics.md §5; exact for a sine over whole periods.
     """
-    return _known_rate(_Same(record.drive), record.period) / record.step
+    return _known_rate(Same(record.drive), record.period) / record.step
 
 
 @lru_cache(maxsize=1024)  # asked for by every fit
-def _known_rate(drive: _Same, period: float | None) -> float:
+def _known_rate(drive: Same, period: float | None) -> float:
     return drive_rate(drive.array, period)
 
 
@@ -73,12 +59,12 @@ def half_step_drive(record: Trace, substeps: int = 1) -> tuple[np.ndarray, np.nd
 
     Source: P. H. C. Eilers, "A perfect smoother", Anal. Chem. 75 (2003) 3631, doi:10.1021/ac034173t.
     """
-    voltage, slope = _half_steps(_Same(record.drive), substeps, record.period, record.edge)
+    voltage, slope = _half_steps(Same(record.drive), substeps, record.period, record.edge)
     return voltage, slope / record.step
 
 
 @lru_cache(maxsize=64)  # as many as `response.lane` keeps
-def _half_steps(drive: _Same, substeps: int, period: float | None, edge: float | None) -> tuple[np.ndarray, np.ndarray]:
+def _half_steps(drive: Same, substeps: int, period: float | None, edge: float | None) -> tuple[np.ndarray, np.ndarray]:
     """The drive and its derivative per sample interval on the half-step grid."""
     if edge is not None:
         return held_drive(drive.array, substeps, edge)

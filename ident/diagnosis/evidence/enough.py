@@ -17,9 +17,9 @@ from .force_noise import Pushed, pushed_by_noise
 Role = Literal["effect", "shape-refinement"]
 
 ANOTHER_LAW = 0.001  # of the first excess: structured misfit beyond which a name is in doubt; see `lacking`
-_AT_FLOOR = 1.05  # error over noise, and twice the doubt of the floor more, up to a doubt of
+AT_FLOOR = 1.05  # error over noise, and twice the doubt of the floor more, up to a doubt of
 _MOST_DOUBT = 0.1
-_LEFT_AT_FLOOR = 1 - 1 / _AT_FLOOR**2  # of the χ²: what a model at a floor that is known may leave to a law
+_LEFT_AT_FLOOR = 1 - 1 / AT_FLOOR**2  # of the χ²: what a model at a floor that is known may leave to a law
 _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
 _WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
 MOST_OF_IT = 0.5  # of what is left: more than that a rival answer must take away
@@ -64,12 +64,12 @@ def floor_of(records: Sequence[Trace | Sweep]) -> float:
     have vague ones hardly more than the order is known: then what is left tells by its structure, and held-out records.
     """
     vague = all(isinstance(r, Trace) and r.noise.relative_error >= VAGUE for r in records)
-    return _AT_FLOOR + 2 * _doubt(records) if vague else known_floor_of(records)
+    return AT_FLOOR + 2 * _doubt(records) if vague else known_floor_of(records)
 
 
 def known_floor_of(records: Sequence[Trace | Sweep]) -> float:
     """The same of floors that are vague as of those that are in doubt."""
-    return _AT_FLOOR + 2 * min(_doubt(records), _MOST_DOUBT)
+    return AT_FLOOR + 2 * min(_doubt(records), _MOST_DOUBT)
 
 
 def _doubt(records: Sequence[Trace | Sweep]) -> float:

@@ -23,7 +23,7 @@ from ...fit.reading import read
 from ...model import QUALITY, Model
 from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG, Left, behind, criteria
-from ..evidence.enough import ANOTHER_LAW, MOST_OF_IT, speaks_for
+from ..evidence.enough import ANOTHER_LAW, AT_FLOOR, MOST_OF_IT, speaks_for
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, one_stretch_each
 from ..linearised.trajectory import Diverged
@@ -286,8 +286,8 @@ def _better(faulty: _Explained, sound: _Explained, shapes: float) -> bool:
 
 def _could_be_shorter(sound: _Explained, fitted: Fit) -> bool:
     """Whether a fault, which is one number, could be clearly better than physics that brings all records to their
-    noise: by the numbers of a law that bends to anything, or by what that leaves."""
-    noise = sound.left / max(rms(sound.left, 1.0), 1.0)
+    noise: by the numbers of a law that bends to anything, or by more than what models at their floor leave."""
+    noise = sound.left / max(rms(sound.left, 1.0) / AT_FLOOR, 1.0)
     return behind(sound, Left(noise, fitted.freedom + 1)) > VERY_STRONG
 
 

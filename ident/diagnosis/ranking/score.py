@@ -112,7 +112,7 @@ def _asked(regression: Regression, effect: type[AbstractEffect]) -> list[Asked]:
 
 def lacks_a_smooth_drive(campaign: Campaign, effect: type[AbstractEffect]) -> bool:
     """Whether a drive that is held jumps, and what an effect would do then is how steep somebody draws its edges."""
-    return needs_a_smooth_drive(effect) and any(r.edge is not None and jumps(r.drive) for r in campaign.fitted)
+    return any(r.edge is not None and jumps(r.drive) for r in campaign.fitted) and needs_a_smooth_drive(effect)
 
 
 def _asked_with(regression: Regression, effect: type[AbstractEffect], words: Mapping[str, str]) -> Asked:

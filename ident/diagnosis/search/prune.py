@@ -13,7 +13,7 @@ from ...fit import Fit
 from ...fit.rebuild import values_without
 from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG, behind, criteria
-from ..evidence.enough import ANOTHER_LAW, SAME_SHAPE, laws_differ_by, superfluous
+from ..evidence.enough import ANOTHER_LAW, SAME_SHAPE, laws_differ_by, superfluous, worth_a_name
 from ..evidence.equivalences import mistaken
 from ..evidence.family import is_that_member
 from ..evidence.held_out import hurts, hurts_more
@@ -61,6 +61,7 @@ def _replaced(
     full: Regression,
     regression: Regression,
     library: Registry,
+    first: Regression,
     report: Report,
     even: dict[str, str],
 ) -> tuple[str, Fit] | None:
@@ -68,7 +69,8 @@ def _replaced(
     numbers; between laws that the fitted records do not tell apart, or by no more than a simpler one may lack in shape,
     the held-out ones decide. One between which and the effect nothing decides is told in `even`.
 
-    `regression`: without the effect. Refits start from what its presence has made of the other parameters.
+    `regression`: without the effect. Refits start from what its presence has made of the other parameters. What stands
+    by a term that only refines shapes is no rival: such a term bends to what the rival does not say.
     """
     likely, rest = rivals(name, regression, library), values_without(last, name)
     refit = lambda rival: confirm(regression, library[rival.name], rival, ENOUGH, rest)
@@ -95,7 +97,22 @@ def _replaced(
     wins = (not hurts_more(last, after) if clearly else alike and hurts(after, last)) and still_possible(after, last)
     if not wins and abs(behind(full, there)) < VERY_STRONG and still_possible(after, last) and not hurts(last, after):
         even[name] = best.candidate.name
-    return (best.candidate.name, after) if wins else None
+    return (best.candidate.name, after) if wins and _unrefined(name, last, best.candidate.name, after, first) else None
+
+
+def _unrefined(name: str, last: Fit, rival: str, after: Fit, first: Regression) -> bool:
+    """Whether a rival, in the fit `after`, says as much as the effect in whose place it is, but for a shape, where every
+    term that only refines is left out of both."""
+    most = SAME_SHAPE * first.excess
+    for other in last.model.names:
+        if other in (name, rival) or last.model.carries(other) or after.model.carries(other):
+            continue
+        without = try_without(last, other, first.fit)
+        if not worth_a_name(without.fitted.chi2 - last.fitted.chi2, first):
+            last, after = without, try_without(after, other, first.fit)
+            if after.fitted.chi2 - last.fitted.chi2 > most:
+                return False
+    return True
 
 
 def prune(
@@ -167,7 +184,7 @@ def _changed(
         if superfluous(regression, full, first) and still_possible(without, last) and not hurts(last, without):
             return [*names[:i], *names[i + 1 :]], without
         # Where scores cannot be believed, every effect has been refitted already.
-        found = _replaced(name, last, full, regression, library, report, even) if full.credible else None
+        found = _replaced(name, last, full, regression, library, first, report, even) if full.credible else None
     except Diverged:  # without it, or with another in its place, the motion has no bound
         return None
     return None if found is None else ([*names[:i], found[0], *names[i + 1 :]], found[1])
