@@ -101,8 +101,8 @@ def _replaced(
 
 
 def _unrefined(name: str, last: Fit, rival: str, after: Fit, first: Regression) -> bool:
-    """Whether a rival, in the fit `after`, says as much as the effect in whose place it is, but for a shape, where every
-    term that only refines is left out of both."""
+    """Whether a rival, in the fit `after`, says as much as the effect in whose place it is, but for a shape, where
+    every term that only refines is left out of both."""
     most = SAME_SHAPE * first.excess
     for other in last.model.names:
         if other in (name, rival) or last.model.carries(other) or after.model.carries(other):
