@@ -17,7 +17,8 @@ from ident.diagnosis.linearised.shorten import working
 from ident.diagnosis.ranking.look import Look, first_look
 from ident.diagnosis.records.differing import without_common_zero
 from ident.diagnosis.search.change import add
-from ident.diagnosis.search.own_zeros import has_own_zeros, with_own_zeros, with_zeros_told
+from ident.diagnosis.search.last_zeros import with_last_zeros
+from ident.diagnosis.search.own_zeros import has_own_zeros, with_own_zeros
 from ident.diagnosis.search.together import two_names_do
 from ident.effects.registry import built_in
 from ident.fit.fit import fit
@@ -96,9 +97,27 @@ def test_they_are_found_again_from_the_records_as_they_came():
     again = fit(bare.model, floating(replace(fitted.campaign, records=bent)), initial=bare.values)
     told = [trace.own[1][0] for trace in again.campaign.traces if trace.own]
     np.testing.assert_allclose(told, ZEROS, atol=5 * NOISE / np.sqrt(1500))
-    (note,) = [note for note in with_zeros_told(again, lambda _: None).campaign.notes if "a zero of its own" in note]
+    (note,) = [
+        note
+        for note in with_last_zeros(again, built_in(), lambda _: None).campaign.notes
+        if "a zero of its own" in note
+    ]
     assert f"{1e3 * told[0]:+.2g} mV ± " in note.replace("µV", "mV")
-    assert with_zeros_told(fitted, lambda _: None) is fitted
+    assert with_last_zeros(fitted, built_in(), lambda _: None) is fitted
+
+
+@pytest.mark.parametrize("zero", [0.0, 0.08])
+def test_those_that_the_last_model_does_not_need_are_taken_back(zero: float):
+    """An earlier model had needed them; one zero for all stays, if there is one."""
+    fitted = _with_both(_campaign(np.full(5, zero)))
+    bare = without_common_zero(fitted)
+    read = tuple(read_apart(trace, "level", (0.03,)) for trace in fitted.campaign.traces)
+    note = "The records agree only if each has a zero of its own: +30 mV in a.csv"
+    campaign = floating(replace(fitted.campaign, records=read, notes=("kept", note)))
+    last = with_last_zeros(fit(bare.model, campaign, initial=bare.values), built_in(), lambda _: None)
+    assert last.campaign.notes == ("kept",) and not has_own_zeros(last.campaign)
+    common = [last.value(p.name) for p in last.model.parameters if p.name == "sensor-offset.offset"]
+    assert common == ([pytest.approx(zero, abs=5e-3)] if zero else [])
 
 
 def test_a_law_that_moves_the_mean_is_told_beside_them():

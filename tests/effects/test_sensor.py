@@ -38,6 +38,12 @@ def test_saturating_characteristic_follows_the_hyperbolic_tangent(full_scale):
     assert_agrees(effect, physics, 2e-2)
 
 
+def test_a_beam_of_light_on_a_flat_scale_is_a_tangent():
+    far = 12e-6  # at half the angle
+    physics = Physics(sensor=lambda t, z, v, h: far * np.tan(z / far) - z)
+    assert_agrees(make("sensor-nonlinearity", cubic=-1 / (3 * far**2), saturation=-1.2), physics, 1e-2)
+
+
 @pytest.mark.parametrize(
     ("time", "accuracy"),
     [(2e-6, 2e-3), (1e-5, 6e-3), (3e-5, 1e-2), (1e-4, 4e-3), (1e-3, 2e-5)],

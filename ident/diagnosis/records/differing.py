@@ -34,7 +34,7 @@ class Differing(NamedTuple):
     @property
     def words(self) -> str:
         """What differs, for people."""
-        return f"{self._opening}: {', '.join(self._each)}. They are read so, held-out ones too: {self._told.why}"
+        return f"{_opening(self.kind)}: {', '.join(self._each)}. They are read so, held-out ones too: {self._told.why}"
 
     @property
     def _each(self) -> list[str]:
@@ -58,17 +58,11 @@ class Differing(NamedTuple):
     def _told(self) -> Told:
         return _DRIVE if self.kind == "drive" else TOLD[self.kind]
 
-    @property
-    def _opening(self) -> str:
-        """What the words begin with, whatever the numbers are."""
-        which = "levels" if self.kind == "drive" else "records"
-        return f"The {which} agree only if each has a {self._told.what} of its own"
-
     def said_in(self, campaign: Campaign) -> Campaign:
         """The campaign with these words in its notes, in place of those that told other numbers of the kind; zeros are
         from now on fitted with every model."""
-        others = [note for note in campaign.notes if not note.startswith(self._opening)]
-        return replace(floating(campaign), notes=(*others, self.words))
+        told = without_words(campaign, self.kind)
+        return replace(floating(told), notes=(*told.notes, self.words))
 
     def moved(self, before: Differing) -> bool:
         """Whether a number has moved by more than is little beside its error."""
@@ -78,6 +72,18 @@ class Differing(NamedTuple):
         """The fit from which a walk had begun, with the records read so."""
         before = without_common_zero(start) if self._told.of_zero else start
         return fit(before.model, self.said_in(self.fit.campaign), initial=before.values)
+
+
+def _opening(kind: Kind | Literal["drive"]) -> str:
+    """What words of a kind begin with, whatever the numbers are."""
+    which, told = ("levels", _DRIVE) if kind == "drive" else ("records", TOLD[kind])
+    return f"The {which} agree only if each has a {told.what} of its own"
+
+
+def without_words(campaign: Campaign, kind: Kind | Literal["drive"]) -> Campaign:
+    """The campaign without a note of numbers of a kind."""
+    notes = tuple(note for note in campaign.notes if not note.startswith(_opening(kind)))
+    return replace(campaign, notes=notes)
 
 
 def without_common_zero(fitted: Fit) -> Fit:

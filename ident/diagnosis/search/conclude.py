@@ -31,7 +31,7 @@ from .change import to_its_end, try_without
 from .constant import without_idle_constant
 from .finer import with_finer_laws
 from .lacking import lacking, leaves_no_structure, says_more_than_shapes
-from .own_zeros import with_zeros_told
+from .last_zeros import with_last_zeros
 from .parts import Parts
 from .prune import Pruned, prune
 from .steps import Discovery, Ended, Step, Verdict
@@ -84,7 +84,7 @@ def concluded(ended: Ended) -> Discovery:
         steps[-1] = steps[-1]._replace(fit=with_finer_laws(last, start, report))
     steps = _on_all_samples(start, steps, report)
     if steps:
-        steps[-1] = steps[-1]._replace(fit=with_zeros_told(steps[-1].fit, report))
+        steps[-1] = steps[-1]._replace(fit=with_last_zeros(steps[-1].fit, library, report))
     final = steps[-1].fit if steps else start
     if final is not walked.final:
         regression = prepare(working(final))

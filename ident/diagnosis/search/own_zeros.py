@@ -12,12 +12,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...campaign.apart import TOLD, as_it_came, read_apart
+from ...campaign.apart import TOLD, read_apart
 from ...campaign.campaign import Campaign
 from ...campaign.record import Trace
 from ...fit import Fit
-from ...fit.rebuild import fit_at
-from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG, Left, behind, criteria
 from ..evidence.enough import adequate, at_floor
 from ..evidence.held_out import foretold
@@ -63,18 +61,6 @@ def with_own_zeros(current: Fit, look: Look) -> Campaign | None:
 def has_own_zeros(campaign: Campaign) -> bool:
     """Whether the records are read by zeros of their own, be they levels or baselines."""
     return any(record.own is not None and TOLD[record.own[0]].of_zero for record in campaign.traces)
-
-
-def with_zeros_told(last: Fit, report: Report) -> Fit:
-    """The last fit of a walk with the zeros of its records, and their errors, in the notes as they are beside it."""
-    floating = next((trace for trace in last.campaign.traces if trace.floats and trace.own is not None), None)
-    if floating is None or floating.own is None:
-        return last
-    report("the zeros of the records once more")
-    came = tuple(as_it_came(record) if isinstance(record, Trace) else record for record in last.campaign.records)
-    there = fit_at(last.model, replace(last.campaign, records=came), last.values, converged=False)
-    found = differing(one_stretch_each(there), (floating.own[0],))
-    return last if found is None else replace(last, campaign=found.said_in(last.campaign))
 
 
 def _read_so(campaign: Campaign, found: Differing) -> Campaign:
