@@ -59,11 +59,15 @@ def apart_before(look: Look, report: Report) -> Apart | None:
         return None  # what differs between excerpts may be what changes within a record
     if not comparable(regression.fit) or not look.worth_it:
         return None
-    settles = [found.candidate.name for found in look.tried if found.possible and found.chi2 < AS_WELL * regression.n]
+    tried = [found for found in look.tried if found.possible]
+    settles = [found.candidate.name for found in tried if found.chi2 < AS_WELL * regression.n]
     if any(histories(name, look) == 0 for name in settles):
         return None
     plain = _of_one_mode(look)
     promise = _best(plain, report)
+    alone = [Left(found.left, found.numbers + histories(found.candidate.name, look)) for found in tried]
+    if any(behind(promise, one) > VERY_STRONG for one in alone):
+        return None  # one effect has kept more than they promise beside one
     pair = look.pair
     if pair is not None:
         pair = pair._replace(numbers=pair.numbers + sum(histories(name, look) for name in pair.names))
