@@ -312,7 +312,7 @@ def _instead(fitted: Fit, faulty: _Explained, look: Look) -> _Explained | None:
     look.report(f"an effect beside {faulty.model.names[-1]} in the place of a faulty record")
     try:
         one = fit(faulty.model, fitted.campaign, initial=faulty.values)
-        return _with_physics(one, Look(prepare(one), look.first, look.library, look.report))
+        return _with_physics(one, Look(prepare(one), look.first, look.library, look.report, answered=True))
     except Diverged:
         return None
 

@@ -37,12 +37,14 @@ _NEAR = 0.1  # of the excess: candidates this near the best are confirmed too
 @dataclass(frozen=True, eq=False)
 class Look:
     """What the library says of a fit; `regression`: of the fit, `first`: of the one by whose misfit they are weighed,
-    with which the walk began."""
+    with which the walk began; `answered`: whether something else is known to explain most of it, and effects are asked
+    only whether they say as much."""
 
     regression: Regression
     first: Regression
     library: Registry
     report: Report
+    answered: bool = False
 
     def at(self, regression: Regression) -> Look:
         """The look at another fit of the same walk. Effects are weighed by what constants that were added leave: these
@@ -74,7 +76,7 @@ class Look:
             scored = bent_readings(self.regression, scored, self.library)
         if self.regression.credible or not self.worth_it:
             return scored
-        return by_refits(self.regression, scored, self.library, self.report)
+        return by_refits(self.regression, scored, self.library, self.report, self.answered)
 
     @cached_property
     def real(self) -> list[Candidate]:
@@ -122,7 +124,7 @@ class Look:
         known = {found.candidate.name for found in tried}
         rest = [candidate for candidate in self.candidates if candidate.name not in known]
         refitted = [found.candidate for found in tried]
-        refitted += by_refits(self.regression, rest, self.library, self.report)
+        refitted += by_refits(self.regression, rest, self.library, self.report, self.answered)
         real = [candidate for candidate in significant(refitted) if candidate.name not in known]
         return self._confirmed(tried, real, lambda _: False)
 

@@ -26,9 +26,10 @@ _REFITTED = 12  # of the candidates, by their scores: others are asked if none o
 
 
 def by_refits(
-    regression: Regression, candidates: Sequence[Candidate], library: Registry, report: Report
+    regression: Regression, candidates: Sequence[Candidate], library: Registry, report: Report, answered: bool = False
 ) -> list[Candidate]:
-    """The first candidates in the order of what a short refit of each gains, then the others as they were.
+    """The first candidates in the order of what a short refit of each gains, then the others as they were; all of them
+    in that order where none of the first explains most of the misfit, unless something else is known to: `answered`.
 
     A fit that lacks an effect bends its own parameters to mimic it. Where inertia hardly matters they bend far (a lag
     becomes a low quality factor), and what a candidate gains once they are free to bend back is not to be seen from
@@ -38,7 +39,7 @@ def by_refits(
     report(f"scores cannot be believed here: refitting {len(first)} effects instead")
     glimpse = lambda one: _best_glimpse(regression, one, library[one.name])
     found = at_once(glimpse, first, report, "refits")
-    if rest and not any(one.predicted_gain > MOST_OF_IT for one in found):
+    if rest and not answered and not any(one.predicted_gain > MOST_OF_IT for one in found):
         # A friction that rules a slide had the last place by its score, and explained 88 %.
         report(f"none of them explains most of it: refitting {len(rest)} more")
         found, rest = [*found, *at_once(glimpse, rest, report, "refits")], []
