@@ -15,9 +15,11 @@ from ident.diagnosis.ranking.weigh import Candidate
 NAMES = [f"effect-{i}" for i in range(30)]
 
 
-@pytest.mark.parametrize(("first", "asked"), [(0.9, 12), (0.2, 30)])
-def test_all_are_asked_if_the_first_explain_little(monkeypatch: pytest.MonkeyPatch, first: float, asked: int) -> None:
-    """The last one by its score explains most, as the friction did that ruled a slide."""
+@pytest.mark.parametrize(("first", "answered", "asked"), [(0.9, False, 12), (0.2, False, 30), (0.2, True, 12)])
+def test_all_are_asked_if_the_first_explain_little(
+    monkeypatch: pytest.MonkeyPatch, first: float, answered: bool, asked: int
+) -> None:
+    """The last one by its score explains most, as the friction did that ruled a slide; not if an answer is known."""
     scored = [Candidate(name, 1.0, 0.1, 1, 0.5, {}, {}, {}, np.zeros((1, 3))) for name in NAMES]
     gains, seen = {NAMES[0]: first, NAMES[-1]: 0.95}, []
 
@@ -28,6 +30,6 @@ def test_all_are_asked_if_the_first_explain_little(monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setattr(refits, "_best_glimpse", glimpse)
     regression, library = SimpleNamespace(n=1000), dict.fromkeys(NAMES, object)
-    ranked = refits.by_refits(cast(Regression, regression), scored, cast(dict, library), lambda _: None)
+    ranked = refits.by_refits(cast(Regression, regression), scored, cast(dict, library), lambda _: None, answered)
     assert sorted(seen) == sorted(NAMES[:asked]) and len(ranked) == len(NAMES)
     assert ranked[0].name == (NAMES[0] if asked == 12 else NAMES[-1])
