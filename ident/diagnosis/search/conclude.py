@@ -16,7 +16,7 @@ from ...effects.registry import Registry
 from ...fit import Fit
 from ...fit.floors import sharpened
 from ...pulse import Report
-from ..evidence.enough import ANOTHER_LAW, adequate, role_of, speaks_for
+from ..evidence.enough import ANOTHER_LAW, MOST_OF_IT, adequate, role_of, speaks_for
 from ..evidence.equivalences import what_separates
 from ..evidence.held_out import contradicted, foretold, hurts, predicts_better
 from ..linearised.regression import Regression, prepare
@@ -51,12 +51,16 @@ def concluded_or_sharper(ended: Ended) -> Discovery | Campaign:
 
 def _sharper(final: Fit, regression: Regression) -> Campaign | None:
     """The campaign with the noise floors that a fit tells better, where they may change an answer: to a model that
-    does not stand at the floors it had, lower ones say nothing new."""
+    does not stand at the floors it had, those say something new that are most of what it leaves."""
     campaign = sharpened(final)
     if campaign is None or adequate(regression):
         return campaign
-    pairs = zip(final.campaign.traces, campaign.traces, strict=True)
-    return campaign if any(new.noise.sigma > old.noise.sigma for old, new in pairs) else None
+    before = after = 0.0
+    for own, old, new in zip(final.trace_scores, final.campaign.traces, campaign.traces, strict=True):
+        if not own.holdout:
+            before += own.n * (own.error_over_noise**2 - 1)
+            after += own.n * ((own.error_over_noise * old.noise.sigma / new.noise.sigma) ** 2 - 1)
+    return campaign if after < MOST_OF_IT * before else None
 
 
 def concluded(ended: Ended) -> Discovery:
