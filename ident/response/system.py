@@ -120,6 +120,7 @@ class Block(NamedTuple):
     damped: Any
     sine: Any
     allowed: Any
+    early: Any
 
     @classmethod
     def of(cls, chunk: Chunk) -> Block:
@@ -142,6 +143,7 @@ class System(NamedTuple):
     omega: Any = 0.0
     moving: Any = 0.0
     order: Any = 0.0
+    early: Any = 0.0  # s², as of `lane.Lane`
     share: Any = 1.0  # of what the actuator gives, that acts on the stage; of the drive, that the sensor sees past it
     base: Any = None  # travel of the base that carries spring and damper, per unit of the drive; None if that pushes
     riding: bool = False  # whether the drive is the acceleration of the base, and an accelerometer rides on the body
@@ -171,8 +173,9 @@ class System(NamedTuple):
         accelerates, what the inertia of the body is to the base is none to the world."""
         return acceleration - self.share * self.push(voltage) / self.mass if self.riding else acceleration
 
-    def read(self, z: Any, v: Any, acceleration: Any, jerk: Any) -> tuple[Any, Any]:
-        """What the sensor reads of a motion, and the rate of that."""
+    def read(self, z: Any, v: Any, acceleration: Any, jerk: Any, rate: Any) -> tuple[Any, Any]:
+        """What the sensor reads of a motion, and the rate of that; V̇ is the `rate` of the drive."""
+        v = v - self.early * self.share * self.push(rate) / self.mass
         ordered = lambda *of: jnp.where(self.order > 1, of[2], jnp.where(self.order > 0, of[1], of[0]))
         return ordered(z, v, acceleration), ordered(v, acceleration, jerk)
 
@@ -188,7 +191,7 @@ class System(NamedTuple):
         """The same in a block of a record."""
         spring, damper = self.stiffness * (1 + block.stiffer), self.damping * (1 + block.damped)
         there = self._replace(mass=self.mass + block.load, damping=damper, stiffness=spring)
-        there = there._replace(omega=block.omega, moving=block.moving, order=block.order)
+        there = there._replace(omega=block.omega, moving=block.moving, order=block.order, early=block.early)
         return there.undispersed(block.sine * block.step)
 
     def undispersed(self, step: Any) -> System:
@@ -255,7 +258,7 @@ def reading(
     voltage, rate, t = at
     sensors = [pair for pair in zip(system.effects, parts, strict=True) if pair[0].overrides("sensor")]
     felt = system.felt(acceleration, voltage)
-    read, its_rate = _read(system, parts, y, at, acceleration) if sensors else system.read(y[0], y[1], felt, 0.0)
+    read, its_rate = _read(system, parts, y, at, acceleration) if sensors else system.read(y[0], y[1], felt, 0.0, rate)
     shown = read
     for effect, own in sensors:
         if own is not None:
@@ -324,7 +327,7 @@ def _read(
     numbers = lambda tree: jax.tree.map(lambda x: jnp.asarray(x, float), tree)
     of_motion = lambda y, at: accelerated(system, parts, y, at)
     jerk = jax.jvp(of_motion, numbers((tuple(y), tuple(at))), numbers(onward))[1]
-    return system.read(z, v, system.felt(acceleration, at[0]), system.felt(jerk, at[1]))
+    return system.read(z, v, system.felt(acceleration, at[0]), system.felt(jerk, at[1]), at[1])
 
 
 def at_rest(equation: Equation, values: Numbers) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ident.campaign.held_drive import held_drive, jumps
+from ident.campaign.held_drive import early_at, held_drive, jumps
 
 
 @pytest.mark.parametrize("substeps", [1, 2, 3])
@@ -23,6 +23,20 @@ def test_an_edge_has_its_impulse_and_its_time_wherever_it_lies(substeps, edge):
     blurred = step**2 / 6  # second moment of the edge
     exact = (on**2 + 3 * (end**2 - on**2)) / 2
     assert abs(simpson(voltage * at) - exact) < 2 * blurred
+
+
+@pytest.mark.parametrize("substeps", [1, 2, 3])
+@pytest.mark.parametrize("edge", [-1.0, -0.9, -0.5, -0.2, 0.0, 0.1])
+def test_what_an_edge_adds_too_early_is_known(substeps, edge):
+    """At samples beside an edge ∫V, by Simpson's rule, is right once that is taken off; a velocity is such a sum."""
+    voltage, slope = held_drive(np.where(np.arange(40) < 20, 1.0, 3.0), substeps, edge)
+    step, at = 1 / substeps, np.arange(40)
+    each = step / 6 * (voltage[:-1:2] + 4 * voltage[1::2] + voltage[2::2])
+    told = np.concatenate([[0.0], np.cumsum(each)])[::substeps]
+    exact = np.where(at < 20 + edge, at, 20 + edge + 3 * (at - 20 - edge))
+    early = slope[:: 2 * substeps] * step**2 * early_at(edge, substeps)
+    np.testing.assert_allclose(told - early, exact, atol=1e-9 if edge % 1 in (0.0, 0.5) else 0.02 * 2 * step)
+    assert edge % 1 > 0 or np.max(np.abs(told - exact)) == pytest.approx(2 * step / 6)
 
 
 def test_a_hold_is_drawn_through_its_values():

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline
+from scipy.linalg import expm
 
 from ident.campaign import read_campaign
 from ident.campaign.record import MEASURES
@@ -82,6 +83,25 @@ def test_the_missing_effect_is_the_one_of_the_displacement(tmp_path: Path, measu
     candidates = score(prepare(found), built_in())
     assert candidates[0].name == "cubic-stiffness"
     assert np.isclose(candidates[0].values["k3"], K3, rtol=0.2)
+
+
+def test_a_velocity_under_a_drive_that_jumps_is_right_where_it_jumps() -> None:
+    """An oscillator under a pseudo-random switch, from the matrix exponential: no sample, at a jump or not, is off."""
+    w0, rng = 2 * np.pi * F0, np.random.default_rng(3)
+    drive = np.repeat(rng.choice([-1.0, 1.0], 150), 8)
+    whole = expm(np.array([[0, 1, 0], [-(w0**2), -w0 / Q, GAIN], [0, 0, 0]]) * STEP)
+    state = np.zeros((len(drive), 2))
+    for k in range(len(drive) - 1):
+        state[k + 1] = whole[:2] @ [*state[k], drive[k]]
+    noise = NOISE * float(np.std(state[:, 1]))
+    table = {"time": STEP * np.arange(len(drive)), "drive (V)": drive, "response (m/s)": state[:, 1]}
+    told = {"data": table, "measures": "velocity", "between": "hold", "noise": f"{noise} m/s"}
+    read = read_campaign({"device": {"kind": "oscillator", "output": "m"}, "record": [told]})
+    found = fit(Model(read.device), read)
+    left = (state[:, 1] - found.readings[0]) / noise
+    jumps = np.flatnonzero(np.diff(drive)) + 1
+    assert np.max(np.abs(left[jumps])) < 1.5 * np.max(np.abs(np.delete(left, jumps)))
+    assert np.max(np.abs(left)) < 1.0
 
 
 CORNER, LATE = 4.0, 1 / F0 / 12  # 1/s, s
