@@ -66,7 +66,7 @@ def apart_before(look: Look, report: Report) -> Apart | None:
     plain = _of_one_mode(look)
     promise = _best(plain, report)
     alone = [Left(found.left, found.numbers + histories(found.candidate.name, look)) for found in tried]
-    if any(behind(promise, one) > VERY_STRONG for one in alone):
+    if plain is look and any(behind(promise, one) > VERY_STRONG for one in alone):
         return None  # one effect has kept more than they promise beside one
     pair = look.pair
     if pair is not None:

@@ -69,3 +69,19 @@ def test_a_rival_that_does_as_well_in_its_place_is_told_with_what_would_tell_the
     assert told.tie_set == ("quadratic-stiffness", "cubic-stiffness")
     assert "second harmonic" in told.reasons[0]
     assert _beside_its_even(told, {"quadratic-stiffness": "cubic-stiffness"}, built_in()) is told
+
+
+@pytest.mark.parametrize(("alone", "stands"), [(16.0, False), (2.0, True)])
+def test_a_rival_that_needs_what_refines_is_none(monkeypatch: pytest.MonkeyPatch, alone: float, stands: bool) -> None:
+    """Without the finer shape a quadratic spring leaves little, and cogs leave what that had said for them."""
+
+    def fit_of(*names: str, chi2: float) -> Any:
+        model = SimpleNamespace(names=names, carries=lambda _: False)
+        return SimpleNamespace(model=model, fitted=SimpleNamespace(chi2=chi2))
+
+    last = fit_of("quadratic-stiffness", "residual-stress", chi2=1010.0)
+    after = fit_of("cogging", "residual-stress", chi2=1000.0)
+    less = {id(last): fit_of("quadratic-stiffness", chi2=1012.0), id(after): fit_of("cogging", chi2=1012.0 + alone)}
+    monkeypatch.setattr(pruning, "try_without", lambda fit, *_: less[id(fit)])
+    first = cast(Any, SimpleNamespace(above_noise=1000.0, fit=None))
+    assert pruning._unrefined("quadratic-stiffness", last, "cogging", after, first) == stands

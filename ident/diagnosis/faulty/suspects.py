@@ -286,8 +286,9 @@ def _better(faulty: _Explained, sound: _Explained, shapes: float) -> bool:
 
 def _could_be_shorter(sound: _Explained, fitted: Fit) -> bool:
     """Whether a fault, which is one number, could be clearly better than physics that brings all records to their
-    noise: by the numbers of a law that bends to anything, or by more than what models at their floor leave."""
-    noise = sound.left / max(rms(sound.left, 1.0) / AT_FLOOR, 1.0)
+    noise: by the numbers of a law that bends to anything, or by more than what models at their floor leave in each."""
+    floor = AT_FLOOR if sound.worst <= AT_FLOOR else 1.0
+    noise = sound.left / max(rms(sound.left, 1.0) / floor, 1.0)
     return behind(sound, Left(noise, fitted.freedom + 1)) > VERY_STRONG
 
 

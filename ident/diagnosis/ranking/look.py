@@ -6,7 +6,7 @@ The search for faulty records and the walk ask the same of the first fit; it is 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -55,7 +55,7 @@ class Look:
         if constants:
             rows = [candidate.signature for candidate in score(first, constants)]
             first = first.beside(np.concatenate(rows)) if rows else first
-        return Look(regression, first, self.library, self.report)
+        return replace(self, regression=regression, first=first)
 
     @cached_property
     def worth_it(self) -> bool:

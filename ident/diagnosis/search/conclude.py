@@ -51,16 +51,15 @@ def concluded_or_sharper(ended: Ended) -> Discovery | Campaign:
 
 def _sharper(final: Fit, regression: Regression) -> Campaign | None:
     """The campaign with the noise floors that a fit tells better, where they may change an answer: to a model that
-    does not stand at the floors it had, those say something new that are most of what it leaves."""
+    does not stand at the floors it had, they say something new if they make up most of what it leaves of a record."""
     campaign = sharpened(final)
     if campaign is None or adequate(regression):
         return campaign
-    before = after = 0.0
     for own, old, new in zip(final.trace_scores, final.campaign.traces, campaign.traces, strict=True):
-        if not own.holdout:
-            before += own.n * (own.error_over_noise**2 - 1)
-            after += own.n * ((own.error_over_noise * old.noise.sigma / new.noise.sigma) ** 2 - 1)
-    return campaign if after < MOST_OF_IT * before else None
+        left, raised = own.error_over_noise**2, (new.noise.sigma / old.noise.sigma) ** 2
+        if raised > 1 and left / raised - 1 < MOST_OF_IT * (left - 1):
+            return campaign
+    return None
 
 
 def concluded(ended: Ended) -> Discovery:

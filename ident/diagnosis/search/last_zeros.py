@@ -8,11 +8,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import cast
 
+import numpy as np
+
 from ...campaign.apart import as_it_came
 from ...campaign.record import Kind, Trace
 from ...effects.registry import Registry
 from ...fit import Fit, fit
 from ...fit.rebuild import fit_at
+from ...fit.zeros import numbers_of_zeros
 from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG, Left, behind
 from ..evidence.held_out import hurts
@@ -37,12 +40,13 @@ def with_last_zeros(last: Fit, library: Registry, report: Report) -> Fit:
     came = without_words(replace(last.campaign, records=records), kind)
     try:
         regression = prepare(working(last))
-        own = Left(regression.left, regression.numbers + numbers_of(last, kind))
+        counted = numbers_of_zeros(regression.fit.campaign.fitted)  # excerpts are read by zeros that are held
+        own = Left(regression.left, regression.numbers - counted + numbers_of(last, kind))
         common = fit(last.model, came, initial=last.values)
         common, without = with_its_constant(common, prepare(working(common)), library, report)
         if behind(own, without) > -VERY_STRONG and not hurts(last, common):
             return common
-    except Diverged:
+    except (Diverged, np.linalg.LinAlgError):  # a motion without bound does not tell
         pass
     found = differing(one_stretch_each(fit_at(last.model, came, last.values, converged=False)), (kind,))
     return last if found is None else replace(last, campaign=found.said_in(last.campaign))

@@ -95,15 +95,18 @@ def _replaced(
     lead = full.fit_chi2 - there.fit_chi2
     clearly = perhaps and behind(full, there) > margin and not (wider and lead < laws_differ_by(regression, best.chi2))
     wins = (not hurts_more(last, after) if clearly else alike and hurts(after, last)) and still_possible(after, last)
-    if not wins and abs(behind(full, there)) < VERY_STRONG and still_possible(after, last) and not hurts(last, after):
+    if wins and _unrefined(name, last, best.candidate.name, after, first):
+        return best.candidate.name, after
+    near = wins or abs(behind(full, there)) < VERY_STRONG
+    if near and still_possible(after, last) and not hurts(last, after):
         even[name] = best.candidate.name
-    return (best.candidate.name, after) if wins and _unrefined(name, last, best.candidate.name, after, first) else None
+    return None
 
 
 def _unrefined(name: str, last: Fit, rival: str, after: Fit, first: Regression) -> bool:
     """Whether a rival, in the fit `after`, says as much as the effect in whose place it is, but for a shape, where
-    every term that only refines is left out of both."""
-    most = SAME_SHAPE * first.excess
+    every other term that is not worth a name beside the effect is left out of both."""
+    most = SAME_SHAPE * first.above_noise
     for other in last.model.names:
         if other in (name, rival) or last.model.carries(other) or after.model.carries(other):
             continue

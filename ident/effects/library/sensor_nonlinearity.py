@@ -12,9 +12,9 @@ class SensorNonlinearity(AbstractEffect):
     """A bent characteristic: reading = z + b z² − c z³/(1 + s |c| z²).
 
     c > 0 saturates, c < 0 expands. s = 1.2 follows (tanh κz)/κ with c = κ²/3 (to 0.3 % at κz = 1.5), s = 1.8 the
-    arctangent, s = 0 is a plain polynomial; with s < 0 it steepens: −1.2 with c = −κ²/3 is (tan κz)/κ (to 0.1 % at
-    κz = 1), as of a beam of light on a flat scale. Typical: 0.1-5 % of full scale. The stage itself stays linear: no
-    shift of the resonance with amplitude, and the same curve in every record.
+    arctangent, s = 0 is a plain polynomial. With s < 0 it steepens, if it expands: −1.2 with c = −κ²/3 is (tan κz)/κ
+    (to 0.1 % at κz = 1), as of a beam of light on a flat scale. Typical: 0.1-5 % of full scale. The stage itself stays
+    linear: no shift of the resonance with amplitude, and the same curve in every record.
     """
 
     name = "sensor-nonlinearity"
@@ -25,8 +25,11 @@ class SensorNonlinearity(AbstractEffect):
 
     quadratic = amplitude("1/m", "quadratic term, b")
     cubic = amplitude("1/m^2", "cubic saturation, c")
-    saturation = shape("1", "how the saturation levels off, s", grid=(-1.2, 0.02, 1.2), limits=(-3.6, 3.6),
+    saturation = shape("1", "how the saturation levels off, s", grid=(-1.2, 1.2, 0.02), limits=(-3.6, 36.0),
                        positive=False)  # fmt: skip
+
+    def can_be(self, stiffness: float, damping: float) -> bool:
+        return bool(self.saturation >= 0 or self.cubic <= 0)  # what saturates does not turn back
 
     def sensor(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         bend = self.cubic * state.z**2
