@@ -10,7 +10,8 @@ Reached, CPU seconds with an empty and with a filled cache, on a machine that ot
 and 2), where 9ca4946 took 5.1 and 4.2 in the same run; `discover` 21.1 and 11.6 (20 and 5), where it took 20.8 and
 12.6. On a quieter one 18.7 and 11.1, with friction 18.5 and 7.7 (30 and 10); 100,000 samples 68 and 49 with a filled
 cache (60). At the end of November 2026, on a slower machine, 4.9 and 3.5, 29 and 17, with friction 29 and 17, where
-cf3b15d took 5.8 and 4.1, 29 and 20, 27 and 18 in the same run. So `--check` fails, and `docs/speed.md` says why. Before
+cf3b15d took 5.8 and 4.1, 29 and 20, 27 and 18 in the same run. On a busy one ddc9a92 took 31 and 20 (6e1f3b1:
+36 and 29), with friction 39 and 20 (38 and 21). So `--check` fails, and `docs/speed.md` says why. Before
 records came on one tape `discover` took 105 and 47 s.
 """
 

@@ -61,15 +61,18 @@ def held_drive(samples: np.ndarray, substeps: int, edge: float) -> tuple[np.ndar
     return voltage, slope
 
 
-def early_at(edge: float, substeps: int) -> float:
-    """What an edge, as it is drawn, adds to the integral of the drive at the sample beside it that a jump would not:
-    ∫V dt is larger by V̇ h² w²/6 there, of the solver's step h, w = 1 − |t − t_k|/h; returned is w²/6.
+def beside_edge(edge: float, substeps: int, order: int) -> float:
+    """What a jump would have made of a reading at the sample beside it, beyond what the edge does as it is drawn, per
+    V̇ as drawn there and in steps h of the solver, where the reading is the first integral of the drive (`order` 1, a
+    velocity) or the drive itself (2, an acceleration).
 
-    Every integral over a whole edge is right, but a sensor of velocity shows what a step of the solver is worth within.
-    One sample of a step each, with edges between them, is beside two: then it is that of the nearer one.
+    With w = 1 − |t − t_k|/h the drawn ∫V dt is larger by V̇ h² w²/6 at t, and V misses V̇ h w/2 of what it is after the
+    jump; at a jump itself a sample belongs to what comes. Every integral over a whole edge is right, and a displacement
+    hardly sees it. One sample a step, with edges between them, is beside two: then this is that of the nearer one.
     """
-    between = abs(edge - round(edge))
-    return max(1.0 - between * substeps, 0.0) ** 2 / 6
+    after = round(edge) - edge  # intervals from the nearest edge to the sample
+    near = max(1.0 - abs(after) * substeps, 0.0)
+    return (0.0, -(near**2) / 6, near / 2 if after >= 0 else -near / 2)[order]
 
 
 def jumps(drive: np.ndarray) -> bool:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..campaign.drive import drive_frequency, half_step_drive
-from ..campaign.held_drive import early_at
+from ..campaign.held_drive import beside_edge
 from ..campaign.record import Trace
 
 Numbers = Any  # NumPy outside a program, JAX inside
@@ -23,8 +23,8 @@ class Lane(NamedTuple):
     the derivative of the displacement that was measured; `stiffer` and `damped`, the share by which the device's own
     spring and damper are so in this record; `sine`, 1 if the drive is one of about this frequency, so that the solver's
     error at it is taken off; `into`, s of the record before an excerpt of it; `allowed`, by how much a step may miss
-    what is measured where it meets a kink, beyond which it is divided; `early`, s², how much of V̇ a drive that is held
-    has added up in the velocity of a sample at one of its edges, as these are drawn, before it jumps (`early_at`).
+    what is measured where it meets a kink, beyond which it is divided; `beside`, s² or s, what V̇ of a drive that is
+    held adds to a reading of velocity or acceleration beside one of its edges (`beside_edge`).
     """
 
     step: float
@@ -39,7 +39,7 @@ class Lane(NamedTuple):
     sine: float = 0.0
     into: float = 0.0
     allowed: float = math.inf
-    early: float = 0.0
+    beside: float = 0.0
 
 
 ALLOWED = 2e-3
@@ -55,5 +55,7 @@ def lane_of(record: Trace, substeps: int, allowed: float = ALLOWED) -> Lane:
     own = (record.load, moving, record.order, record.stiffer, record.damped)
     noise = max(record.noise.sigma, 1e-4 * float(np.std(record.response)))
     omega, into = drive_frequency(record), record.into
-    step, early = record.step / substeps, 0.0 if record.edge is None else early_at(record.edge, substeps)
-    return Lane(step, voltage, rate, omega, *own, into=into, allowed=allowed * noise, early=early * step**2)
+    step, beside = record.step / substeps, 0.0
+    if record.edge is not None:
+        beside = beside_edge(record.edge, substeps, record.order) * step ** (3 - record.order)
+    return Lane(step, voltage, rate, omega, *own, into=into, allowed=allowed * noise, beside=beside)

@@ -120,7 +120,7 @@ class Block(NamedTuple):
     damped: Any
     sine: Any
     allowed: Any
-    early: Any
+    beside: Any
 
     @classmethod
     def of(cls, chunk: Chunk) -> Block:
@@ -143,7 +143,7 @@ class System(NamedTuple):
     omega: Any = 0.0
     moving: Any = 0.0
     order: Any = 0.0
-    early: Any = 0.0  # s², as of `lane.Lane`
+    beside: Any = 0.0  # s² or s, as of `lane.Lane`
     share: Any = 1.0  # of what the actuator gives, that acts on the stage; of the drive, that the sensor sees past it
     base: Any = None  # travel of the base that carries spring and damper, per unit of the drive; None if that pushes
     riding: bool = False  # whether the drive is the acceleration of the base, and an accelerometer rides on the body
@@ -175,9 +175,10 @@ class System(NamedTuple):
 
     def read(self, z: Any, v: Any, acceleration: Any, jerk: Any, rate: Any) -> tuple[Any, Any]:
         """What the sensor reads of a motion, and the rate of that; V̇ is the `rate` of the drive."""
-        v = v - self.early * self.share * self.push(rate) / self.mass
         ordered = lambda *of: jnp.where(self.order > 1, of[2], jnp.where(self.order > 0, of[1], of[0]))
-        return ordered(z, v, acceleration), ordered(v, acceleration, jerk)
+        jumped = self.beside * self.share * self.push(rate) / self.mass
+        felt = acceleration if self.riding else acceleration + jumped  # riding, it does not feel the drive itself
+        return ordered(z, v + jumped, felt), ordered(v, acceleration, jerk)
 
     def moved(self, z: Any) -> Any:
         """The mass that is moved at a displacement, kg."""
@@ -191,7 +192,7 @@ class System(NamedTuple):
         """The same in a block of a record."""
         spring, damper = self.stiffness * (1 + block.stiffer), self.damping * (1 + block.damped)
         there = self._replace(mass=self.mass + block.load, damping=damper, stiffness=spring)
-        there = there._replace(omega=block.omega, moving=block.moving, order=block.order, early=block.early)
+        there = there._replace(omega=block.omega, moving=block.moving, order=block.order, beside=block.beside)
         return there.undispersed(block.sine * block.step)
 
     def undispersed(self, step: Any) -> System:

@@ -26,7 +26,7 @@ class Chunk(NamedTuple):
 
     **Arguments:** `voltage` and `rate`, (…, 2 BLOCK + 1) on the half-step grid; per block the `step`, s; the `clock`, s
     since the first sample of the record; `omega`, `load`, `moving`, `order`, `stiffer`, `damped`, `sine`, `allowed`
-    and `early` of it; whether it is its `first`; `count` of the blocks that hold something.
+    and `beside` of it; whether it is its `first`; `count` of the blocks that hold something.
     """
 
     voltage: Numbers
@@ -41,7 +41,7 @@ class Chunk(NamedTuple):
     damped: Numbers
     sine: Numbers
     allowed: Numbers
-    early: Numbers
+    beside: Numbers
     first: Numbers
     count: Numbers
 
@@ -85,7 +85,7 @@ class Tape:
         voltage = self.windows([lane.voltage for lane in self.lanes])
         rate = self.windows([lane.rate for lane in self.lanes])
         shape = (len(voltage) * BLOCKS,)
-        own = ("step", "omega", "load", "moving", "order", "stiffer", "damped", "sine", "allowed", "early")
+        own = ("step", "omega", "load", "moving", "order", "stiffer", "damped", "sine", "allowed", "beside")
         told = {name: np.zeros(shape) for name in ("step", "clock", *own[1:], "first")}
         for lane, span in zip(self.lanes, self.spans, strict=True):
             there = slice(span.block, span.block + span.blocks)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ident.campaign.held_drive import early_at, held_drive, jumps
+from ident.campaign.held_drive import beside_edge, held_drive, jumps
 
 
 @pytest.mark.parametrize("substeps", [1, 2, 3])
@@ -34,9 +34,18 @@ def test_what_an_edge_adds_too_early_is_known(substeps, edge):
     each = step / 6 * (voltage[:-1:2] + 4 * voltage[1::2] + voltage[2::2])
     told = np.concatenate([[0.0], np.cumsum(each)])[::substeps]
     exact = np.where(at < 20 + edge, at, 20 + edge + 3 * (at - 20 - edge))
-    early = slope[:: 2 * substeps] * step**2 * early_at(edge, substeps)
-    np.testing.assert_allclose(told - early, exact, atol=1e-9 if edge % 1 in (0.0, 0.5) else 0.02 * 2 * step)
+    beside = slope[:: 2 * substeps] * step**2 * beside_edge(edge, substeps, 1)
+    np.testing.assert_allclose(told + beside, exact, atol=1e-9 if edge % 1 in (0.0, 0.5) else 0.02 * 2 * step)
     assert edge % 1 > 0 or np.max(np.abs(told - exact)) == pytest.approx(2 * step / 6)
+
+
+@pytest.mark.parametrize("substeps", [2, 3])
+@pytest.mark.parametrize("edge", [-1.0, -0.9, -0.5, -0.2, 0.0, 0.1])
+def test_a_sample_beside_an_edge_is_before_or_after_it(substeps, edge):
+    voltage, slope = held_drive(np.where(np.arange(40) < 20, 1.0, 3.0), substeps, edge)
+    beside = slope[:: 2 * substeps] / substeps * beside_edge(edge, substeps, 2)
+    exact = np.where(np.arange(40) < 20 + edge, 1.0, 3.0)
+    np.testing.assert_allclose(voltage[:: 2 * substeps] + beside, exact, atol=1e-9)
 
 
 def test_a_hold_is_drawn_through_its_values():

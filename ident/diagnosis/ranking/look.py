@@ -15,7 +15,7 @@ from ...effects.registry import Registry
 from ...fit import Fit
 from ...pulse import Report
 from ..evidence.criterion import VERY_STRONG
-from ..evidence.enough import another_law, worth_a_name
+from ..evidence.enough import MOST_OF_IT, another_law, worth_a_name
 from ..linearised.anchor import prepare_at_best
 from ..linearised.regression import Regression
 from .confirm import Confirmed, confirm, leaves_noise
@@ -104,6 +104,8 @@ class Look:
             return tried
         known, kept = {found.candidate.name for found in tried}, best_drop(tried, self.regression)
         enough = (kept if np.isfinite(kept) else self.promise) - self._near
+        if self.regression.credible:  # what promises less does not leave noise
+            enough = max(enough, MOST_OF_IT * self.regression.to_explain)
         rest = {one.name: one for one in self.candidates if one.name not in known}
         laws = {name: all_free(self.library[name]) for name in rest if refinements(self.library[name])}
         promising = {one.name for one in score(self.regression, laws) if one.promised(self.regression) > enough}
