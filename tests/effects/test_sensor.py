@@ -41,7 +41,8 @@ def test_saturating_characteristic_follows_the_hyperbolic_tangent(full_scale):
 def test_a_beam_of_light_on_a_flat_scale_is_a_tangent():
     far = 12e-6  # at half the angle
     physics = Physics(sensor=lambda t, z, v, h: far * np.tan(z / far) - z)
-    assert_agrees(make("sensor-nonlinearity", cubic=-1 / (3 * far**2), saturation=-1.2), physics, 1e-2)
+    effect = make("sensor-nonlinearity", cubic=-1 / (3 * far**2), saturation=1e-9, quintic=2 / (15 * far**4))
+    assert_agrees(effect, physics, 1e-2)
 
 
 @pytest.mark.parametrize(
