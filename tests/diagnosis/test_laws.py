@@ -45,7 +45,7 @@ def test_a_damping_that_drives_scores_nothing(strength: float, seen: bool) -> No
     for k, (volts, hertz) in enumerate([(1.0, 97.0), (3.0, 101.0)]):
         drive = volts * np.sin(2 * np.pi * hertz * time)
         blank = Trace(f"{k}.csv", time, drive, np.ones(1200), channel, channel, NoiseFloor(NOISE), "rest")
-        clean = read(model, np.array([100.0, 20.0, 4e5, strength]), [blank])[0]
+        clean = read(model, np.array([100.0, 20.0, 4e5, strength, 0.0]), [blank])[0]
         noise = NOISE * np.random.default_rng(k).standard_normal(1200)
         records.append(Trace(f"{k}.csv", time, drive, clean + noise, channel, channel, NoiseFloor(NOISE), "rest"))
     linear = fit(Model(Oscillator()), Campaign("two sines", tuple(records), Oscillator()))
