@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 from .lab import Lab, device
 
@@ -80,3 +81,17 @@ def relay(lab: Lab, rng: np.random.Generator) -> None:
         u = np.concatenate([[0.0], levels])[np.searchsorted(shown, np.arange(2500), side="right")]
         z = solve_held(lambda z, v, u: [v, w * w * (u - z) - w / 20 * v], t, (shown - 0.4) * step, levels)
         lab.write(f"relay{i}", "t (s),relay (V),z (um)", t, u, z, digits=8, held=i == 2)
+
+
+@device()
+def geophone(lab: Lab, rng: np.random.Generator) -> None:
+    """A linear device under a coil that a switch reverses on the clock of the samples, read as a velocity; mA, mm/s."""
+    f = 4.5 * rng.uniform(0.9, 1.1)
+    w, step = 2 * np.pi * f, 1 / (40 * f)
+    whole = expm(step * np.array([[0, 1, 0], [-w * w, -w / 0.9, 8.0], [0, 0, 0]]))[:2]
+    for i, (size, hold) in enumerate([(1.0, 9), (0.5, 13), (0.8, 20)]):
+        u, state = size * np.repeat(rng.choice([-1.0, 1.0], 3000 // hold), hold), [np.zeros(2)]
+        for level in u[:-1]:
+            state.append(whole @ [*state[-1], level])
+        v = 1e3 * np.array(state)[:, 1]
+        lab.write(f"coil{i}", "t (s),coil (mA),velocity (mm/s)", step * np.arange(len(u)), u, v, bits=8, held=i == 2)

@@ -131,6 +131,20 @@ def dead_zone(lab: Lab, rng: np.random.Generator) -> None:
     _records(lab, rng, lambda w, z, v: 0.0, push=lambda u: np.sign(u) * np.maximum(np.abs(u) - 0.6, 0.0))
 
 
+@device("quadratic-damping")
+def in_a_current(lab: Lab, rng: np.random.Generator) -> None:
+    """Drag in a current; what it leans at rest is taken for its place."""
+    u = 2000.0
+    _records(lab, rng, lambda w, z, v: -0.003 * ((v - u) * abs(v - u) + u * u))
+
+
+@device("coulomb-friction", "sensor-nonlinearity")
+def flat_scale(lab: Lab, rng: np.random.Generator) -> None:
+    """A pivot with dry friction, read by a beam of light on a flat scale, as a tangent."""
+    rubs = lambda w, z, v: -0.15 * w * w * np.tanh(v / (0.1 * w))
+    _records(lab, rng, rubs, lambda i, t, z: 30 * np.tan(z / 30))
+
+
 @device("asymmetric-damping")
 def one_way_damper(lab: Lab, rng: np.random.Generator) -> None:
     """A damper that is stronger one way."""

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .held_drive import jumps
+from .record import Same
 from .smooth_drive import smooth_drive
 
 if TYPE_CHECKING:
@@ -25,20 +26,6 @@ _STAYS = 2.0  # times a bend that stays, three samples on: 2 to 3, of one step u
 _BESIDE = (2, 3)  # samples away: the next may share a corner that lies between two
 _NEAR = 0.25  # of a sampling interval, to a corner: a curve through both would make a slope of their noise
 _FEWEST = 4  # points of a piece: fewer lie on a line or a parabola, whose other points are as good
-
-
-class Same:
-    """An array of a record as the key of what is known of it. Hypotheses about a record change its clock or its
-    response; the drive stays the same array, and arrays of records never change."""
-
-    def __init__(self, array: np.ndarray):
-        self.array = array
-
-    def __hash__(self) -> int:
-        return id(self.array)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Same) and self.array is other.array
 
 
 class Corners(NamedTuple):
@@ -117,19 +104,16 @@ def broken_spline(drive: np.ndarray, found: Corners) -> BSpline:
     return make_interp_spline(x, y, k=3, t=knots)
 
 
-def through(drive: np.ndarray, found: Corners) -> BSpline:
-    """The curve through a drive (n,) that is not held, by samples: smooth, but for its corners."""
-    return broken_spline(drive, found) if found else smooth_drive(drive)
-
-
 def drive_at(drive: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """A drive (n,) that is not held at other places (m,) than its samples, in samples from 0 to n − 1."""
-    return _known_curve(Same(drive))(places)
+    """A drive (n,) that is not held at places (m,) between its samples, from 0 to n − 1: on a curve that is smooth, but
+    for its corners."""
+    return _curve(Same(drive))(places)
 
 
 @lru_cache(maxsize=64)  # as many as `response.lane` keeps: a search for a delay reads each again and again
-def _known_curve(drive: Same) -> BSpline:
-    return through(drive.array, corners(drive.array))
+def _curve(drive: Same) -> BSpline:
+    found = corners(drive.array)
+    return broken_spline(drive.array, found) if found else smooth_drive(drive.array)
 
 
 def _filled(x: np.ndarray, y: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

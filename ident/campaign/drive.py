@@ -11,10 +11,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from .corners import Corners, Same, broken_spline, corners, rates, through
+from .corners import Corners, broken_spline, corners, drive_at, rates
 from .held_drive import held_drive
 from .period import fourier_basis, least_squares
-from .record import Trace
+from .record import Same, Trace
 from .smooth_drive import smooth_drive
 
 
@@ -71,7 +71,7 @@ def _half_steps(drive: Same, substeps: int, period: float | None, edge: float | 
     samples, n = drive.array, len(drive.array)
     grid = np.arange(2 * (n - 1) * substeps + 1) / (2 * substeps)
     found = corners(samples)
-    voltage = through(samples, found)(grid)
+    voltage = drive_at(samples, grid)
     if found:
         slope = rates(broken_spline(_quiet(samples, found), found), grid)
     else:

@@ -13,9 +13,8 @@ from ..model import ABOVE_THE_DRIVE, Model
 from .lane import ALLOWED, lane_of
 from .tape import Tape, lay
 
-_COMPARED = 0.03  # of the noise, by which a model's motion may miss: χ² is then a thousandth too large at the most
+_UNSEEN = 0.03  # of the noise, by which a motion may miss: χ² is then a thousandth too large at the most
 _SHARPEST = 250  # steps in a period, along a path, with which dry friction is told by its score
-_EDGES = 0.3  # of the noise: so much may the edges of a held drive change a response
 
 
 def lay_out(records: Sequence[Trace], frequency: float, quality: float, model: Model, compared: bool = False) -> Tape:
@@ -65,13 +64,14 @@ def steps_of(
     In an excerpt no frequency is reported: σ/10 is fine, and so is half of the steps that sharp effects need. Nor is
     one of a model that is only `compared` with others, by residuals which another frequency then makes up for.
     An overdamped motion has a decay of rate ω/Q, of which a step may hold two times: it has no bound beyond 2.8.
-    The edges of a drive that is held are a filter 1 − (ωh)²/12, of which a gain takes up the greater part.
+    The edges of a drive that is held are a filter 1 − (ωh)²/12. A gain takes up a part, and is then as wrong; what is
+    left comes after every edge alike, and is seen where there are many.
     Of a resonance that stands for none, far above what is driven, nothing is asked: its steps need a bound only.
     """
     signal = float(np.std(record.response)) or 1.0
     share = 0.1 / (1.0 if record.excerpt else math.sqrt(len(record.time)))
     if compared:
-        share = max(share, _COMPARED)
+        share = max(share, _UNSEEN)
     allowed = share * min(max(record.noise.sigma / signal, 1e-4), 0.1)
     omega = 2 * math.pi * frequency
     remembered = max(2 * quality, 2.0)  # radians
@@ -84,7 +84,7 @@ def steps_of(
     if finest:
         largest = min(largest, 2 * math.pi / finest * slower * (2 if record.excerpt else 1))
     if record.edge is not None:
-        largest = min(largest, math.sqrt(12 * _EDGES * min(record.noise.sigma / signal, 0.1)) * slower)
+        largest = min(largest, math.sqrt(12 * _UNSEEN * min(record.noise.sigma / signal, 0.1)) * slower)
     if quality < 0.5:
         largest = min(largest, 2.0 * quality)
     return int(np.clip(math.ceil(omega * record.step / largest - 0.05), 1, 32))

@@ -6,12 +6,11 @@ They were found beside an earlier model. What that lacked may have moved the mea
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import cast
 
 import numpy as np
 
 from ...campaign.apart import as_it_came
-from ...campaign.record import Kind, Trace
+from ...campaign.record import Trace
 from ...effects.registry import Registry
 from ...fit import Fit, fit
 from ...fit.rebuild import fit_at
@@ -31,10 +30,10 @@ def with_last_zeros(last: Fit, library: Registry, report: Report) -> Fit:
     """The last fit of a walk with the zeros of its records, and their errors, in the notes as they are beside it; with
     one zero for all, or none, if the criterion does not clearly prefer zeros of their own any more, nor held-out
     records do."""
-    kinds = {trace.own[0] for trace in last.campaign.traces if trace.floats and trace.own is not None}
-    if not kinds:
+    floating = next((trace for trace in last.campaign.traces if trace.floats), None)
+    if floating is None or floating.own is None:
         return last
-    kind = cast(Kind, kinds.pop())  # a campaign has zeros of one kind
+    kind = floating.own[0]
     report("the zeros of the records once more")
     records = tuple(as_it_came(record) if isinstance(record, Trace) else record for record in last.campaign.records)
     came = without_words(replace(last.campaign, records=records), kind)
