@@ -251,6 +251,9 @@ def _records_differ(asked: _Asked, seen: _Seen, apart: Apart | None) -> Diagnosi
     again = differing(fit(found.final.model, start.campaign, initial=found.final.values), alike(one.kind))
     if again is None:
         return None
+    quietly, odd = replace(asked, keep=lambda _: None), odd_one(again)
+    if odd is not None and (said := _of_the_others(quietly, seen, (odd,))) is not None:
+        return said
     if again.kind != one.kind or again.moved(one):
         found = walk(again)
     if not adequate(found.regression) or contradicted(found.final):
@@ -260,7 +263,6 @@ def _records_differ(asked: _Asked, seen: _Seen, apart: Apart | None) -> Diagnosi
     # An effect may be mistaken for what differs, as for what is faulty.
     sure = said.verdict == "identified"
     said = replace(said, discovery=replace(said.discovery, verdict="ambiguous")) if sure else said
-    odd = odd_one(again)
     return said if odd is None else replace(said, suspects=(*said.suspects, odd))
 
 
@@ -285,7 +287,13 @@ def _without_those_seen_now(asked: _Asked, seen: _Seen, suspects: tuple[Suspect,
     noise; None if there are none, or these do not. What is wrong in one record and a missing effect hide one another.
     """
     known = {(one.file, one.kind) for one in seen.suspects if one.first}
-    faulty = tuple(one for one in suspects if one.first and (one.file, one.kind) not in known)
+    new = tuple(one for one in suspects if one.first and (one.file, one.kind) not in known)
+    return _of_the_others(asked, seen, new)
+
+
+def _of_the_others(asked: _Asked, seen: _Seen, faulty: tuple[Suspect, ...]) -> Diagnosis | None:
+    """The answer without some records, if all others then stand at their noise; None if there are none, or these do
+    not."""
     rest = without_them(seen.fitted, faulty) if faulty else None
     if rest is None:
         return None

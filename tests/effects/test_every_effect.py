@@ -26,7 +26,7 @@ INTERFACE = (
     "sensor-drift, sensor-offset, ac-coupling, stribeck-friction, bilinear-stiffness, attached-mass, "
     "stiffness-heating, damping-heating, drive-heating, "
     "coil-heating, force-factor, variable-inertia, contact-loss, presliding-friction, slew-limit, drive-saturation, "
-    "backlash, cogging, asymmetric-damping"
+    "backlash, cogging, asymmetric-damping, eddy-current-brake"
 )  # what outside programs rely on
 NAMES = sorted(built_in())
 GENERAL = [name for name in NAMES if not built_in()[name].platform_only]

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import jax
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
+from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicHermiteSpline, make_interp_spline
 
 from ...campaign.record import Trace
@@ -116,7 +117,8 @@ def lay_out(fit: Fit) -> Trajectories:
         if not np.all(np.isfinite(residual)):
             raise Diverged(record.name)
         z, v = response.z[part], response.v[part]
-        correction, rate = _trusted(residual, record) * _moved(residual, record, fit.scales.period)
+        rolls = fit.model.form == "no-spring"
+        correction, rate = _trusted(residual, record) * _moved(residual, record, fit.scales.period, rolls)
         inside = np.minimum(record.time[0] + 0.5 * lane.step * np.arange(span.points), record.time[-1])
         for found, at in ((paths, (z + correction, v + rate)), (own, (z, v))):
             spline = CubicHermiteSpline(record.time, *at)
@@ -132,11 +134,15 @@ def _trusted(residual: np.ndarray, record: Trace) -> float:
     return max(0.0, 1.0 - (noise / excess) ** 2)
 
 
-def _moved(residual: np.ndarray, record: Trace, period: float) -> np.ndarray:
+def _moved(residual: np.ndarray, record: Trace, period: float, rolls: bool) -> np.ndarray:
     """Displacement and velocity, (2, n), that a residual means: itself and its rate, smoothed, or what it is integrated
-    from, without what is slower than a few periods of the resonance."""
+    from, without what is slower than a few periods of the resonance. What `rolls` without a spring may go on as slowly
+    as it likes, and its velocity, if that was read, is known as it is."""
     if not record.order:
         return _smooth(residual, record.step, period)
+    if rolls and record.order == 1:
+        rate = _smooth(residual, record.step, period)[0]
+        return np.array([cumulative_simpson(rate, dx=record.step, initial=0.0), rate])
     omega = 2 * np.pi * np.fft.rfftfreq(len(residual), record.step)
     slowest = 2 * np.pi / (_SLOWER * period)
     kept = np.where(omega > 0, omega**4 / (omega**4 + slowest**4), 0.0) * (omega < _FASTER * 2 * np.pi / period)

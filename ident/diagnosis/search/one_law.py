@@ -7,6 +7,7 @@ If all its effects of these coordinates together do not say it, no names will, h
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -38,6 +39,7 @@ from .written import (
     ended,
     kept_if_it_ends,
     lacked_by,
+    little_of,
     nearly_explained,
     outdoes,
     simulated,
@@ -66,10 +68,14 @@ def one_law(look: Look, fitted: Fit, start: Regression, path: Path, report: Repo
         return None
     if other_drive(start.fit, regression, report, look) is not None:
         return None
-    told = _holds(fitted, None, start, unknown, path, report)
+    enough = lambda _, left: (
+        little_of(left.chi2 / left.n, start.chi2 / start.n) and says_more(left.chi2 / left.n, named, start)
+    )
+    told = _holds(fitted, fitted, start, unknown, path, report, enough)
     if told is None:
         return None
-    sharper = sharpened(told[0].fit)
+    speaks = adequate(prepare(working(told[0].fit)))  # else what it leaves is no noise
+    sharper = sharpened(told[0].fit) if speaks else None
     if sharper is not None:
         told[0].path.unlink()
         return replace(sharper, effect_files=fitted.campaign.effect_files)
@@ -88,7 +94,8 @@ def in_their_place(found: Discovery, start: Regression, path: Path, report: Repo
     if not asked or found.start.campaign.fitted_sweeps:
         return None
     said = _said(start, found.regression.chi2, report)
-    told = None if said is None else _holds(found.start, found, start, said[0], path, report)
+    enough = lambda fit, _: not nearly_explained(found) and outdoes(found.final, fit)
+    told = None if said is None else _holds(found.start, found.final, start, said[0], path, report, enough)
     return None if told is None else _written(found, *told)
 
 
@@ -111,14 +118,19 @@ def _written(found: Discovery, beyond: Beyond, gain: float) -> Written:
 
 
 def _holds(
-    fitted: Fit, named: Discovery | None, start: Regression, unknown: Unknown, path: Path, report: Report
+    fitted: Fit,
+    rival: Fit,
+    start: Regression,
+    unknown: Unknown,
+    path: Path,
+    report: Report,
+    enough: Callable[[Fit, Regression], bool],
 ) -> tuple[Beyond, float] | None:
     """The fit with a law beside `fitted`, taken to its end, whose simulation reaches the noise, and which held-out
-    records do not refute, nor find worse than what a walk has `named`, if it has been gone; of a product they may
-    refute how its formula runs on beyond the fitted ones, and not its table. Where the simulation leaves more, a law
-    that says more is asked; names beside which little is left to look for it need only outdo."""
+    records do not refute, nor find worse than the `rival`; of a product they may refute how its formula runs on beyond
+    the fitted ones, and not its table. Where the simulation leaves more, a law that says more is asked; if there is
+    none, it may still be `enough`, by its fit and what that leaves."""
     law: Unknown | None = unknown
-    rival = fitted if named is None else named.final
     while law is not None:
         try:
             with kept_if_it_ends(path):
@@ -126,8 +138,7 @@ def _holds(
                 left = prepare(working(beyond.fit))
                 fine = adequate(left) and speaks_for(left, beyond.fit)
                 after = None if fine else _one_better(start, law)
-                far = named is not None and after is None and not nearly_explained(named)
-                holds = not contradicted(beyond.fit) if fine else far and outdoes(rival, beyond.fit)
+                holds = not contradicted(beyond.fit) if fine else after is None and enough(beyond.fit, left)
                 if holds and not hurts(rival, beyond.fit):
                     last = ended(beyond.fit)
                     if last is beyond.fit or not hurts(rival, last):

@@ -185,8 +185,12 @@ def step_of(beyond: Beyond, gain: float) -> Step:
 
 def nearly_explained(found: Discovery) -> bool:
     """Whether named effects leave so little that the rest is looked for beside them, and not in their place."""
-    before, after = (fit.fitted.error_over_noise**2 - 1 for fit in (found.start, found.final))
-    return after < _NEARLY * before
+    return little_of(*(fit.fitted.error_over_noise**2 for fit in (found.final, found.start)))
+
+
+def little_of(after: float, before: float) -> bool:
+    """Whether little of a misfit is left, both as χ² per sample."""
+    return after - 1.0 < _NEARLY * (before - 1.0)
 
 
 def _by_itself(found: Discovery, first: Regression, report: Report) -> Fit | None:

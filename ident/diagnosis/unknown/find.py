@@ -18,7 +18,7 @@ from ...model import FREQUENCY, QUALITY
 from ..evidence.coloured_noise import chance_of
 from ..linearised.regression import Regression
 from .coordinates import Stage, rows_of
-from .formula import Formula, dictionary, long_formula, write_formula
+from .formula import SHORT, Formula, dictionary, long_formula, write_formula
 from .picture import Picture, draw
 from .products import Product
 from .subsets import TRIED, Ranked, dimension, rank, regress, smallest_sufficient, spline_rows
@@ -152,6 +152,8 @@ def _told(regression: Regression, stage: Stage, ranked: Sequence[Ranked]) -> Unk
     written = formula if formula and complete else long_formula(regression, stage, side, coordinates, chosen.drop)
     if formula is not None and (written is None or formula.drop >= written.drop):
         written = formula
+    if written is not None and written.complete and not complete and len(written.terms) <= SHORT:
+        formula = written  # of words that a short formula is not looked for in, powers up to the seventh
     alike = tuple(r for r in enough if r is not chosen and dimension(r.coordinates) <= dimension(chosen.coordinates))
     others = tuple(r for r in ranked if r not in enough and not set(coordinates) < set(r.coordinates))[:3]
     picture = draw(regression, stage, chosen, solved)

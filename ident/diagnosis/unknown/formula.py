@@ -25,7 +25,7 @@ _NEW = 1e-3  # squared share of a term that the others must leave for it to be a
 _WORTH = 0.2  # part of the remaining excess that a further term must remove
 _SAME, _LITTLE = 0.01, 0.1  # of what splines explain, and of what they leave: a formula that lacks no more says as much
 _BARELY = 0.02  # of χ² per sample: formulas closer than that are equally good, and the plainest is taken
-_LONGEST = 8  # terms
+SHORT, _LONGEST = 3, 8  # terms
 _FINER, _MORE = 2, 7  # rounds in which numbers are sought between those of a grid, and how many in each
 _BEYOND = 1.3  # times the last number of a grid: as far as is looked beyond it
 
@@ -52,8 +52,10 @@ class Formula(NamedTuple):
 
     @property
     def one(self) -> bool:
-        """Whether it is a single law: one term, or a function of one coordinate times another."""
-        return len(self.terms) == 1 or bool(self.terms[0].law)
+        """Whether it is a single law: one term, a function of one coordinate times another, or terms that all need both
+        of two coordinates, of which no sum of simpler laws is made."""
+        both = {frozenset(term.names) for term in self.terms}
+        return len(self.terms) == 1 or bool(self.terms[0].law) or (len(both) == 1 and len(min(both)) == 2)
 
     @property
     def numbers(self) -> int:
@@ -97,15 +99,26 @@ def _between(
     """The dictionary with more terms around the best of each family: a grid of their numbers is a tenth off, and where
     a misfit stands far above the noise no term of it then says all that one can."""
     more: list[Term] = []
+    # A brake that fades is a peak beside a damping, and another peak by itself.
+    linear = _linear(regression, stage, side)
     for by_value in _by_number(coarse).values():
         values = np.array(sorted(by_value))
-        drops = np.array([regress(coarse.rows[by_value[value]], regression.residual).drop for value in values])
+        own = [np.concatenate([linear, coarse.rows[by_value[value]]]) for value in values]
+        drops = np.array([regress(rows, regression.residual).drop for rows in own])
         best = by_value[values[np.argmax(drops)]]
         new = [x for x in inside(values, drops) if not np.any(np.isclose(x, values, atol=0.0))]
         more += [again(float(x)) for x in new for i in best if (again := coarse.terms[i].again) is not None]
     found = measured(regression, stage, side, more) if more else coarse._replace(terms=())
     rows, lengths = (np.concatenate(pair) for pair in ((coarse.rows, found.rows), (coarse.lengths, found.lengths)))
     return Dictionary((*coarse.terms, *found.terms), rows, lengths) if found.terms else coarse
+
+
+def _linear(regression: Regression, stage: Stage, side: Side) -> np.ndarray:
+    """Projected rows (k, n) of what the model has already, along the motion that was measured."""
+    ranges = stage.ranges(side)
+    known = [name for name, size in ranges.items() if absorbed(side, name) and size.low < size.high]
+    rows = rows_of(regression, stage, side, lambda place: np.stack([place[n] / ranges[n].largest for n in known]))
+    return regression.project(rows)
 
 
 def _by_number(words: Dictionary) -> dict[str, dict[float, list[int]]]:
@@ -145,7 +158,7 @@ def measured(regression: Regression, stage: Stage, side: Side, terms: Sequence[T
 
 
 def write_formula(
-    regression: Regression, stage: Stage, side: Side, words: Dictionary, spline_drop: float, longest: int = 3
+    regression: Regression, stage: Stage, side: Side, words: Dictionary, spline_drop: float, longest: int = SHORT
 ) -> Formula | None:
     """The shortest formula of at most `longest` terms that explains what the splines explain, or the best there is.
 
@@ -214,7 +227,7 @@ def _worth(regression: Regression, before: _Beginning, after: _Beginning, choice
     more, gain = len(after[1]) - len(before[1]), after[0] - before[0]
     left = max(1.0, (regression.chi2 - after[0]) / regression.n)
     price = (np.log(regression.n) + 2 * np.log(choices)) * left
-    part = _WORTH if longest <= 3 else 0.1 * _WORTH
+    part = _WORTH if longest <= SHORT else 0.1 * _WORTH
     return gain > more * price and gain > (1 - (1 - part) ** more) * (regression.chi2 - before[0] - regression.n)
 
 

@@ -20,7 +20,13 @@ class CubicDamping(AbstractEffect):
         "c_z: Zaitsev, Shtempluck, Buks, Gottlieb, Nonlinear damping in a micromechanical oscillator, 2012, Nonlinear "
         "Dyn. 67, 859"
     )
-    mistaken_for = ("quadratic-damping", "squeeze-film-damping", "damping-heating", "force-factor")
+    mistaken_for = (
+        "quadratic-damping",
+        "squeeze-film-damping",
+        "damping-heating",
+        "force-factor",
+        "eddy-current-brake",
+    )
     alike = (CUBIC_LOSS, SAME_LOSS, WARM_DAMPER)
 
     c3 = amplitude("N*s^3/m^3", "damping by the cube of the velocity")

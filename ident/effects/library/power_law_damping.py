@@ -22,7 +22,7 @@ class PowerLawDamping(AbstractEffect):
         "Soong & Constantinou (eds.), Passive and Active Structural Vibration Control in Civil Engineering, 1994 "
         "(fluid dampers); n = 0 and 2: Nayfeh & Mook, Nonlinear Oscillations, 1979, ch. 3"
     )
-    mistaken_for = ("squeeze-film-damping",)
+    mistaken_for = ("squeeze-film-damping", "eddy-current-brake")
     contains = ("coulomb-friction", "quadratic-damping", "cubic-damping")
     steps_per_period = 120
     has_kink = True

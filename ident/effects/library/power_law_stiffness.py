@@ -10,7 +10,8 @@ class PowerLawStiffness(AbstractEffect):
     z₀ is the largest displacement measured; there the linear spring has its whole force, and k is how much the
     stiffness F/z grows with ln z. k > 0 hardens, k < 0 softens, whatever n. A law |z|ⁿ with no linear spring beside it
     is k = (n − 1) times the linear stiffness: contacts of round bodies have n = 3/2 (Hertz), of cones 2, rubber and
-    wire ropes 0.7-1.3; n = 3 is a cubic spring, n → 1 the stiffness k ln z. Below a hundred-thousandth of z₀ it is
+    wire ropes 0.7-1.3; n = 3 is a cubic spring, n → 1 the stiffness k ln z; the inverse inductance of an iron core that
+    saturates, over its flux, has 5-11. Below a hundred-thousandth of z₀ it is
     constant.
     """
 
@@ -18,7 +19,8 @@ class PowerLawStiffness(AbstractEffect):
     equation = "F = −k z (|z/z₀|ⁿ⁻¹ − 1)/(n − 1)"
     source = (
         "I. Kovacic, Nonlinear Oscillations: Exact Solutions and their Approximations, 2020, ch. 2; "
-        "contacts: K. L. Johnson, Contact Mechanics, 1985, §4.2 and §5.2"
+        "contacts: K. L. Johnson, Contact Mechanics, 1985, §4.2 and §5.2; "
+        "iron cores: A. Ben-Tal, V. Kirk, G. Wake, 2001, IEEE Trans. Power Delivery 16, 105"
     )
     mistaken_for = ("end-stop",)
     contains = ("cubic-stiffness",)
@@ -26,7 +28,7 @@ class PowerLawStiffness(AbstractEffect):
 
     stiffness = amplitude("N/m", "growth of F/z with ln z at the reference displacement, k")
     # What stands in the middle of a grid is the value that is held where nobody fits it.
-    exponent = shape("1", "power of the displacement, n", grid=(0.6, 4.5, 1.4, 2.0), limits=(0.3, 5.0))
+    exponent = shape("1", "power of the displacement, n", grid=(0.6, 4.5, 1.4, 2.0, 8.0), limits=(0.3, 12.0))
     displacement = shape("m", "reference displacement, z₀", grid=(1.0,), scale="displacement", fitted=False)
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
