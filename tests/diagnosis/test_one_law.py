@@ -31,7 +31,7 @@ OMEGA, Q, FOLD = 2 * np.pi * 40.0, 3.0, 2.0
 VOLT, METRE = Channel("V", 1.0), Channel("m", 1.0)
 
 
-def record(seed: int, size: float, amplifier, spring, damper, brake) -> Trace:
+def record(seed: int, size: float, amplifier, spring, damper, brake, valve) -> Trace:
     """From rest, driven by a sum of sines between 4 and 80 Hz through an amplifier."""
     t, rng = np.arange(2500) / 1500.0, np.random.default_rng(seed)
     tones = np.linspace(4.0, 80.0, 30)
@@ -39,7 +39,9 @@ def record(seed: int, size: float, amplifier, spring, damper, brake) -> Trace:
     drive = lambda at: size * np.sin(2 * np.pi * np.multiply.outer(at, tones) + phases).sum(axis=-1) / np.sqrt(15)
     damped = lambda u, v: OMEGA / Q * v * damper(u) + brake(v)
     rates = lambda at, y: (
-        y[1], 1e3 * amplifier(float(drive(at))) - damped(drive(at), y[1]) - OMEGA**2 * spring(y[0])
+        y[1],
+        1e3 * amplifier(float(drive(at))) + valve(float(drive(at)), y[1]) - damped(drive(at), y[1])
+        - OMEGA**2 * spring(y[0]),
     )  # fmt: skip
     z = solve_ivp(rates, (0, t[-1]), (0.0, 0.0), "DOP853", t, rtol=1e-9, atol=1e-12).y[0]
     noise = 0.003 * float(np.std(z))
@@ -47,8 +49,8 @@ def record(seed: int, size: float, amplifier, spring, damper, brake) -> Trace:
     return Trace(f"{seed}.csv", t, drive(t), z, VOLT, METRE, NoiseFloor(noise), start="rest")
 
 
-def campaign(amplifier, spring, damper=lambda u: 1.0, brake=lambda v: 0.0) -> Campaign:
-    records = [record(seed, size, amplifier, spring, damper, brake) for seed, size in enumerate((1.0, 2.0, 4.0))]
+def campaign(amplifier, spring, damper=lambda u: 1.0, brake=lambda v: 0.0, valve=lambda u, v: 0.0) -> Campaign:
+    records = [record(seed, size, amplifier, spring, damper, brake, valve) for seed, size in enumerate((1.0, 2.0, 4.0))]
     return Campaign("bench", tuple(records), Oscillator("m", "V"))
 
 
@@ -202,3 +204,16 @@ def test_a_damper_that_the_drive_makes_is_told_without_a_walk(tmp_path: Path):
     assert told.verdict == "not-in-library" and not told.discovery.steps and told.effect_file is None
     assert told.unknown is not None and told.unknown.formula is not None
     assert told.unknown.formula.text == found.unknown.formula.text
+
+
+def test_a_valve_is_told_by_both_of_its_coordinates_without_a_walk(tmp_path: Path):
+    """Its flow is the drive times a root of the speed that the load takes off: two terms that both need the two, and no
+    name of one. A walk of twenty minutes had gathered six of those, six times as far from the records."""
+    said: list[str] = []
+    flow = lambda u, v: u * np.sqrt(1.0 - np.sign(u) * np.clip(0.012 * v, -0.9, 0.9))
+    bench = campaign(lambda u: u, lambda z: z, valve=lambda u, v: 1e3 * (flow(u, v) - u))
+    found = discover(bench, report=said.append, effect_file=tmp_path / "law.py")
+    assert found.verdict == "not-in-library" and found.final.fitted.error_over_noise < 1.6
+    assert found.unknown is not None and found.unknown.coordinates == ("v", "V")
+    assert found.unknown.formula is not None and found.unknown.formula.one
+    assert not [words for words in said if "added" in words]

@@ -49,6 +49,10 @@ SMOOTH_LAWS = {
         dict(c3=2 * C / 4e-4, c_z=0.5 * C / 25e-12),
         lambda t, z, v, h: -2 * C * v**3 / 4e-4 - 0.5 * C * z * z * v / 25e-12,
     ),
+    "eddy-current-brake": (
+        dict(damping=0.5 * C, critical=2e-2),
+        lambda t, z, v, h: 0.5 * C * v - 0.5 * C * v / (1 + (v / 2e-2) ** 2),
+    ),
     "squeeze-film-damping": (
         dict(damping=0.5 * C, gap=-12e-6),
         lambda t, z, v, h: -0.5 * C * v * ((1 + z / 12e-6) ** -3 - 1),
