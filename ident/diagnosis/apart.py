@@ -18,7 +18,7 @@ from ..pulse import Report
 from .evidence.criterion import VERY_STRONG, Left, behind, criteria
 from .evidence.enough import MOST_OF_IT, adequate
 from .evidence.held_out import contradicted
-from .linearised.regression import prepare
+from .linearised.regression import Regression, prepare
 from .linearised.shorten import is_long
 from .linearised.trajectory import Diverged
 from .ranking.confirm import accept, confirm
@@ -29,7 +29,7 @@ from .records.differing import Differing, numbers_of
 from .search.change import add, without
 from .search.drive import edges_of, other_drive, with_edges
 from .search.own_zeros import histories
-from .search.written import AS_WELL
+from .search.written import AS_WELL, little_of
 
 _DRIVES = 3  # tried one after the other, each sought beside a model that had bent to the one before
 
@@ -85,7 +85,8 @@ def apart_before(look: Look, report: Report) -> Apart | None:
 def apart_after(look: Look, final: Fit, report: Report) -> Apart | None:
     """Records that differ beside what a walk has named; or beside what promises most, if that was wrong.
 
-    Each starts another walk: the first has to take away most of what the walk has left, the second to leave less.
+    Each starts another walk, believed if it reaches the noise: the first has to take away most of what the walk
+    has left; the second to leave less, and little of what was missing first.
     """
     campaign = final.campaign
     if is_long(campaign) or any(record.differs for record in campaign.records):
@@ -99,7 +100,7 @@ def apart_after(look: Look, final: Fit, report: Report) -> Apart | None:
             other = _simulated(look, _best(look, report))
         else:
             other = differing(start)
-        if other is not None and _excess(other.fit) < _excess(final):
+        if other is not None and _excess(other.fit) < _excess(final) and _nearly_all(other.fit, look.first):
             return Apart(look.regression.fit, other)
     takes = found is not None and _excess(found.fit) < MOST_OF_IT * _excess(final)
     return Apart(start, found) if found is not None and takes else None
@@ -108,6 +109,12 @@ def apart_after(look: Look, final: Fit, report: Report) -> Apart | None:
 def _excess(fit: Fit) -> float:
     regression = prepare(fit)
     return regression.chi2 - regression.n
+
+
+def _nearly_all(found: Fit, first: Regression) -> bool:
+    """Whether a fit explains nearly all that was missing first."""
+    left = prepare(found)
+    return little_of(left.chi2 / left.n, first.chi2 / first.n)
 
 
 def _told_by_drive(found: Differing, look: Look) -> bool:

@@ -20,12 +20,16 @@ from ident.campaign.device import Oscillator
 from ident.campaign.trust import checksum
 from ident.diagnosis.diagnose import diagnose, discover
 from ident.diagnosis.linearised import shorten
+from ident.diagnosis.linearised.anchor import prepare_at_best
 from ident.diagnosis.search import one_law
 from ident.diagnosis.search.one_law import said_in_pieces, says_more
+from ident.diagnosis.unknown.find import find_unknown
 from ident.diagnosis.unknown.simulated import curve_of
 from ident.effects.dependence import depends_on
 from ident.effects.effect import Drive, State
 from ident.effects.registry import registry
+from ident.fit import fit
+from ident.model import Model
 
 OMEGA, Q, FOLD = 2 * np.pi * 40.0, 3.0, 2.0
 VOLT, METRE = Channel("V", 1.0), Channel("m", 1.0)
@@ -65,18 +69,18 @@ def test_a_modulator_that_folds_is_told_without_a_walk(tmp_path: Path):
     assert not [words for words in said if "added" in words]
 
 
-def test_a_brake_whose_drag_falls_beyond_its_peak(tmp_path: Path):
-    """A disc in the gap of a magnet: it had been written in two steps and a hump, which run off beyond the motion."""
-    found = discover(
-        campaign(lambda u: u, lambda z: z, brake=lambda v: 60.0 * v / (1 + (v / 25.0) ** 2)),
-        effect_file=tmp_path / "law.py",
-    )
-    assert found.verdict == "not-in-library" and found.final.fitted.error_over_noise < 1.05
-    assert [step.added for step in found.discovery.steps] == ["unknown-effect"]
-    assert found.unknown is not None and found.unknown.formula is not None
-    assert [term.kind for term in found.unknown.formula.terms] == ["peak v"]
-    number = found.unknown.formula.terms[0].number
+def test_a_brake_whose_drag_falls_beyond_its_peak():
+    """A disc in the gap of a magnet: it had been written in two steps and a hump, which run off beyond it. It has
+    a name since."""
+    bench = campaign(lambda u: u, lambda z: z, brake=lambda v: 60.0 * v / (1 + (v / 25.0) ** 2))
+    said = find_unknown(prepare_at_best(fit(Model(bench.device), bench))).formula
+    assert said is not None and [term.kind for term in said.terms] == ["peak v"]
+    number = said.terms[0].number
     assert number is not None and number.value == pytest.approx(25.0, rel=0.03)
+    found = discover(bench)
+    assert [step.added for step in found.discovery.steps] == ["eddy-current-brake"]
+    assert found.final.fitted.error_over_noise < 1.05
+    assert found.final.value("eddy-current-brake.critical") == pytest.approx(25.0, rel=0.01)
 
 
 def test_a_law_that_its_simulation_refutes_makes_way_for_another(tmp_path: Path):

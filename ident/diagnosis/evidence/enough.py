@@ -23,6 +23,7 @@ _LEFT_AT_FLOOR = 1 - 1 / AT_FLOOR**2  # of the χ²: what a model at a floor tha
 _SHAPE = 0.01  # of the first excess: less is shape refinement, not an effect
 _WORTH = 0.25  # of what is left: a refinement that promises less bends the law of another effect, not the device's
 MOST_OF_IT = 0.5  # of what is left: more than that a rival answer must take away
+LITTLE = 0.05  # of a misfit: what leaves no more nearly explains it
 LEAST = 0.2  # of what is left: where every effect promises less, the library lacks the one that is missing
 SAME_SHAPE = 0.003  # of the excess: within this two laws differ in shape only
 _SAME_WHILE_LACKING = 0.02  # the same as long as ten times as much is unexplained

@@ -12,7 +12,7 @@ from ...effects.effect import AbstractEffect
 from ...effects.registry import Registry
 from ...fit.curves import BENT
 from ...pulse import Report
-from ..evidence.enough import MOST_OF_IT
+from ..evidence.enough import LITTLE
 from ..linearised.regression import Regression
 from ..side_by_side import at_once
 from .confirm import weigh
@@ -22,14 +22,14 @@ from .weigh import Candidate
 
 FEW = 15  # steps of least squares: enough to tell who gains much
 _SMALL = 0.1  # of the size that the score predicts
-_REFITTED = 12  # of the candidates, by their scores: others are asked if none of these explains most of the misfit
+_REFITTED = 12  # of the candidates, by their scores: others are asked if none of these nearly explains the misfit
 
 
 def by_refits(
     regression: Regression, candidates: Sequence[Candidate], library: Registry, report: Report, answered: bool = False
 ) -> list[Candidate]:
     """The first candidates in the order of what a short refit of each gains, then the others as they were; all of them
-    in that order where none of the first explains most of the misfit, unless something else is known to: `answered`.
+    in that order where none of the first nearly explains the misfit, unless something else is known to: `answered`.
 
     A fit that lacks an effect bends its own parameters to mimic it. Where inertia hardly matters they bend far (a lag
     becomes a low quality factor), and what a candidate gains once they are free to bend back is not to be seen from
@@ -39,9 +39,10 @@ def by_refits(
     report(f"scores cannot be believed here: refitting {len(first)} effects instead")
     glimpse = lambda one: _best_glimpse(regression, one, library[one.name])
     found = at_once(glimpse, first, report, "refits")
-    if rest and not answered and not any(one.predicted_gain > MOST_OF_IT for one in found):
-        # A friction that rules a slide had the last place by its score, and explained 88 %.
-        report(f"none of them explains most of it: refitting {len(rest)} more")
+    if rest and not answered and not any(one.predicted_gain > 1.0 - LITTLE for one in found):
+        # A friction that rules a slide had the last place by its score, and explained 88 %; another 93 %, where a brake
+        # that fades had explained 87.
+        report(f"none of them nearly explains it: refitting {len(rest)} more")
         found, rest = [*found, *at_once(glimpse, rest, report, "refits")], []
     return [*best_first(found, regression.n), *rest]
 

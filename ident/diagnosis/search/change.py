@@ -22,7 +22,7 @@ from ..ranking.confirm import Confirmed, confirm
 from ..ranking.score import score
 from ..ranking.starts import is_possible, shapes_of, start_of, with_effect, with_one, without_unseen
 
-_RACE = 12  # steps, after which the best of several shapes is known
+RACE = 12  # steps, after which the best of several shapes is known
 _FEW = 4  # steps after which the better of two starts is known
 ENOUGH = 25  # steps from the parent's values: a model that is as good without the effect, or with another, is near by
 
@@ -124,6 +124,6 @@ def to_its_end(found: Fit, report: Report = lambda _: None) -> Fit:
     if last.converged or not shapes:
         return last
     starts = [last.values, *(with_one(last.values, i, x) for i, x in shapes)]
-    best = refit(model, campaign, starts, _RACE)
+    best = refit(model, campaign, starts, RACE)
     other = fit(model, campaign, initial=best.values, report=report)
     return min(last, other, key=lambda one: one.fitted.chi2)

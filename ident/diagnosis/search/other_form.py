@@ -26,8 +26,12 @@ from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import CRAWLS, working
 from ..linearised.trajectory import Diverged
 from ..ranking.confirm import accept
-from .change import from_its_score
+from .change import RACE, from_its_score
 from .steps import Step
+
+# Times what the usual form leaves, after the steps of a race: of no record at hand did the others lead from there to
+# less, and on a mass whose spring re-centres they took four minutes.
+_HOPELESS = 4.0
 
 
 class Instead(NamedTuple):
@@ -50,7 +54,7 @@ def in_another_form(
         for form in (effect for effect in others if one.name in effect.form_of):
             report(f"does {form.name} say more than {one.name}?")
             try:
-                after = _instead(current, one, form, start)
+                after = _instead(current, one, form, start, regression)
                 if after is None:
                     continue
                 left = prepare(working(after))
@@ -88,10 +92,13 @@ def steps_in_another_form(
     return [*named[:-1], named[-1]._replace(fit=found.fit)], left
 
 
-def _instead(current: Fit, one: AbstractEffect, form: type[AbstractEffect], start: Fit) -> Fit | None:
-    """The fit with another form in the place of an effect; None if it has no such form here."""
+def _instead(
+    current: Fit, one: AbstractEffect, form: type[AbstractEffect], start: Fit, usual: Regression
+) -> Fit | None:
+    """The fit with another form in the place of an effect; None if it has no such form here, or none that comes near
+    the `usual` one."""
     if not form.overrides("in_its_form"):
-        return _where_its_score_leads(current, one, form, start)
+        return _where_its_score_leads(current, one, form, start, usual)
     begin = _the_same_linear_device(current, one, form)
     if begin is None:
         return None
@@ -99,9 +106,14 @@ def _instead(current: Fit, one: AbstractEffect, form: type[AbstractEffect], star
     return fit(model, current.campaign, initial=begin, most=CRAWLS)
 
 
-def _where_its_score_leads(current: Fit, one: AbstractEffect, form: type[AbstractEffect], start: Fit) -> Fit | None:
-    found = from_its_score(current, one.name, form, start, CRAWLS)
-    return accept(found[1], current) if found is not None and found[1].possible else None
+def _where_its_score_leads(
+    current: Fit, one: AbstractEffect, form: type[AbstractEffect], start: Fit, usual: Regression
+) -> Fit | None:
+    for most in (RACE, CRAWLS):
+        found = from_its_score(current, one.name, form, start, most)
+        if found is None or not found[1].possible or found[1].chi2 > _HOPELESS * usual.fit_chi2:
+            return None
+    return accept(found[1], current)
 
 
 def _the_same_linear_device(current: Fit, one: AbstractEffect, form: type[AbstractEffect]) -> np.ndarray | None:

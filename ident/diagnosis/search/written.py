@@ -12,7 +12,7 @@ from typing import NamedTuple
 from ...fit import Fit
 from ...pulse import Report
 from ..evidence.criterion import Left, clearly_better
-from ..evidence.enough import LEAST, adequate, another_law, superfluous, worth_a_name
+from ..evidence.enough import LEAST, LITTLE, adequate, another_law, superfluous, worth_a_name
 from ..evidence.held_out import BEYOND_FLOORS, hurts, predicts_better
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import is_long, working
@@ -24,7 +24,6 @@ from .beyond import Beyond, free_name, go_beyond
 from .change import to_its_end, without
 from .steps import Discovery, Step
 
-_NEARLY = 0.05  # of the first misfit: if named effects leave less, they are kept and the rest is looked for
 AS_WELL = 1.1  # of χ² per sample: what is left counts as no more, a twentieth of an error bar
 
 
@@ -190,7 +189,7 @@ def nearly_explained(found: Discovery) -> bool:
 
 def little_of(after: float, before: float) -> bool:
     """Whether little of a misfit is left, both as χ² per sample."""
-    return after - 1.0 < _NEARLY * (before - 1.0)
+    return after - 1.0 < LITTLE * (before - 1.0)
 
 
 def _by_itself(found: Discovery, first: Regression, report: Report) -> Fit | None:

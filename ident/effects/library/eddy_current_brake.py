@@ -21,7 +21,8 @@ class EddyCurrentBrake(AbstractEffect):
     mistaken_for = ("cubic-damping", "power-law-damping")
 
     damping = amplitude("N*s/m", "the brake's damping at low speed, c", one_sided=True)
-    critical = shape("m/s", "critical speed, w", grid=(0.3, 0.6, 1.2), limits=(0.03, 5.0), scale="velocity")
+    # Brakes are not driven to ten times their critical speed; there the law would be a friction that rises gently.
+    critical = shape("m/s", "critical speed, w", grid=(0.3, 0.6, 1.2), limits=(0.15, 5.0), scale="velocity")
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
         part = (state.v / self.critical) ** 2
