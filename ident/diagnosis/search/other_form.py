@@ -29,10 +29,6 @@ from ..ranking.confirm import accept
 from .change import RACE, from_its_score
 from .steps import Step
 
-# Times what the usual form leaves, after the steps of a race: of no record at hand did the others lead from there to
-# less, and on a mass whose spring re-centres they took four minutes.
-_HOPELESS = 4.0
-
 
 class Instead(NamedTuple):
     """A `fit` with the effect called `name` in the place of the one called `usual`, and its `regression`."""
@@ -95,8 +91,8 @@ def steps_in_another_form(
 def _instead(
     current: Fit, one: AbstractEffect, form: type[AbstractEffect], start: Fit, usual: Regression
 ) -> Fit | None:
-    """The fit with another form in the place of an effect; None if it has no such form here, or none that comes near
-    the `usual` one."""
+    """The fit with another form in the place of an effect; None if it has no such form here, or none that leaves less
+    than the `usual` one after as many steps as tell the best of several shapes."""
     if not form.overrides("in_its_form"):
         return _where_its_score_leads(current, one, form, start, usual)
     begin = _the_same_linear_device(current, one, form)
@@ -109,9 +105,9 @@ def _instead(
 def _where_its_score_leads(
     current: Fit, one: AbstractEffect, form: type[AbstractEffect], start: Fit, usual: Regression
 ) -> Fit | None:
-    for most in (RACE, CRAWLS):
+    for most in (RACE, CRAWLS):  # on a mass whose spring re-centres a form that is not it took four minutes
         found = from_its_score(current, one.name, form, start, most)
-        if found is None or not found[1].possible or found[1].chi2 > _HOPELESS * usual.fit_chi2:
+        if found is None or not found[1].possible or found[1].chi2 > usual.fit_chi2:
             return None
     return accept(found[1], current)
 
