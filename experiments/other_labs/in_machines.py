@@ -1,0 +1,61 @@
+"""A flywheel's brake, a choke's iron, a motor's valve: what rolls without a spring, and laws steeper than a cube."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .lab import Lab, Signal, chirp, device, multisine, noise, oscillator, solve, steps
+
+
+@device("eddy-current-brake")
+def flywheel(lab: Lab, rng: np.random.Generator) -> None:
+    """A disc in the gap of a magnet, driven by a motor; its speed is read, to 0.25 rad/s."""
+    t, critical = np.arange(2500) / 100, rng.uniform(35, 50)
+    drives: list[Signal] = [
+        steps(np.array([0.8, 1.6, 2.4, 3.0, 1.2, 0.0, -1.4, -2.6]), 25, 0.05),
+        multisine(rng, 0.9, 0.1, 2.0, 0.1),
+        steps(np.array([3.2, 0.0, 2.0, 0.0, 0.0]), 25, 0.05),
+        multisine(rng, 1.1, 0.05, 1.0, 0.05),
+    ]
+    for i, u in enumerate(drives):
+
+        def rates(t: float, y: np.ndarray, u=u) -> list[float]:
+            return [25 * float(u(t)) - 0.29 * y[0] - 2.46 * y[0] / (1 + (y[0] / critical) ** 2)]
+
+        speed = solve(rates, t, [0.0], most=0.05)[0]
+        lab.write(f"run{i}", "time (s),current (A),speed (rad/s)", t, u(t), speed, noise=0.006, held=i == 3)
+
+
+@device("power-law-stiffness", floor=False)
+def choke(lab: Lab, rng: np.random.Generator) -> None:
+    """An electric oscillator whose iron saturates as the seventh power of the flux, read by a coil that integrates; one
+    record, nearly linear, in a range of 0.82 times its own."""
+    f, t = rng.uniform(4.5e3, 5.5e3), np.arange(3000) * 5e-6
+    knee = 200e-6  # Vs
+    iron = lambda z, v, u, t: -((2 * np.pi * f) ** 2) * z * (abs(z) / knee) ** 6
+    drives: list[Signal] = [
+        chirp(0.0022, 0.6 * f, 1.6 * f, t[-1]),
+        noise(rng, 0.0015, 0.5 * f, 1.7 * f, t[-1]),
+        chirp(0.0018, 1.5 * f, 0.7 * f, t[-1]),
+        chirp(0.0007, 0.6 * f, 1.5 * f, t[-1]),
+        noise(rng, 0.002, 0.4 * f, 1.8 * f, t[-1]),
+        chirp(0.002, 0.7 * f, 1.4 * f, t[-1]),
+    ]
+    for i, u in enumerate(drives):
+        flux = 1e6 * solve(oscillator(f, 22, 1e7, u, iron), t, [0, 0])[0] * (0.82 if i == 3 else 1.0)
+        lab.write(f"run{i}", "time (us),current (mA),probe (mV)", 1e6 * t, 1e3 * u(t), flux, noise=0.008, held=i == 5)
+
+
+@device(beyond=True, floor=False)
+def valve(lab: Lab, rng: np.random.Generator) -> None:
+    """An orifice feeds a motor: u √(1 − p sign u), with a pressure p that the speed takes."""
+    f, t = rng.uniform(9, 12), np.arange(3000) / 300
+    takes = 0.1 / (2 * np.pi * f)
+
+    def flow(z: float, v: float, u: float, t: float) -> float:
+        return 0.6 * (2 * np.pi * f) ** 2 * u * (np.sqrt(max(1 - np.sign(u) * takes * v, 0.05)) - 1)
+
+    for i, size in enumerate([0.6, 1.8, 1.2, 1.4]):
+        u = multisine(rng, size, 0.1 * f, 2 * f, 0.1)
+        z = solve(oscillator(f, 3.2, 0.6 * (2 * np.pi * f) ** 2, u, flow), t, [0, 0])[0]
+        lab.write(f"run{i}", "time (s),valve (V),tacho (V)", t, u(t), z, noise=0.004, held=i == 3)
