@@ -112,9 +112,9 @@ def _excess(fit: Fit) -> float:
 
 
 def _nearly_all(found: Fit, first: Regression) -> bool:
-    """Whether a fit explains nearly all that was missing first."""
+    """Whether a fit explains all, or nearly all, that was missing first."""
     left = prepare(found)
-    return little_of(left.chi2 / left.n, first.chi2 / first.n)
+    return adequate(left) or little_of(left.chi2 / left.n, first.chi2 / first.n)
 
 
 def _told_by_drive(found: Differing, look: Look) -> bool:

@@ -237,7 +237,8 @@ def _records_differ(asked: _Asked, seen: _Seen, apart: Apart | None) -> Diagnosi
     """The answer where records that differ in a number each, and the library, explain them to the noise; None where
     they do not, or one law of a single coordinate does, which is the shorter answer.
 
-    The numbers are found again after the walk that they make possible, for what was missing had bent them.
+    The numbers are found again after the walk that they make possible, for what was missing had bent them. Where all
+    but one record then agree, the answer is that of these, if they stand at their noise.
     """
     if apart is None:
         return None

@@ -137,7 +137,7 @@ def _trusted(residual: np.ndarray, record: Trace) -> float:
 def _moved(residual: np.ndarray, record: Trace, period: float, rolls: bool) -> np.ndarray:
     """Displacement and velocity, (2, n), that a residual means: itself and its rate, smoothed, or what it is integrated
     from, without what is slower than a few periods of the resonance. What `rolls` without a spring may go on as slowly
-    as it likes, and its velocity, if that was read, is known as it is."""
+    as it likes, and its velocity, if that was read, is known as it was read, the sensor's zero too."""
     if not record.order:
         return _smooth(residual, record.step, period)
     if rolls and record.order == 1:

@@ -1,8 +1,9 @@
-"""One law that says everything, kept before a walk whose names could only mimic it.
+"""One law that says everything, or nearly, kept before a walk whose names could only mimic it.
 
 Where no effect reaches the noise, nor two promise to, but one function of a single coordinate does, or one term or
-product of two, the library may still have that function in pieces: a cubic and a quintic spring are one function of z.
-If all its effects of these coordinates together do not say it, no names will, however many a walk puts side by side.
+product of two, or terms that all need both, the library may still have that function in pieces: a cubic and a quintic
+spring are one function of z. If all its effects of these coordinates together do not say it, no names will, however
+many a walk puts side by side.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from ...effects.dependence import depends_on
 from ...fit import Fit
 from ...fit.floors import sharpened
 from ...pulse import Report
-from ..evidence.enough import MOST_OF_IT, adequate, speaks_for
+from ..evidence.enough import FAR, MOST_OF_IT, adequate, speaks_for
 from ..evidence.held_out import contradicted, hurts
 from ..linearised.basis import orthonormal
 from ..linearised.regression import Regression, prepare
@@ -48,8 +49,9 @@ from .written import (
 
 
 def one_law(look: Look, fitted: Fit, start: Regression, path: Path, report: Report) -> Written | Campaign | None:
-    """The answer with the law written, if there is one and its simulation reaches the noise; or the campaign with the
-    noise floors that it tells better. `fitted`: with which a walk would begin; `start`: of its `working` excerpt;
+    """The answer with the law written, if there is one and its simulation reaches the noise, or leaves little of the
+    misfit, and of what names leave, and no more than a wrong noise floor would; or the campaign with the noise floors
+    that it tells better. `fitted`: with which a walk would begin; `start`: of its `working` excerpt;
     `path`: where no file is yet.
     """
     regression = look.regression
@@ -68,14 +70,19 @@ def one_law(look: Look, fitted: Fit, start: Regression, path: Path, report: Repo
         return None
     if other_drive(start.fit, regression, report, look) is not None:
         return None
-    enough = lambda _, left: (
-        little_of(left.chi2 / left.n, start.chi2 / start.n) and says_more(left.chi2 / left.n, named, start)
+    enough = lambda fit, left: (
+        left.chi2 < FAR * left.n
+        and little_of(left.chi2 / left.n, start.chi2 / start.n)
+        and says_more(left.chi2 / left.n, named, start)
+        and speaks_for(left, fit)
+        and not contradicted(fit)
     )
     told = _holds(fitted, fitted, start, unknown, path, report, enough)
     if told is None:
         return None
-    speaks = adequate(prepare(working(told[0].fit)))  # else what it leaves is no noise
-    sharper = sharpened(told[0].fit) if speaks else None
+    left = prepare(working(told[0].fit))
+    only_noise = adequate(left) and speaks_for(left, told[0].fit)
+    sharper = sharpened(told[0].fit) if only_noise else None
     if sharper is not None:
         told[0].path.unlink()
         return replace(sharper, effect_files=fitted.campaign.effect_files)

@@ -20,7 +20,7 @@ from ...fit.rebuild import values_without
 from ...model import FREQUENCY, GAIN, QUALITY, make_effect
 from ...pulse import Report
 from ..evidence.criterion import clearly_better
-from ..evidence.enough import adequate
+from ..evidence.enough import LITTLE, adequate
 from ..evidence.held_out import hurts
 from ..linearised.regression import Regression, prepare
 from ..linearised.shorten import CRAWLS, working
@@ -91,8 +91,8 @@ def steps_in_another_form(
 def _instead(
     current: Fit, one: AbstractEffect, form: type[AbstractEffect], start: Fit, usual: Regression
 ) -> Fit | None:
-    """The fit with another form in the place of an effect; None if it has no such form here, or none that leaves less
-    than the `usual` one after as many steps as tell the best of several shapes."""
+    """The fit with another form in the place of an effect; None if it has no such form here, or none that leaves as
+    little as the `usual` one after as many steps as tell the best of several shapes."""
     if not form.overrides("in_its_form"):
         return _where_its_score_leads(current, one, form, start, usual)
     begin = _the_same_linear_device(current, one, form)
@@ -105,9 +105,10 @@ def _instead(
 def _where_its_score_leads(
     current: Fit, one: AbstractEffect, form: type[AbstractEffect], start: Fit, usual: Regression
 ) -> Fit | None:
+    most_left = (1.0 + LITTLE) * (usual.best_chi2 - usual.n)
     for most in (RACE, CRAWLS):  # on a mass whose spring re-centres a form that is not it took four minutes
         found = from_its_score(current, one.name, form, start, most)
-        if found is None or not found[1].possible or found[1].chi2 > usual.fit_chi2:
+        if found is None or not found[1].possible or found[1].chi2 - usual.n > most_left:
             return None
     return accept(found[1], current)
 

@@ -95,8 +95,8 @@ class Unknown:
 
     @property
     def of_one_law(self) -> bool:
-        """Whether it is one law and not several: a function of a single coordinate, or one term or product of two.
-        What is remembered the library may have in pieces."""
+        """Whether it is one law and not several: a function of a single coordinate, or one term or product of two, or
+        terms that all need both. What is remembered the library may have in pieces."""
         single = self.formula is not None and self.formula.complete and self.formula.one
         return self.dimension < 2 or (single and "history" not in self.coordinates)
 
@@ -152,7 +152,8 @@ def _told(regression: Regression, stage: Stage, ranked: Sequence[Ranked]) -> Unk
     written = formula if formula and complete else long_formula(regression, stage, side, coordinates, chosen.drop)
     if formula is not None and (written is None or formula.drop >= written.drop):
         written = formula
-    if written is not None and written.complete and not complete and len(written.terms) <= SHORT:
+    of_both = len(coordinates) == 2 and "history" not in coordinates and chosen.product is None
+    if of_both and written is not None and written.complete and not complete and len(written.terms) <= SHORT:
         formula = written  # of words that a short formula is not looked for in, powers up to the seventh
     alike = tuple(r for r in enough if r is not chosen and dimension(r.coordinates) <= dimension(chosen.coordinates))
     others = tuple(r for r in ranked if r not in enough and not set(coordinates) < set(r.coordinates))[:3]

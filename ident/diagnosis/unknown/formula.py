@@ -53,7 +53,7 @@ class Formula(NamedTuple):
     @property
     def one(self) -> bool:
         """Whether it is a single law: one term, a function of one coordinate times another, or terms that all need both
-        of two coordinates, of which no sum of simpler laws is made."""
+        of two coordinates, which sums of laws of one do not make."""
         both = {frozenset(term.names) for term in self.terms}
         return len(self.terms) == 1 or bool(self.terms[0].law) or (len(both) == 1 and len(min(both)) == 2)
 
@@ -99,8 +99,8 @@ def _between(
     """The dictionary with more terms around the best of each family: a grid of their numbers is a tenth off, and where
     a misfit stands far above the noise no term of it then says all that one can."""
     more: list[Term] = []
-    # A brake that fades is a peak beside a damping, and another peak by itself.
-    linear = _linear(regression, stage, side)
+    # A brake that fades is a peak beside a damping, and another peak by itself, where the model does not absorb that.
+    linear = coarse.rows[[i for i, term in enumerate(coarse.terms) if term.linear]]
     for by_value in _by_number(coarse).values():
         values = np.array(sorted(by_value))
         own = [np.concatenate([linear, coarse.rows[by_value[value]]]) for value in values]
@@ -111,14 +111,6 @@ def _between(
     found = measured(regression, stage, side, more) if more else coarse._replace(terms=())
     rows, lengths = (np.concatenate(pair) for pair in ((coarse.rows, found.rows), (coarse.lengths, found.lengths)))
     return Dictionary((*coarse.terms, *found.terms), rows, lengths) if found.terms else coarse
-
-
-def _linear(regression: Regression, stage: Stage, side: Side) -> np.ndarray:
-    """Projected rows (k, n) of what the model has already, along the motion that was measured."""
-    ranges = stage.ranges(side)
-    known = [name for name, size in ranges.items() if absorbed(side, name) and size.low < size.high]
-    rows = rows_of(regression, stage, side, lambda place: np.stack([place[n] / ranges[n].largest for n in known]))
-    return regression.project(rows)
 
 
 def _by_number(words: Dictionary) -> dict[str, dict[float, list[int]]]:

@@ -90,6 +90,11 @@ class Term(NamedTuple):
     law: str = ""
     knot: Knot | None = None
 
+    @property
+    def linear(self) -> bool:
+        """Whether it is a coordinate itself."""
+        return self.names == (self.text,)
+
 
 def monomial(powers: Iterable[tuple[str, int]]) -> Term:
     """x^a y^b."""
@@ -161,7 +166,8 @@ def _hump(n: str, length: Callable[..., Number], width: float) -> Term:
 def _peak(n: str, length: Callable[..., Number], place: float) -> Term:
     """x/(1 + (x/w)²), as of a brake of eddy currents.
 
-    Source: W. R. Smythe, On eddy currents in a rotating disk, 1942, Trans. AIEE 61, 681.
+    Source: J. H. Wouterse, Critical torque and speed of eddy current brake with widely separated soft iron poles,
+    1991, IEE Proc. B 138, 153.
     """
     own = length(place, f"{n} at which the term is largest")
     code, text = f"{n} / (1.0 + ({n} / {{n}}) ** 2)", f"{n}/(1 + ({n}/{number(place)})²)"

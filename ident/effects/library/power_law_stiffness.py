@@ -10,7 +10,7 @@ class PowerLawStiffness(AbstractEffect):
     z₀ is the largest displacement measured; there the linear spring has its whole force, and k is how much the
     stiffness F/z grows with ln z. k > 0 hardens, k < 0 softens, whatever n. A law |z|ⁿ with no linear spring beside it
     is k = (n − 1) times the linear stiffness: contacts of round bodies have n = 3/2 (Hertz), of cones 2, rubber and
-    wire ropes 0.7-1.3; n = 3 is a cubic spring, n → 1 the stiffness k ln z; the inverse inductance of an iron core that
+    wire ropes 0.7-1.3; n = 3 is a cubic spring, n → 1 the stiffness k ln z; the current of an iron core that
     saturates, over its flux, has 5-11. Below a hundred-thousandth of z₀ it is
     constant.
     """
