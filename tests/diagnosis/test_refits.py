@@ -15,8 +15,10 @@ from ident.diagnosis.ranking.weigh import Candidate
 NAMES = [f"effect-{i}" for i in range(30)]
 
 
-@pytest.mark.parametrize(("first", "answered", "asked"), [(0.9, False, 12), (0.2, False, 30), (0.2, True, 12)])
-def test_all_are_asked_if_the_first_explain_little(
+@pytest.mark.parametrize(
+    ("first", "answered", "asked"), [(0.97, False, 12), (0.9, False, 30), (0.2, False, 30), (0.2, True, 12)]
+)
+def test_all_are_asked_if_none_of_the_first_nearly_explains_it(
     monkeypatch: pytest.MonkeyPatch, first: float, answered: bool, asked: int
 ) -> None:
     """The last one by its score explains most, as the friction did that ruled a slide; not if an answer is known."""
