@@ -1,4 +1,4 @@
-"""A flywheel's brake, a choke's iron, a motor's valve: what rolls without a spring, and laws steeper than a cube."""
+"""A sled's brake, a choke's iron, a motor's valve: what moves without a spring, and laws steeper than a cube."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from .lab import Lab, Signal, chirp, device, multisine, noise, oscillator, solve
 
 
 @device("eddy-current-brake")
-def flywheel(lab: Lab, rng: np.random.Generator) -> None:
-    """A disc in the gap of a magnet, driven by a motor; its speed is read, to 0.25 rad/s."""
-    t, critical = np.arange(2500) / 100, rng.uniform(35, 50)
+def sled(lab: Lab, rng: np.random.Generator) -> None:
+    """A sled on air with magnets above a rail, pushed by a linear motor; its speed is read, and no spring holds it."""
+    t, critical = np.arange(2500) / 100, rng.uniform(3.5, 5.0)  # s, m/s
     drives: list[Signal] = [
         steps(np.array([0.8, 1.6, 2.4, 3.0, 1.2, 0.0, -1.4, -2.6]), 25, 0.05),
         multisine(rng, 0.9, 0.1, 2.0, 0.1),
@@ -20,10 +20,10 @@ def flywheel(lab: Lab, rng: np.random.Generator) -> None:
     for i, u in enumerate(drives):
 
         def rates(t: float, y: np.ndarray, u=u) -> list[float]:
-            return [25 * float(u(t)) - 0.29 * y[0] - 2.46 * y[0] / (1 + (y[0] / critical) ** 2)]
+            return [2.5 * float(u(t)) - 0.29 * y[0] - 2.46 * y[0] / (1 + (y[0] / critical) ** 2)]
 
         speed = solve(rates, t, [0.0], most=0.05)[0]
-        lab.write(f"run{i}", "time (s),current (A),speed (rad/s)", t, u(t), speed, noise=0.006, held=i == 3)
+        lab.write(f"run{i}", "time (s),current (A),speed (m/s)", t, u(t), speed, noise=0.006, held=i == 3)
 
 
 @device("power-law-stiffness", floor=False)
