@@ -58,4 +58,4 @@ def valve(lab: Lab, rng: np.random.Generator) -> None:
     for i, size in enumerate([0.6, 1.8, 1.2, 1.4]):
         u = multisine(rng, size, 0.1 * f, 2 * f, 0.1)
         z = solve(oscillator(f, 3.2, 0.6 * (2 * np.pi * f) ** 2, u, flow), t, [0, 0])[0]
-        lab.write(f"run{i}", "time (s),valve (V),tacho (V)", t, u(t), z, noise=0.004, held=i == 3)
+        lab.write(f"run{i}", "time (s),drive (V),sensor (V)", t, u(t), z, noise=0.004, held=i == 3)
