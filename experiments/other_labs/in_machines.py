@@ -1,10 +1,10 @@
-"""A sled's brake, a choke's iron, a motor's valve: what moves without a spring, and laws steeper than a cube."""
+"""A sled's brake and a motor's valve: what moves without a spring, and a law that needs two coordinates at once."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from .lab import Lab, Signal, chirp, device, multisine, noise, oscillator, solve, steps
+from .lab import Lab, Signal, device, multisine, oscillator, solve, steps
 
 
 @device("eddy-current-brake")
@@ -24,26 +24,6 @@ def sled(lab: Lab, rng: np.random.Generator) -> None:
 
         speed = solve(rates, t, [0.0], most=0.05)[0]
         lab.write(f"run{i}", "time (s),current (A),speed (m/s)", t, u(t), speed, noise=0.006, held=i == 3)
-
-
-@device("power-law-stiffness", floor=False)
-def choke(lab: Lab, rng: np.random.Generator) -> None:
-    """An electric oscillator whose iron saturates as the seventh power of the flux, read by a coil that integrates; one
-    record, nearly linear, in a range of 0.82 times its own."""
-    f, t = rng.uniform(4.5e3, 5.5e3), np.arange(3000) * 5e-6
-    knee = 200e-6  # Vs
-    iron = lambda z, v, u, t: -((2 * np.pi * f) ** 2) * z * (abs(z) / knee) ** 6
-    drives: list[Signal] = [
-        chirp(0.0022, 0.6 * f, 1.6 * f, t[-1]),
-        noise(rng, 0.0015, 0.5 * f, 1.7 * f, t[-1]),
-        chirp(0.0018, 1.5 * f, 0.7 * f, t[-1]),
-        chirp(0.0007, 0.6 * f, 1.5 * f, t[-1]),
-        noise(rng, 0.002, 0.4 * f, 1.8 * f, t[-1]),
-        chirp(0.002, 0.7 * f, 1.4 * f, t[-1]),
-    ]
-    for i, u in enumerate(drives):
-        flux = 1e6 * solve(oscillator(f, 22, 1e7, u, iron), t, [0, 0])[0] * (0.82 if i == 3 else 1.0)
-        lab.write(f"run{i}", "time (us),current (mA),probe (mV)", 1e6 * t, 1e3 * u(t), flux, noise=0.008, held=i == 5)
 
 
 @device(beyond=True, floor=False)
