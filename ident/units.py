@@ -36,6 +36,8 @@ VELOCITY = _dimension(m=1, s=-1)
 ACCELERATION = _dimension(m=1, s=-2)
 FORCE = _dimension(1, 1, -2)
 TORQUE = _dimension(2, 1, -2)
+ANGLES = {NUMBER: "rad", FREQUENCY: "rad/s", _dimension(s=-2): "rad/s^2"}
+"""In which unit an angle, its rate and that of its rate are kept, by their dimensions; a rate has a frequency's."""
 
 _PREFIXES = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
 _PREFIX_WORDS = {"pico": "p", "nano": "n", "micro": "u", "milli": "m", "kilo": "k", "mega": "M", "giga": "G"}
@@ -55,13 +57,15 @@ _PREFIXED: dict[str, tuple[float, Dimension, str]] = {
     "C": (1.0, _dimension(s=1, ampere=1), "coulomb"),
     "rad": (1.0, NUMBER, "radian"),
 }
-_ANGLE = re.compile(r"°|deg(ree)?s?|arc(sec|min)\w*|[a-z]{0,5}rad(ian)?s?")
+_ANGLE = re.compile(r"(°|deg(ree)?s?|arc(sec|min)\w*|[a-z]{0,5}rad(ian)?s?|revs?|rpm)([*/].*)?")
 _PLAIN: dict[str, tuple[float, Dimension]] = {
     "1": (1.0, NUMBER),
     "%": (1e-2, NUMBER),
     "deg": (math.pi / 180, NUMBER),
     "degree": (math.pi / 180, NUMBER),
     "°": (math.pi / 180, NUMBER),
+    "rev": (2 * math.pi, NUMBER),
+    "rpm": (math.pi / 30, FREQUENCY),
     "K": (1.0, _dimension(kelvin=1)),
     "F": (1.0, _dimension(-2, -1, 4, 2)),
     "min": (60.0, TIME),
@@ -192,12 +196,12 @@ def _kind(dimension: Dimension) -> str:
 
 def kept_unit(name: str) -> str | None:
     """The unit in which numbers are kept whose unit is called `name`, None if there is none: "m" of "um", "rad" of
-    "deg", though an angle is a number."""
+    "deg", though an angle is a number, and "rad/s" of "rpm", though that has the dimension of a frequency."""
     found = find_unit(name)
     if found is None:
         return None
-    angle = found.dimension == NUMBER and _ANGLE.fullmatch(_normal(name))
-    return "rad" if angle else base_unit(found.dimension)
+    angle = ANGLES.get(found.dimension) if _ANGLE.fullmatch(_normal(name)) else None
+    return angle or base_unit(found.dimension)
 
 
 def base_unit(dimension: Dimension) -> str:

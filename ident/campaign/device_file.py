@@ -23,7 +23,7 @@ from ..units import (
 from .device import Device, Oscillator, Platform
 from .document import Section, read_document, shown
 from .record import Measures
-from .tables.columns import RATES
+from .tables.columns import rate_of
 from .tables.opening import exists
 
 _DIMENSIONS = {
@@ -145,15 +145,15 @@ def _oscillator(section: Section) -> Oscillator:
 
 def of_displacement(device: Device) -> tuple[Device, Measures, list[str]]:
     """The device with its output as a displacement, what its records then measure, and a sentence that says so."""
-    found = find_unit(device.output) if isinstance(device, Oscillator) else None
-    measures = RATES.get(found.dimension) if found is not None else None
-    if measures is None or not isinstance(device, Oscillator):
+    rate = rate_of(device.output) if isinstance(device, Oscillator) else None
+    if rate is None or not isinstance(device, Oscillator):
         return device, "displacement", []
+    moved, measures = rate
     note = (
-        f"The response is in {device.output}, which is read as the {measures} of a displacement in m "
-        f'(output = "m", and measures = "{measures}" in its records).'
+        f"The response is in {device.output}, which is read as the {measures} of a displacement in {moved} "
+        f'(output = "{moved}", and measures = "{measures}" in its records).'
     )
-    return replace(device, output="m"), measures, [note]
+    return replace(device, output=moved), measures, [note]
 
 
 def own_base_unit(section: Section, key: str, name: str) -> str:

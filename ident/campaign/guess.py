@@ -29,7 +29,7 @@ from .drive import drive_rate
 from .quality.checks import PLATFORM_RATE, PLATFORM_TRAVEL, travel_of
 from .sweeps.form import curve_form, level_in
 from .tables.amplitude_unit import AmplitudeUnit, amplitude_unit, split_convention
-from .tables.columns import PUSHES, Role, match_columns, sweep_roles, trace_roles
+from .tables.columns import PUSHES, Role, match_columns, rate_of, sweep_roles, trace_roles
 from .tables.table import Column, Table
 
 # What a sensor of an oscillator may read; a "response" in kg is a slip, not an oscillator.
@@ -95,7 +95,8 @@ def _meaning(column: Column) -> AmplitudeUnit | None:
 
     def reads(name: str) -> bool:
         found = find_unit(name)
-        return found is not None and found.dimension in (*_READINGS, LENGTH) and name not in ("V/V", "mV/V", "A/A")
+        known = found is not None and (found.dimension in (*_READINGS, LENGTH) or rate_of(name) is not None)
+        return known and name not in ("V/V", "mV/V", "A/A")
 
     def drives(name: str) -> bool:
         found = find_unit(name)
@@ -236,10 +237,11 @@ def guess_device(tables: list[Table]) -> tuple[Device, list[str]]:
     wide = PLATFORM_TRAVEL < travel < _BENCH
     apart = bool(other) and all(other)
     thing = alone or wide or apart or pushed in PUSHES
-    if reading is not None and (reading in _READINGS or (reading == LENGTH and thing)):
+    other_reading = reading in _READINGS or (reading is not None and rate_of(kept[True, reading]) is not None)
+    if reading is not None and (other_reading or (reading == LENGTH and thing)):
         output, source = kept[True, reading], kept.get((False, pushed), base_unit(pushed))
         units = f'output = "{output}", input = "{source}"'
-        why = f"The response is in {output}" if reading in _READINGS else f"The drive is in {source}"
+        why = f"The response is in {output}" if other_reading else f"The drive is in {source}"
         why = other[0] if reading == LENGTH and pushed == VOLTAGE and apart else why
         why = f"No platform moves {1e3 * travel:.3g} mm" if reading == LENGTH and wide else why
         why = "No record has a drive" if reading == LENGTH and alone else why

@@ -113,7 +113,18 @@ def test_two_digits_of_hundreds_take_no_exponent():
 
 @pytest.mark.parametrize(
     ("name", "kept"),
-    [("deg", "rad"), ("degrees", "rad"), ("°", "rad"), ("mrad", "rad"), ("um", "m"), ("%", "1"), ("rad/s", "Hz")],
+    [
+        ("deg", "rad"),
+        ("degrees", "rad"),
+        ("°", "rad"),
+        ("mrad", "rad"),
+        ("um", "m"),
+        ("%", "1"),
+        ("rad/s", "rad/s"),
+        ("rpm", "rad/s"),
+        ("deg/s^2", "rad/s^2"),
+        ("kHz", "Hz"),
+    ],
 )
 def test_the_unit_in_which_numbers_are_kept(name: str, kept: str) -> None:
     assert kept_unit(name) == kept

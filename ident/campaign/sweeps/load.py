@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...errors import UserError
-from ...units import NUMBER, find_unit, parse_quantity
+from ...units import NUMBER, find_unit, kept_unit, parse_quantity
 from ..channel import channel_of, own_units, plausible_noise
 from ..device import Device, Oscillator
 from ..quality.checks import PLATFORM_TRAVEL
@@ -93,7 +93,7 @@ def _at_level(
 
 def _frequency(column: Column, notes: list[str]) -> np.ndarray:
     channel = channel_of(column, "Hz", notes, "frequency")
-    angular = column.unit is not None and column.unit.replace(" ", "").lower().startswith(("rad", "krad"))
+    angular = column.unit is not None and kept_unit(column.unit) == "rad/s"
     frequency = column.numbers() * channel.factor / (2 * math.pi if angular else 1.0)
     bad = np.flatnonzero(frequency <= 0)
     if len(bad):

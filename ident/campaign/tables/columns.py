@@ -25,6 +25,7 @@ from ...units import (
     Dimension,
     base_unit,
     find_unit,
+    kept_unit,
 )
 from ..record import Measures
 from .amplitude_unit import AmplitudeUnit, amplitude_unit, split_convention
@@ -34,8 +35,6 @@ PUSHES: tuple[Dimension, ...] = (CURRENT, FORCE, TORQUE, ACCELERATION)
 """What may drive a thing that is no platform: a current, a force, a torque; an acceleration of its base."""
 
 _MOTIONS: tuple[Dimension, ...] = (LENGTH, VELOCITY, ACCELERATION)
-RATES: dict[Dimension, Measures] = {VELOCITY: "velocity", ACCELERATION: "acceleration"}
-"""What a sensor reads that is no displacement, by its dimension."""
 _BY_UNIT = ("level", "response", "drive")  # roles that a column may have although no name tells
 
 
@@ -115,6 +114,13 @@ _LEVEL = _DRIVE | _words(
 _PHASE = _words("phase, phase lag, phase angle")
 _PHASE_WEAK = _words("phi, theta, arg")  # angles that a thing may swing by, too
 _DIRECTION = _words("direction, dir, sweep, sweep dir, sweep direction, up")
+
+
+def rate_of(unit: str) -> tuple[str, Measures] | None:
+    """Of what a unit is a rate, and which: ("m", "acceleration") of "g", ("rad", "velocity") of "rpm"; or None."""
+    moved, _, under = (kept_unit(unit) or "").partition("/")
+    rates: dict[str, Measures] = {"s": "velocity", "s^2": "acceleration"}
+    return (moved, rates[under]) if moved in ("m", "rad") and under in rates else None
 
 
 def trace_roles(drive: Dimension, response: Dimension, own_units: tuple[str, str] = ("", "")) -> tuple[Role, ...]:
@@ -306,7 +312,9 @@ def _missing(
         what = f'"{units[role.name]}" is not a unit of {role.name}'
         return UserError(what, where=where or table.name, do=f"give {needed} or a multiple of it")
     for column in table.columns:  # the name fits, the unit does not: that is the better message
-        if column not in chosen.values() and claim(column, role) >= 2:
+        rate = rate_of(column.unit or "") if role.name == "response" else None
+        named = claim(column, role) >= (2 if rate is None or not role.accepts(rate[0]) else 1)
+        if column not in chosen.values() and named:
             return _wrong_unit(column, column.unit or "", role, "")
     if len(table.columns) < sum(r.needed for r in roles):
         count = f"{len(table.columns)} column{'s' if len(table.columns) > 1 else ''}"
@@ -330,16 +338,16 @@ def _wrong_unit(column: Column, unit: str, role: Role, where: str) -> UserError:
     needed = role.own_unit or (base_unit(role.dimension) if role.dimension is not None else "")
     what = f'the {role.name} "{column.header}" is in {unit or "no unit"}, which is not a unit of {role.name}'
     do = f"give it in {needed} or a multiple of it, or name another column"
-    found = find_unit(unit)
-    if role.name == "response" and role.dimension == LENGTH and found is not None and found.dimension in RATES:
-        do = f'write measures = "{RATES[found.dimension]}" in its [[record]], or name another column'
+    found, rate = find_unit(unit), rate_of(unit)
+    if role.name == "response" and rate is not None and role.accepts(rate[0]):
+        do = f'write measures = "{rate[1]}" in its [[record]], or name another column'
     elif role.name in ("response", "amplitude") and role.dimension == LENGTH:
         if role.name == "response" and found is not None and found.dimension == VOLTAGE:
             do += f'; of a sensor in {unit} write its scale = {{ response = "0.5 um/V" }} under [[record]]'
-        output = "" if found is None else f', output = "{base_unit(found.dimension)}"'
+        output = "" if found is None else f', output = "{kept_unit(unit)}"'
         do += f'; for a thing that is no platform write device = {{ kind = "oscillator"{output} }}'
     elif role.name in ("response", "amplitude") and found is not None:
-        do += f'; or write output = "{base_unit(found.dimension)}" in the device table'
+        do += f'; or write output = "{kept_unit(unit)}" in the device table'
     if role.name in ("drive", "level") and role.dimension == VOLTAGE:
         do += "; the drive of a platform is a voltage"
     return UserError(what, where=where or f"{column.file}, column {column.position}", do=do)

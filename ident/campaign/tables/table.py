@@ -150,7 +150,7 @@ _SUFFIX_UNITS = frozenset(
     re.split(
         " ",
         "s ms us ns min V mV uV kV m cm mm um nm pm micron Hz kHz MHz rad deg A mA uA kA N mN uN kN Nm mNm uNm kNm "
-        "Pa kPa MPa K C kg mg dB dBV dBm volt volts second seconds hertz m/s mm/s rad/s m/s^2 m/s2",
+        "Pa kPa MPa K C kg mg dB dBV dBm volt volts second seconds hertz m/s mm/s rad/s rpm m/s^2 m/s2",
     )
 )
 _IN_CAPITALS = {"MV": "mV", "UV": "uV", "HZ": "Hz", "KHZ": "kHz", "KV": "kV", "KN": "kN", "KA": "kA"}
