@@ -71,6 +71,8 @@ def _columns(spec: RecordSpec, table: Table, device: Device, notes: list[str]) -
     roles = tuple(replace(r, dimension=spec.scale[r.name].dimension, own_unit="") if r.name in spec.scale else r
                   for r in roles)  # fmt: skip
     given = dict(spec.columns)
+    if spec.drive_file is not None and "drive" in given:
+        given["drive"] = "drive"  # as it is called here, whatever its own file says
     if "reference" in given:
         table = without_reference(table, given.pop("reference"), spec.where)
         notes.append(

@@ -227,8 +227,8 @@ def _seen(asked: _Asked, walked: Walked) -> _Seen:
     suspects = find_suspects(fitted, looked, report, lambda: two_names_do(look, regression))
     first = tuple(suspect for suspect in suspects if suspect.first)
     faulty = any(suspect.settles for suspect in first)  # else it may be the worst of several that each have a number
-    if first and not faulty and find_unknown(regression).chi2_after < AS_WELL:
-        first = ()  # a law of the device's coordinates says what that fault leaves
+    if first and not faulty:
+        first = beside_law(first, find_unknown(regression))
     apart = None if walked.steps or faulty else apart_before(look, report)
     return _Seen(walked, regression, where, look, suspects, first, apart)
 
@@ -351,7 +351,9 @@ def _after_the_walk(asked: _Asked, seen: _Seen) -> Diagnosis:
     suspects = judged_again(seen.suspects, found.final, asked.report)
     if not adequate(found.regression):
         as_it_is = replace(asked, keep=lambda _: asked.keep(ended.walked))  # until the other walk is believed
-        if (said := _without_those_seen_now(as_it_is, seen, suspects)) is not None:
+        doubtful = any(one.first and not one.settles for one in suspects)
+        sound = beside_law(suspects, find_unknown(seen.regression)) if doubtful else suspects
+        if (said := _without_those_seen_now(as_it_is, seen, sound)) is not None:
             return said
     found = in_doubt(found, suspects)
     hidden = unseen(seen.regression, found.ranking, asked.library)

@@ -35,7 +35,9 @@ def _starts_settle(last: Fit) -> bool:
 
 def beside_law(suspects: tuple[Suspect, ...], unknown: Unknown | None) -> tuple[Suspect, ...]:
     """The suspects without those that come before any physics but leave something, where a law of the device's
-    coordinates says that, too."""
-    if unknown is None or not unknown.chi2_after < AS_WELL:
+    coordinates leaves less, or nothing: of a rubber mount that softens as it is moved two records of seven passed for
+    another device's, and left 67 of what the law left 4 of."""
+    if unknown is None:
         return suspects
-    return tuple(one for one in suspects if one.settles or not one.first)
+    less = lambda one: unknown.chi2_after < max(AS_WELL, one.left)
+    return tuple(one for one in suspects if one.settles or not (one.first and less(one)))

@@ -43,7 +43,9 @@ def test_a_drive_told_in_words_or_by_another_file(tmp_path):
     rows = "".join(f"{t:.9g},{u:.9g}\n" for t, u in zip(TIME, DRIVE, strict=True))
     (tmp_path / "u.csv").write_text("time (s),drive (V)\n" + rows, encoding="utf-8")
     head = '[defaults]\nfile = "z.csv"\n'
-    for told in ('drive = "sine 4 V 500 Hz"', 'drive = "sine 8 Vpp 0.5 kHz"', 'drive_file = "u.csv"'):
+    (tmp_path / "shunt.csv").write_text("time (s),shunt (V),spare (V)\n" + rows.replace("\n", ",0\n"), encoding="utf-8")
+    named = 'drive_file = "shunt.csv"\ncolumns = { drive = "shunt (V)", response = "z (um)" }'
+    for told in ('drive = "sine 4 V 500 Hz"', 'drive = "sine 8 Vpp 0.5 kHz"', 'drive_file = "u.csv"', named):
         (tmp_path / "campaign.toml").write_text(
             f'[defaults]\nstart = "steady"\n[[record]]\nfile = "z.csv"\n{told}\n', encoding="utf-8"
         )

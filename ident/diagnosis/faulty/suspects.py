@@ -339,7 +339,8 @@ def _suspect(fitted: Fit, best: Fault, sound: _Explained, faulty: _Explained) ->
         words += f", with {faulty.model.names[-1]} in the model"
     sure = _SURE if best.worst <= _FLOOR else LIKELY
     settles = faulty.worst <= _FLOOR
-    return Suspect(name, told.kind, told.size, told.unit, sure, words, first=True, settles=settles)
+    left = 0.0 if settles else rms(faulty.left, 1.0) ** 2
+    return Suspect(name, told.kind, told.size, told.unit, sure, words, first=True, settles=settles, left=left)
 
 
 def _beyond_an_effect(fault: Fault, fitted: Fit) -> bool:
