@@ -32,6 +32,7 @@ SHORTEST = 1 / 256
 
 
 STIFF = 2.5  # of velocity, in a step: the method is stable to 2.78
+_HALVINGS = 20  # of what a step changes the velocity: the turn of a friction is no steeper than a millionth of that
 
 
 def _alone(system: System, slots: tuple[slice | None, ...], z: Any) -> tuple[System, tuple[slice | None, ...]]:
@@ -50,6 +51,34 @@ def sticks(system: System, slots: tuple[slice | None, ...], y: tuple[Array, ...]
     return -h * jax.jvp(by_velocity, (y[1],), (jnp.ones_like(y[1]),))[1] > STIFF
 
 
+def _standstill(
+    system: System, slots: tuple[slice | None, ...], y: tuple[Array, ...], at: tuple[Any, ...], h: Any, pushed: Any
+) -> Array:
+    """The velocity from which to look whether friction sticks: that of the state, or, where the forces with kinks turn
+    on the way to the end of the step and turn the motion back, that of the implicit Euler step between the two.
+
+    v' = v + h (a + k(v') − k(v)), with k the acceleration by the forces with kinks; `pushed` a, that by all, at v. An
+    explicit step beyond a turn that is steeper than it is long would fall back, and tremble ever after.
+    """
+    alone, places = _alone(system, slots, y[0])
+    kinked = lambda v: accelerated(alone, places, (y[0], v, *y[2:]), at[:3])
+    own = kinked(y[1])
+    end = y[1] + h * pushed
+    back = jnp.abs(kinked(end) - own) > jnp.abs(pushed)
+
+    def between_them() -> Array:
+        def halve(_: Any, ends: tuple[Array, Array]) -> tuple[Array, Array]:
+            near, far = ends
+            middle = 0.5 * (near + far)
+            ahead = (y[1] + h * (pushed + kinked(middle) - own) - middle) * (end - y[1]) > 0
+            return jnp.where(ahead, middle, near), jnp.where(ahead, far, middle)
+
+        near, far = lax.fori_loop(0, _HALVINGS, halve, (y[1], end))
+        return 0.5 * (near + far)
+
+    return lax.cond(back, between_them, lambda: y[1])
+
+
 def advanced(
     system: System, slots: tuple[slice | None, ...], y: tuple[Array, ...], at: list[tuple[Any, ...]], h: Any,
     can_stick: bool,
@@ -62,12 +91,14 @@ def advanced(
     slope = jax.jit(partial(derivative, system, slots))  # traced once instead of four times
     if not can_stick:
         return runge_kutta(slope, y, at, h)
-    still = sticks(system, slots, y, at[2], h)
+    acceleration = slope(y, at[2])[1]
+    here = lax.stop_gradient(_standstill(system, slots, y, at[2], h, acceleration))
+    still = sticks(system, slots, (y[0], here, *y[2:]), at[2], h)
 
     def balanced() -> Array:
         by_velocity = lambda v: slope((y[0], v, *y[2:]), at[2])[1]
-        acceleration, steep = jax.jvp(by_velocity, (y[1],), (jnp.ones_like(y[1]),))
-        return y[1] + h * acceleration / (1.0 - h * steep)
+        acceleration, steep = jax.jvp(by_velocity, (here,), (jnp.ones_like(here),))
+        return here + (y[1] - here + h * acceleration) / (1.0 - h * steep)
 
     v = lax.cond(still, balanced, lambda: y[1])
 

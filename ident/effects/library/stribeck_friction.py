@@ -33,7 +33,7 @@ class StribeckFriction(AbstractEffect):
         "m/s", "velocity at which the force falls, v_S", grid=(0.02, 0.1), limits=(0.001, 1.0), scale="velocity"
     )
     velocity = shape(
-        "m/s", "velocity over which the force turns, v_t", grid=(0.01,), limits=(0.0003, 0.15), scale="velocity"
+        "m/s", "velocity over which the force turns, v_t", grid=(0.01,), limits=(3e-6, 0.15), scale="velocity"
     )
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
