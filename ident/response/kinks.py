@@ -118,6 +118,14 @@ def bend(system: System, slots: tuple[slice | None, ...], states: Any, inputs: A
     return h / 6 * jnp.abs(a - b - c + d)
 
 
+def turned(system: System, slots: tuple[slice | None, ...], states: Any, inputs: Any, h: Numbers) -> Array:
+    """Whether the forces with kinks turn within a step by more than the velocity changes, as of `bend`: they may turn
+    it back, and of steps that go to and fro over a turn the bends cancel."""
+    alone, places = _alone(system, slots, states[0][0])
+    first, last = (accelerated(alone, places, states[i], inputs[i][:3]) for i in (0, 3))
+    return h * jnp.abs(last - first) > jnp.abs(states[3][1] - states[0][1])
+
+
 def limits_of(system: System, allowed: Any) -> tuple[Array, Array]:
     """The rate, 1/s, that makes of a change of velocity the one of displacement to which it leads, and the change of
     displacement, m, that is `allowed` of what is measured."""

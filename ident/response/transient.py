@@ -20,7 +20,7 @@ import numpy as np
 from jax import lax
 
 from ..programs import program
-from .kinks import advanced, bend, between, halved, limits_of, sticks
+from .kinks import advanced, bend, between, halved, limits_of, sticks, turned
 from .lane import Numbers
 from .memory import Remembered, Seen, forgotten, remembered_force
 from .runge_kutta import by_steps, stages, with_stages
@@ -214,9 +214,11 @@ def march(
             if equation.has_kink:
                 now, (first, middle, last) = system_of(numbers).at(block), stages(at)
                 rate, allowed = limits = limits_of(now, block.allowed)
-                missed = bend(now, parts, states, (first, middle, middle, last), block.step) > rate * allowed
+                inside = (first, middle, middle, last)
+                missed = bend(now, parts, states, inside, block.step) > rate * allowed
                 if equation.can_stick:  # of the states of a method that is not stable there nothing is told
                     missed = missed | sticks(now, parts, y, last, block.step)
+                    missed = missed | turned(now, parts, states, inside, block.step)
                 divided = lambda: in_parts(y, dy, at, remembered, changes, limits)
                 after, dafter = lax.cond(missed, divided, lambda: (after, dafter))
             return (after, dafter), (shown, y[0], y[1], dshown)
