@@ -87,3 +87,18 @@ def test_derivatives_stay_finite_where_friction_sticks_and_no_step_is_divided():
 
 def readings(model: Model, lane: Lane, values: np.ndarray) -> np.ndarray:
     return respond(Equation(model), lay([lane], [1]), values, np.zeros((1, 2))).readings
+
+
+def test_what_stands_for_seconds_does_not_creep_and_a_step_over_standstill_ends_at_balance():
+    """A block on a spring is let go beside the place where friction holds it: it moves once, and stands."""
+    step, n = 0.01, 1500
+    still = np.zeros(2 * n + 1)
+    lane = Lane(step, still, still, 0.0, moving=1.0, allowed=1e-6)
+    model = Model(Oscillator(), (built_in()["coulomb-friction"](Oscillator()),))
+    w, friction = 2 * np.pi * 1.0, 0.7 * (2 * np.pi * 1.0) ** 2  # holds within 0.7 m of the rest of the spring
+    mass = float(Equation(model).constants[0])
+    values, start = np.array([1.0, 1e6, 0.0, friction * mass, 1e-6]), np.array([[1.0, 0.0]])
+    z = respond(Equation(model), lay([lane], [1]), values, start).z
+    half_period = int(round(np.pi / w / step))
+    np.testing.assert_allclose(z[half_period + 2 :], 0.4, atol=1e-3)  # swings about 0.7 from 1.0 to 0.4
+    assert abs(z[-1] - z[half_period + 2]) < 1e-4
