@@ -86,7 +86,10 @@ class Column:
         first = [str(cell) for cell in self.cells[:50]]
         if len(first) < 3 or not all(is_number(cell) for cell in first):
             return False
-        steps = np.diff([float(cell) for cell in first])
+        numbers = np.array([float(cell) for cell in first])
+        if not np.all(np.isfinite(numbers)):
+            return False
+        steps = np.diff(numbers)
         return bool(np.median(steps) == 1.0 and np.min(steps) >= 1.0 and np.all(steps == np.round(steps)))
 
     def _bad_cell(self, row: int, count: int = 1) -> UserError:
