@@ -154,6 +154,11 @@ def factor_of(name: str | None) -> float:
     return 1.0 if found is None else found.factor
 
 
+def hertz_of(name: str | None) -> float:
+    """Hz per unit of a column of frequencies; a rate of turning (rad/s, rpm) is 2π times as large."""
+    return factor_of(name) / (2 * math.pi if name and kept_unit(name) == ANGLES[FREQUENCY] else 1.0)
+
+
 @cache
 def find_unit(name: str, rare: bool = True) -> Unit | None:
     """The unit called `name` ("um", "N/m^3", "µm", "millivolt"), or None if there is none.

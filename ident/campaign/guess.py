@@ -22,6 +22,7 @@ from ..units import (
     base_unit,
     factor_of,
     find_unit,
+    hertz_of,
     kept_unit,
 )
 from .device import Device, Oscillator, Platform
@@ -158,7 +159,7 @@ def _slow_or_fast(time: Column, drive: Column) -> str:
 def _elsewhere(frequency: Column) -> str:
     """Why a sweep is none of the nominal platform, or "": it would have passed nowhere near its resonance."""
     try:
-        band = factor_of(frequency.unit) * frequency.numbers(missing=True)
+        band = hertz_of(frequency.unit) * frequency.numbers(missing=True)
     except UserError:
         return ""
     band = band[np.isfinite(band)]

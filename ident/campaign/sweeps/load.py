@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...errors import UserError
-from ...units import NUMBER, find_unit, kept_unit, parse_quantity
+from ...units import NUMBER, find_unit, hertz_of, parse_quantity
 from ..channel import channel_of, own_units, plausible_noise
 from ..device import Device, Oscillator
 from ..quality.checks import PLATFORM_TRAVEL
@@ -92,9 +92,8 @@ def _at_level(
 
 
 def _frequency(column: Column, notes: list[str]) -> np.ndarray:
-    channel = channel_of(column, "Hz", notes, "frequency")
-    angular = column.unit is not None and kept_unit(column.unit) == "rad/s"
-    frequency = column.numbers() * channel.factor / (2 * math.pi if angular else 1.0)
+    channel_of(column, "Hz", notes, "frequency")  # which says so where there is none
+    frequency = column.numbers() * hertz_of(column.unit)
     bad = np.flatnonzero(frequency <= 0)
     if len(bad):
         where = column.place(int(bad[0]))
