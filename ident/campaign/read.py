@@ -32,6 +32,7 @@ from .record import Record, Trace
 from .said import Said
 from .scale import quantity_of
 from .spec import RecordSpec, parse_record
+from .sweeps.rate import displaced
 from .sweeps.together import seen_together
 from .tables.binary import READERS
 from .tables.instruments import INSTRUMENT_READERS
@@ -142,7 +143,7 @@ def _from_document(document: Section, folder: Path, path: Path | None = None) ->
             notes += told
     parts = [spec for spec, _ in read]
     apart = _called_apart([record for _, record in read])
-    records = counted_from_rest(seen_together(apart, notes), notes)
+    records = counted_from_rest(displaced(seen_together(apart, notes), parts, device, notes), notes)
     files = [one for one in (path, device_path, *effect_files) if one is not None]
     measured = [spec.path for spec in specs if spec.table is None]
     measured += [spec.drive_file for spec in specs if spec.drive_file is not None]

@@ -23,7 +23,7 @@ HARMONICS = {f"harmonic{order}": order for order in range(2, 9)}
 """Columns of harmonics, by what the campaign calls them."""
 _SWEEP_ROLES = ("frequency", "level", "amplitude", "phase", "direction", "real", "imaginary", *HARMONICS)
 _OF_KIND = {
-    "trace": ("start", "skip", "rate", "drive", "drive_file", "measures", "between", "scale", "segment"),
+    "trace": ("start", "skip", "rate", "drive", "drive_file", "between", "scale", "segment"),
     "sweep": ("direction", "quantity", "level", "sweep_rate", "dwell", "averaging"),
 }
 SWEEP_NAMES = {"drive": "level", "response": "amplitude"}

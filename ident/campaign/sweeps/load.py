@@ -22,6 +22,7 @@ from .direction import directions, turned_by_jumps
 from .form import curve_form, level_in
 from .noise import sweep_noise
 from .overtones import overtones_of, split_harmonics, with_overtone_noise
+from .rate import measured_by
 
 
 def load_sweep(spec: RecordSpec, table: Table, device: Device) -> tuple[Sweep, list[str]]:
@@ -30,7 +31,8 @@ def load_sweep(spec: RecordSpec, table: Table, device: Device) -> tuple[Sweep, l
     **Raises:** UserError where the table leaves open what was measured, or holds what cannot have been.
     """
     notes: list[str] = []
-    (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device)
+    measures = measured_by(spec, device)
+    (drive_unit, drive_dimension), (response_unit, response_dimension) = signal_units(device, measures)
     given = {SWEEP_NAMES.get(role, role): column for role, column in spec.columns.items()}
     own = {HARMONICS[role]: column for role, column in given.items() if role in HARMONICS}
     rest, harmonics = split_harmonics(table, own, spec.where)
@@ -38,7 +40,7 @@ def load_sweep(spec: RecordSpec, table: Table, device: Device) -> tuple[Sweep, l
     form = curve_form(rest, given)
     notes += form.notes[len(table.notes) :]
     given = {role: name for role, name in given.items() if role not in ("real", "imaginary")}
-    roles = sweep_roles(drive_dimension or NUMBER, response_dimension or NUMBER, own_units(device))
+    roles = sweep_roles(drive_dimension or NUMBER, response_dimension or NUMBER, own_units(device, measures))
     told = {SWEEP_NAMES.get(role, role): unit for role, unit in spec.units.items()}
     of_harmonics = {name for order, c in harmonics.items() for name in (f"harmonic{order}", c.header, c.stem)}
     units = {name: unit for name, unit in told.items() if name not in of_harmonics}
@@ -54,6 +56,8 @@ def load_sweep(spec: RecordSpec, table: Table, device: Device) -> tuple[Sweep, l
         raise UserError(f"{len(frequency)} points are too few", where=spec.file, do="a sweep needs at least 5 points")
     drive_channel, level = _level(spec, columns.get("level"), roles, drive_unit, len(frequency), form, notes)
     response_channel, amplitude = _amplitude(columns["amplitude"], roles, response_unit, level, device, notes)
+    if not isinstance(device, Oscillator) and measures == "displacement":
+        _on_a_platform(columns["amplitude"], amplitude)
     if np.ptp(frequency) == 0:
         raise UserError("all points have one frequency", where=spec.file, do="is the frequency column the right one?")
     up = directions(spec, columns.get("direction"), frequency, level, notes)
@@ -182,16 +186,19 @@ def _amplitude(
         found = find_unit(meant.per)
         notes.append(f'{column.file}: "{column.header}" is a response per drive; it is multiplied by the drive level.')
         amplitude = amplitude * level / (found.factor if found else 1.0)
-    if not isinstance(device, Oscillator) and np.max(amplitude) > PLATFORM_TRAVEL:
+    if not np.max(amplitude) > 0:
+        do = "is the amplitude column the right one?"
+        raise UserError("all amplitudes are zero", where=f'{column.file}, column "{column.header}"', do=do)
+    return channel, amplitude
+
+
+def _on_a_platform(column: Column, amplitude: np.ndarray) -> None:
+    if np.max(amplitude) > PLATFORM_TRAVEL:
         raise UserError(
             f"an amplitude of {np.max(amplitude):.3g} m cannot be right for a platform",
             where=f'{column.file}, column "{column.header}"',
             do='state its unit, in the header or with units = { amplitude = "um" }',
         )
-    if not np.max(amplitude) > 0:
-        do = "is the amplitude column the right one?"
-        raise UserError("all amplitudes are zero", where=f'{column.file}, column "{column.header}"', do=do)
-    return channel, amplitude
 
 
 def _not_negative(column: Column, numbers: np.ndarray) -> None:

@@ -17,6 +17,7 @@ from ...units import factor_of, find_unit
 from ..record import Overtone, Sweep
 from ..spec import HARMONICS
 from ..tables.amplitude_unit import TO_PEAK, amplitude_unit, split_convention
+from ..tables.columns import rate_of
 from ..tables.table import Column, Table
 from .jump import unbroken
 from .rice import read_beside
@@ -45,7 +46,7 @@ def harmonic_of(column: Column) -> int | None:
     for k, word in zip(HARMONICS.values(), _WORDS, strict=True):
         words = words.replace(word, str(k))
     match = next((found for name in _NAMES if (found := re.fullmatch(name, words))), None)
-    per_drive = column.unit is not None and "/" in column.unit
+    per_drive = column.unit is not None and "/" in column.unit and rate_of(column.unit) is None
     return None if match is None or per_drive or _ANGLE.search(column.header) else int(match[1])
 
 

@@ -35,6 +35,7 @@ PUSHES: tuple[Dimension, ...] = (CURRENT, FORCE, TORQUE, ACCELERATION)
 """What may drive a thing that is no platform: a current, a force, a torque; an acceleration of its base."""
 
 _MOTIONS: tuple[Dimension, ...] = (LENGTH, VELOCITY, ACCELERATION)
+_READINGS = ("response", "amplitude")
 _BY_UNIT = ("level", "response", "drive")  # roles that a column may have although no name tells
 
 
@@ -105,7 +106,7 @@ _FREQUENCY = _words("f, freq, frequency, frequenz, drive frequency, excitation f
 _FREQUENCY_STRONG = _words("freq, frequency, frequenz, omega, hz")
 _AMPLITUDE = _words(
     "a, amp, amplitude, mag, magnitude, r, amplitude z, z amplitude, z amp, amplitude response, gain, h, frf, s21, "
-    "betrag, transfer function, receptance"
+    "betrag, transfer function, receptance, mobility, accelerance, inertance"
 )
 _AMPLITUDE_STRONG = _words("amp, amplitude, mag, magnitude, gain, frf, demod, demodulator")
 _LEVEL = _DRIVE | _words(
@@ -117,7 +118,7 @@ _DIRECTION = _words("direction, dir, sweep, sweep dir, sweep direction, up")
 
 
 def rate_of(unit: str) -> tuple[str, Measures] | None:
-    """Of what a unit is a rate, and which: ("m", "acceleration") of "g", ("rad", "velocity") of "rpm"; or None."""
+    """Of what a unit is a rate, and which: ("m", "acceleration") of "mm/s^2", ("rad", "velocity") of "rpm"; or None."""
     moved, _, under = (kept_unit(unit) or "").partition("/")
     rates: dict[str, Measures] = {"s": "velocity", "s^2": "acceleration"}
     return (moved, rates[under]) if moved in ("m", "rad") and under in rates else None
@@ -312,7 +313,7 @@ def _missing(
         what = f'"{units[role.name]}" is not a unit of {role.name}'
         return UserError(what, where=where or table.name, do=f"give {needed} or a multiple of it")
     for column in table.columns:  # the name fits, the unit does not: that is the better message
-        rate = rate_of(column.unit or "") if role.name == "response" else None
+        rate = _rate(role, column.unit or "")
         named = claim(column, role) >= (2 if rate is None or not role.accepts(rate[0]) else 1)
         if column not in chosen.values() and named:
             return _wrong_unit(column, column.unit or "", role, "")
@@ -327,6 +328,14 @@ def _missing(
     )
 
 
+def _rate(role: Role, unit: str) -> tuple[str, Measures] | None:
+    """`rate_of` what a reading is in, or its amplitude (per drive)."""
+    if role.name not in _READINGS:
+        return None
+    meant = amplitude_unit(unit, lambda name: rate_of(name) is not None, role.per.measures if role.per else None)
+    return None if meant is None else rate_of(meant.unit)
+
+
 def _or_sweep(table: Table, role: Role) -> str:
     """A table with a frequency and no time is a sweep."""
     frequency = Role("frequency", _FREQUENCY, _FREQUENCY_STRONG, dimension=FREQUENCY)
@@ -338,15 +347,15 @@ def _wrong_unit(column: Column, unit: str, role: Role, where: str) -> UserError:
     needed = role.own_unit or (base_unit(role.dimension) if role.dimension is not None else "")
     what = f'the {role.name} "{column.header}" is in {unit or "no unit"}, which is not a unit of {role.name}'
     do = f"give it in {needed} or a multiple of it, or name another column"
-    found, rate = find_unit(unit), rate_of(unit)
-    if role.name == "response" and rate is not None and role.accepts(rate[0]):
+    found, rate = find_unit(unit), _rate(role, unit)
+    if rate is not None and role.accepts(rate[0]):
         do = f'write measures = "{rate[1]}" in its [[record]], or name another column'
-    elif role.name in ("response", "amplitude") and role.dimension == LENGTH:
+    elif role.name in _READINGS and role.dimension == LENGTH:
         if role.name == "response" and found is not None and found.dimension == VOLTAGE:
             do += f'; of a sensor in {unit} write its scale = {{ response = "0.5 um/V" }} under [[record]]'
         output = "" if found is None else f', output = "{kept_unit(unit)}"'
         do += f'; for a thing that is no platform write device = {{ kind = "oscillator"{output} }}'
-    elif role.name in ("response", "amplitude") and found is not None:
+    elif role.name in _READINGS and found is not None:
         do += f'; or write output = "{kept_unit(unit)}" in the device table'
     if role.name in ("drive", "level") and role.dimension == VOLTAGE:
         do += "; the drive of a platform is a voltage"
