@@ -39,6 +39,8 @@ TORQUE = _dimension(2, 1, -2)
 ANGLES = {NUMBER: "rad", FREQUENCY: "rad/s", _dimension(s=-2): "rad/s^2"}
 """In which unit an angle, its rate and that of its rate are kept, by their dimensions; a rate has a frequency's."""
 
+_RATES = tuple(ANGLES)[1:]
+
 _PREFIXES = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
 _PREFIX_WORDS = {"pico": "p", "nano": "n", "micro": "u", "milli": "m", "kilo": "k", "mega": "M", "giga": "G"}
 # symbol: (factor, dimension, word)
@@ -57,15 +59,16 @@ _PREFIXED: dict[str, tuple[float, Dimension, str]] = {
     "C": (1.0, _dimension(s=1, ampere=1), "coulomb"),
     "rad": (1.0, NUMBER, "radian"),
 }
-_ANGLE = re.compile(r"(°|deg(ree)?s?|arc(sec|min)\w*|[a-z]{0,5}rad(ian)?s?|revs?|rpm)([*/].*)?")
 _PLAIN: dict[str, tuple[float, Dimension]] = {
     "1": (1.0, NUMBER),
     "%": (1e-2, NUMBER),
     "deg": (math.pi / 180, NUMBER),
     "degree": (math.pi / 180, NUMBER),
     "°": (math.pi / 180, NUMBER),
-    "rev": (2 * math.pi, NUMBER),
     "rpm": (math.pi / 30, FREQUENCY),
+    "RPM": (math.pi / 30, FREQUENCY),
+    "rps": (2 * math.pi, FREQUENCY),
+    "dps": (math.pi / 180, FREQUENCY),
     "K": (1.0, _dimension(kelvin=1)),
     "F": (1.0, _dimension(-2, -1, 4, 2)),
     "min": (60.0, TIME),
@@ -77,24 +80,32 @@ _PLAIN: dict[str, tuple[float, Dimension]] = {
 }
 
 
+_TURNS = {name: (2 * math.pi, NUMBER) for name in ("rev", "turn", "cycle")}
+"""Words that are units in brackets ("z [rev]") and in compounds ("rev/s") only: "z, rev" is a direction."""
+_OF_ANGLE = frozenset({"deg", "degree", "°", "rpm", "RPM", "rps", "dps", *_TURNS})
+
+
 @dataclass(frozen=True)
 class Unit:
-    """A unit: value in SI = value × `factor`; `dimension` is its exponents of the base units."""
+    """A unit: value in SI = value × `factor`; `dimension` is its exponents of the base units, `angle` that of the
+    radian: a number, but radians per second are no hertz."""
 
     name: str
     factor: float
     dimension: Dimension
+    angle: int = 0
 
 
 @cache
-def _simple_units() -> dict[str, tuple[float, Dimension]]:
-    units = dict(_PLAIN)
+def _simple_units() -> dict[str, tuple[float, Dimension, int]]:
+    units = {name: (*told, int(name in _OF_ANGLE)) for name, told in _PLAIN.items()}
     for symbol, (factor, dimension, word) in _PREFIXED.items():
-        units[symbol] = units[word] = (factor, dimension)
+        angle = int(symbol == "rad")
+        units[symbol] = units[word] = (factor, dimension, angle)
         for prefix, power in _PREFIXES.items():
-            units[prefix + symbol] = (factor * power, dimension)
+            units[prefix + symbol] = (factor * power, dimension, angle)
         for prefix_word, prefix in _PREFIX_WORDS.items():
-            units[prefix_word + word] = (factor * _PREFIXES[prefix], dimension)
+            units[prefix_word + word] = (factor * _PREFIXES[prefix], dimension, angle)
     return units
 
 
@@ -106,13 +117,15 @@ def _registry() -> Any:
 
 
 @cache
-def _one(name: str, rare: bool) -> tuple[float, Dimension] | None:
-    """Factor and dimension of a unit name without operators, or None."""
+def _one(name: str, rare: bool, compound: bool) -> tuple[float, Dimension, int] | None:
+    """Factor, dimension and exponent of the radian of a unit name without operators, or None."""
     units = _simple_units()
     word = name.lower().replace("metre", "meter") if len(name) > 3 else name
     for form in (name, word, word.removesuffix("s") if len(word) > 4 else word):
         if form in units:
             return units[form]
+        if (rare or compound) and form in _TURNS:
+            return (*_TURNS[form], 1)
     if not rare or not re.fullmatch(r"[A-Za-zΩÅ_]{1,30}", name):
         return None
     import pint
@@ -127,11 +140,11 @@ def _one(name: str, rare: bool) -> tuple[float, Dimension] | None:
         return None
     bases = ("meter", "kilogram", "second", "ampere", "kelvin", "mole", "candela")
     exponents = dict(quantity.unit_items())
-    exponents.pop("radian", None)
+    angle = exponents.pop("radian", 0)
     if set(exponents) - set(bases) or any(power != int(power) for power in exponents.values()):
         return None
     dimension = tuple(int(exponents.get(base, 0)) for base in bases)
-    return float(quantity.magnitude), dimension  # type: ignore[return-value]
+    return float(quantity.magnitude), dimension, int(angle)  # type: ignore[return-value]
 
 
 def plain_micro(text: str) -> str:
@@ -156,7 +169,13 @@ def factor_of(name: str | None) -> float:
 
 def hertz_of(name: str | None) -> float:
     """Hz per unit of a column of frequencies; a rate of turning (rad/s, rpm) is 2π times as large."""
-    return factor_of(name) / (2 * math.pi if name and kept_unit(name) == ANGLES[FREQUENCY] else 1.0)
+    found = find_unit(name) if name else None
+    return 1.0 if found is None else found.factor / _turn(found)
+
+
+def _turn(unit: Unit) -> float:
+    """By how much a rate of turning is larger than the frequency that it means; 1 of other units."""
+    return 2 * math.pi if unit.angle == 1 and unit.dimension in _RATES else 1.0
 
 
 @cache
@@ -168,19 +187,21 @@ def find_unit(name: str, rare: bool = True) -> Unit | None:
     normal = _normal(name)
     if not normal or len(normal) > 40:
         return None
-    factor, dimension = 1.0, [0] * 7
-    for operator, part in re.findall(r"(^|[*/])([^*/]*)", normal):
+    factor, dimension, angle = 1.0, [0] * 7, 0
+    parts = re.findall(r"(^|[*/])([^*/]*)", normal)
+    for operator, part in parts:
         match = re.fullmatch(r"(1|%|°|[^\W\d]+)(?:\^\(?([+-]?[1-9])\)?|([2-4]|-[1-4]))?", part)
         if match is None or (match[1] == "1" and (match[2] or match[3])):
             return None
-        found = _one(match[1], rare)
+        found = _one(match[1], rare, len(parts) > 1)
         if found is None:
             return None
         power = int(match[2] or match[3] or 1) * (-1 if operator == "/" else 1)
         factor *= found[0] ** power
         dimension = [total + power * one for total, one in zip(dimension, found[1], strict=True)]
+        angle += power * found[2]
     a, b, c, d, e, f, g = dimension
-    return Unit(name.strip(), factor, (a, b, c, d, e, f, g))
+    return Unit(name.strip(), factor, (a, b, c, d, e, f, g), angle)
 
 
 def unit(name: str, *, where: str = "") -> Unit:
@@ -205,7 +226,7 @@ def kept_unit(name: str) -> str | None:
     found = find_unit(name)
     if found is None:
         return None
-    angle = ANGLES.get(found.dimension) if _ANGLE.fullmatch(_normal(name)) else None
+    angle = ANGLES.get(found.dimension) if found.angle == 1 else None
     return angle or base_unit(found.dimension)
 
 
@@ -228,7 +249,8 @@ def base_unit(dimension: Dimension) -> str:
 
 
 def to_si(value: float, name: str, dimension: Dimension | None = None, *, where: str = "") -> float:
-    """A value in the unit `name`, as a plain SI float; a `UserError` if the unit has another dimension."""
+    """A value in the unit `name`, as a plain SI float; a `UserError` if the unit has another dimension. Where a
+    frequency is asked, "3000 rpm" are 50 Hz."""
     found = unit(name, where=where)
     if dimension is not None and found.dimension != dimension:
         raise UserError(
@@ -236,7 +258,7 @@ def to_si(value: float, name: str, dimension: Dimension | None = None, *, where:
             where=where,
             do=f"give it in {base_unit(dimension)} or a multiple of it",
         )
-    converted = float(value) * found.factor
+    converted = float(value) * found.factor / (_turn(found) if dimension is not None else 1.0)
     if not math.isfinite(converted):
         raise UserError(f"{value} {name} is not a finite number", where=where, do="correct the number")
     return converted

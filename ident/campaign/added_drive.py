@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -63,24 +63,36 @@ def _with_sine(table: Table, spec: RecordSpec, unit: str, kind: Dimension | None
     return Table(table.name, (*others, column), (*table.notes, note))
 
 
-def _joined(table: Table, drive: Table, spec: RecordSpec) -> Table:
-    """The response's table with the one other column of the drive's, sampled at the same times."""
-    named = spec.columns.get("drive")
-    _, time = _time_of(table, spec)
-    drive_times, drive_time = _time_of(drive, replace(spec, columns={}))
-    others = [c for c in drive.columns if c.position != drive_times.position and (named is None or c.is_called(named))]
+def drive_column(drive: Table, named: str | int | None) -> Column:
+    """The one column of a drive's own file that is not its time, or the one that is `named`."""
+    time = time_column(drive)
+    free = [c for c in drive.columns if time is None or c.position != time.position]
+    others = [c for c in free if named is None or c.is_called(named)]
     numbers = [c for c in others if isinstance(c.cells, np.ndarray) or c.unit is not None or len(others) == 1]
     if len(numbers) != 1:
         do = 'say which with columns = { drive = "…" }'
         raise UserError(f"the drive can be any of {drive.found}", where=drive.name, do=do)
-    values = numbers[0].numbers()
+    return numbers[0]
+
+
+def beside(table: Table, drive: Column, units: Mapping[str, str]) -> Table:
+    """The table of a response with the column of another file as its drive, in the unit that is told of it."""
+    header = next((name for name in units if drive.is_called(name)), drive.header)
+    unit = units.get("drive", units.get(header, drive.unit))
+    header = "drive" if any(c.is_called(header) for c in table.columns) else header
+    drive = replace(drive, header=header, stem="drive", unit=unit, position=len(table.columns) + 1)
+    return replace(table, columns=(*(c for c in table.columns if c.stem.lower() != "drive"), drive))
+
+
+def _joined(table: Table, drive: Table, spec: RecordSpec) -> Table:
+    """The response's table with the one other column of the drive's, sampled at the same times."""
+    _, time = _time_of(table, spec)
+    _, drive_time = _time_of(drive, replace(spec, columns={}))
+    column = drive_column(drive, spec.columns.get("drive"))
+    values = column.numbers()
     step = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
     if len(time) != len(drive_time) or np.max(np.abs(time - drive_time)) > 0.5 * abs(step):
         what = f"its {len(drive_time)} samples are not taken at the times of the {len(time)} of {table.name}"
         raise UserError(what, where=drive.name, do="give the two files of one recording, or resample one of them")
-    unit = spec.units.get("drive", numbers[0].unit)
-    column = replace(
-        numbers[0], header="drive", stem="drive", unit=unit, position=len(table.columns) + 1, cells=values, lines=()
-    )
-    kept = tuple(c for c in table.columns if c.stem.lower() != "drive")
-    return Table(table.name, (*kept, column), (*table.notes, f"{table.name}: the drive comes from {drive.name}."))
+    both = beside(table, replace(column, cells=values, lines=()), spec.units)
+    return replace(both, notes=(*table.notes, f"{table.name}: the drive comes from {drive.name}."))

@@ -17,6 +17,7 @@ import numpy as np
 from ..errors import UserError
 from ..threads import one_thread
 from ..units import looks_like_quantity, parse_quantity, to_si
+from .added_drive import beside, drive_column
 from .campaign import MOST_MODES, Campaign, Prior
 from .device import Device, Oscillator, Platform
 from .device_file import of_displacement, read_device
@@ -174,7 +175,11 @@ def _tables(document: Section, folder: Path) -> Iterator[Table]:
         units = dict(section.section("units").values) | {role: unit for role, unit in scale.items() if unit}
         try:
             table = table if isinstance(table, Table) else read_table(folder / file, file)
-            yield renamed(table, section.section("columns").values, units)
+            columns = dict(section.section("columns").values)
+            if other := section.text("drive_file"):
+                drive = drive_column(read_table(folder / other, other), columns.pop("drive", None))
+                table = beside(table, drive, units)
+            yield renamed(table, columns, units)
         except (UserError, OSError, ValueError):
             return
 

@@ -7,6 +7,7 @@ import pytest
 
 from ident.campaign import Oscillator, Platform, read_campaign
 from ident.errors import UserError
+from ident.units import FREQUENCY, find_unit, hertz_of, kept_unit, parse_quantity
 from tests.campaign.strangers import DRIVE, RESPONSE, TIME, rows
 
 
@@ -41,3 +42,43 @@ def test_a_rate_of_turning_of_an_angle_is_told_what_to_write(tmp_path):
     )
     with pytest.raises(UserError, match='write measures = "velocity"'):
         read_campaign(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("unit", "hertz"),
+    [("rpm", 1 / 60), ("RPM", 1 / 60), ("krpm", 1e3 / 60), ("rps", 1.0), ("dps", 1 / 360), ("cycles/s", 1.0),
+     ("turn/s", 1.0), ("revolution/min", 1 / 60), ("rad/s", 0.5 / np.pi), ("1/s*rad", 0.5 / np.pi), ("Hz", 1.0),
+     ("1/min", 1 / 60)],
+)  # fmt: skip
+def test_turns_are_counted_wherever_a_frequency_is_asked(unit, hertz):
+    """A unit of turns is one by its radian, however it is written: that decides whether 2π is in it."""
+    assert hertz_of(unit) == pytest.approx(hertz, rel=1e-12)
+    assert parse_quantity(f"30 {unit}", FREQUENCY) == pytest.approx(30 * hertz, rel=1e-12)
+    assert kept_unit(unit) == ("Hz" if unit in ("Hz", "1/min") else "rad/s")
+
+
+def test_a_word_that_is_a_unit_in_brackets_only():
+    """A column of the way back is none of revolutions."""
+    assert find_unit("rev", rare=False) is None and find_unit("cycle", rare=False) is None
+    assert find_unit("rev").factor == find_unit("rev/s", rare=False).factor == pytest.approx(2 * np.pi)  # type: ignore[union-attr]
+
+
+def test_a_drive_file_of_another_recorder(tmp_path):
+    """Two recorders call all their columns alike; what the campaign says of the drive's is told by its own name."""
+    (tmp_path / "z.csv").write_text("time_s,CH1\n" + rows(TIME, RESPONSE))
+    (tmp_path / "u.csv").write_text("time_s,CH1,CH2\n" + rows(TIME, 1e3 * DRIVE, 0 * DRIVE))
+    said = 'file = "z.csv"\ndrive_file = "u.csv"\ncolumns = { drive = "CH1", response = "CH1" }\n'
+    campaign = tmp_path / "campaign.toml"
+    campaign.write_text(f'device = {{ kind = "oscillator", output = "m" }}\n\n[[record]]\n{said}units.drive = "mA"\n')
+    read = read_campaign(tmp_path)
+    assert read.device.input == "A"  # type: ignore[union-attr]
+    np.testing.assert_allclose(read.traces[0].drive, DRIVE, atol=2e-5)
+    (tmp_path / "u.csv").write_text("time_s,i (mA),spare (mA)\n" + rows(TIME, 1e3 * DRIVE, 0 * DRIVE))
+    campaign.write_text(
+        'device = { kind = "oscillator", output = "m" }\n\n[[record]]\nfile = "z.csv"\ndrive_file = "u.csv"\n'
+        'columns = { drive = "i" }\nunits = { i = "A", CH1 = "mm" }\n'
+    )
+    read = read_campaign(tmp_path)
+    assert read.device.input == "A"  # type: ignore[union-attr]
+    np.testing.assert_allclose(read.traces[0].drive, 1e3 * DRIVE, atol=2e-5)
+    np.testing.assert_allclose(read.traces[0].response, 1e-3 * RESPONSE, atol=2e-8)
