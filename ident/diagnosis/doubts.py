@@ -7,7 +7,7 @@ from dataclasses import replace
 from ..campaign.quality.suspect import Suspect
 from ..fit import Fit
 from ..fit.start_score import mostly_starts
-from .evidence.enough import adequate
+from .evidence.enough import MOST_OF_IT, adequate
 from .faulty.suspects import BY_OTHERS
 from .linearised.regression import prepare
 from .linearised.shorten import working
@@ -35,9 +35,15 @@ def _starts_settle(last: Fit) -> bool:
 
 def beside_law(suspects: tuple[Suspect, ...], unknown: Unknown | None) -> tuple[Suspect, ...]:
     """The suspects without those that come before any physics but leave something, where a law of the device's
-    coordinates leaves less, or nothing: of a rubber mount that softens as it is moved two records of seven passed for
-    another device's, and left 67 of what the law left 4 of."""
-    if unknown is None:
+    coordinates takes away most of that: of a rubber mount that softens as it is moved two records of seven passed for
+    another device's, and left 67 of what the law left 4 of.
+
+    Each was found beside those before it, and what the last one leaves all of them leave: they stand or fall together.
+    """
+    first = [one for one in suspects if one.first]
+    if unknown is None or not first or any(one.settles for one in first):
         return suspects
-    less = lambda one: unknown.chi2_after < max(AS_WELL, one.left)
-    return tuple(one for one in suspects if one.settles or not (one.first and less(one)))
+    left, by_law = min(one.left for one in first), unknown.chi2_after
+    if by_law < AS_WELL or by_law - 1 < MOST_OF_IT * (left - 1):
+        return tuple(one for one in suspects if not one.first)
+    return suspects

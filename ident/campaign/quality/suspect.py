@@ -43,7 +43,7 @@ class Suspect:
     **Arguments:** `size` in `unit`; `probability` that the record is faulty; `says`: the finding in words, without the
     name of the file; `first`: whether it explains more than any effect does, so that no physics is named before;
     `settles`: whether so read, and with one effect at most, all records stand at their noise; `left`: what they leave
-    else, χ² per sample.
+    where they do not, χ² per sample.
     """
 
     file: str
