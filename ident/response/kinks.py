@@ -32,6 +32,7 @@ SHORTEST = 1 / 256
 
 
 STIFF = 2.5  # of velocity, in a step: the method is stable to 2.78
+SHARP = 0.1  # of a change of force, by which its slopes before and after may miss it: else stages are too far apart
 _HALVINGS = 20  # of what a step changes the velocity: the turn of a friction is no steeper than a millionth of that
 
 
@@ -48,7 +49,11 @@ def sticks(system: System, slots: tuple[slice | None, ...], y: tuple[Array, ...]
     """Whether the forces with kinks hold the velocity of the state `y` so hard that a step `h` is not stable."""
     alone, places = _alone(system, slots, y[0])
     by_velocity = lambda v: accelerated(alone, places, (y[0], v, *y[2:]), at[:3])
-    return -h * jax.jvp(by_velocity, (y[1],), (jnp.ones_like(y[1]),))[1] > STIFF
+    return -h * _with_slope(by_velocity, y[1])[1] > STIFF
+
+
+def _with_slope(f: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
+    return jax.jvp(f, (x,), (jnp.ones_like(x),))
 
 
 def _standstill(
@@ -93,21 +98,54 @@ def advanced(
         return runge_kutta(slope, y, at, h)
     acceleration = slope(y, at[2])[1]
     here = lax.stop_gradient(_standstill(system, slots, y, at[2], h, acceleration))
-    still = sticks(system, slots, (y[0], here, *y[2:]), at[2], h)
+    steep = lambda v: sticks(system, slots, (y[0], v, *y[2:]), at[2], h)
+    held = steep(here)
 
     def balanced() -> Array:
         by_velocity = lambda v: slope((y[0], v, *y[2:]), at[2])[1]
-        acceleration, steep = jax.jvp(by_velocity, (here,), (jnp.ones_like(here),))
+        acceleration, steep = _with_slope(by_velocity, here)
         return here + (y[1] - here + h * acceleration) / (1.0 - h * steep)
 
-    v = lax.cond(still, balanced, lambda: y[1])
+    v = lax.cond(held, balanced, lambda: y[1])
+    still = held & steep(lax.stop_gradient(v))  # else it is passing by
+    v = jnp.where(still, v, y[1])
+    alone, places = _alone(system, slots, y[0])
+    kinked = lambda s, v: accelerated(alone, places, (s[0], v, *s[2:]), at[1][:3])
+    turns = ~still & _unseen(partial(kinked, y), y[1], h * acceleration)
 
     def moved(s: tuple[Array, ...], u: tuple[Any, ...]) -> tuple[Array, ...]:
         pace = jnp.where(still, v, s[1])
         _, acceleration, *rates = slope((s[0], pace, *s[2:]), u)
+        nothing = kinked(s, lax.stop_gradient(pace)) - kinked(s, pace)  # but for its derivatives
+        acceleration = acceleration + jnp.where(turns, nothing, 0.0)
         return pace, jnp.where(still, 0.0, acceleration), *rates
 
-    return runge_kutta(moved, (y[0], v, *y[2:]), at, h)
+    z, after, *rest = runge_kutta(moved, (y[0], v, *y[2:]), at, h)
+    return z, _across(y[1], after, turns, slope(y, at[1])[1], kinked(y, after) - kinked(y, y[1])), *rest
+
+
+def _unseen(kinked: Callable[[Array], Array], v: Array, change: Array) -> Array:
+    """Whether a force turns within a change of velocity more sharply than its slopes at both ends tell, or may turn it
+    within twice that."""
+    (first, rise), (last, fall) = _with_slope(kinked, v), _with_slope(kinked, v + change)
+    sharp = jnp.abs(last - first - 0.5 * (rise + fall) * change) > SHARP * jnp.abs(last - first)
+    return sharp | (v * (v + 2 * change) < 0)
+
+
+def _across(before: Array, after: Array, turns: Array, pushed: Array, jump: Array) -> Array:
+    """The velocity `after` a step in which it turns, its derivatives those of the turn: a friction that turns over less
+    than a step is seen by no state of the method, or by one, many times too steep.
+
+    What two motions differ by before, v₀, they differ by after as the accelerations are, a₊/a₋ = 1 + Δk/a₋, for the
+    one that comes later turns later: the factor of saltation (R. I. Leine, H. Nijmeijer, Dynamics and Bifurcations of
+    Non-Smooth Mechanical Systems, 2004, §7.3), which holds for a turn of any steepness, as dv₁/dv₀ = a(v₁)/a(v₀) along
+    any v̇ = a(v).
+    """
+    share = jnp.clip(before / jnp.where(turns, before - after, 1.0), 0.0, 1.0)
+    factor = jnp.clip(jump / jnp.where(turns, pushed, 1.0), -1.0, 0.0)  # friction turns no motion round
+    fixed = lax.stop_gradient
+    at_turn = before + fixed(share) * (after - before)
+    return after + fixed(jnp.where(turns, factor, 0.0)) * (at_turn - fixed(at_turn))
 
 
 def bend(system: System, slots: tuple[slice | None, ...], states: Any, inputs: Any, h: Numbers) -> Array:
@@ -118,12 +156,15 @@ def bend(system: System, slots: tuple[slice | None, ...], states: Any, inputs: A
     return h / 6 * jnp.abs(a - b - c + d)
 
 
-def turned(system: System, slots: tuple[slice | None, ...], states: Any, inputs: Any, h: Numbers) -> Array:
-    """Whether the forces with kinks turn within a step by more than the velocity changes, as of `bend`: they may turn
-    it back, and of steps that go to and fro over a turn the bends cancel."""
+def turned(system: System, slots: tuple[slice | None, ...], states: Any, inputs: Any, h: Numbers, least: Any) -> Array:
+    """Whether the forces with kinks turn within a step as the velocity does, by more than the `least` change of that,
+    or by more than it changes, as of `bend`: they may turn it back, and where it turns in the middle of the step, or
+    goes to and fro over a turn, the bends cancel."""
     alone, places = _alone(system, slots, states[0][0])
     first, last = (accelerated(alone, places, states[i], inputs[i][:3]) for i in (0, 3))
-    return h * jnp.abs(last - first) > jnp.abs(states[3][1] - states[0][1])
+    before, after = states[0][1], states[3][1]
+    jump = h * jnp.abs(last - first)
+    return (jump > jnp.abs(after - before)) | ((before * after < 0) & (jump > least))
 
 
 def limits_of(system: System, allowed: Any) -> tuple[Array, Array]:

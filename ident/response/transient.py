@@ -218,7 +218,7 @@ def march(
                 missed = bend(now, parts, states, inside, block.step) > rate * allowed
                 if equation.can_stick:  # of the states of a method that is not stable there nothing is told
                     missed = missed | sticks(now, parts, y, last, block.step)
-                    missed = missed | turned(now, parts, states, inside, block.step)
+                    missed = missed | turned(now, parts, states, inside, block.step, rate * allowed)
                 divided = lambda: in_parts(y, dy, at, remembered, changes, limits)
                 after, dafter = lax.cond(missed, divided, lambda: (after, dafter))
             return (after, dafter), (shown, y[0], y[1], dshown)
