@@ -86,9 +86,10 @@ def _standstill(
 
 def advanced(
     system: System, slots: tuple[slice | None, ...], y: tuple[Array, ...], at: list[tuple[Any, ...]], h: Any,
-    can_stick: bool,
+    can_stick: bool, told_apart: bool = True,
 ) -> tuple[Array, ...]:  # fmt: skip
-    """The state after a step `h` with the inputs `at` its beginning, middle and end.
+    """The state after a step `h` with the inputs `at` its beginning, middle and end; without `told_apart` its
+    derivatives are not those of a turn.
 
     Where friction sticks the velocity goes by a linearly implicit step to where forces balance, and all else moves with
     that. It is one method whose velocity is held or not, so that the laws are compiled once.
@@ -111,17 +112,20 @@ def advanced(
     v = jnp.where(still, v, y[1])
     alone, places = _alone(system, slots, y[0])
     kinked = lambda s, v: accelerated(alone, places, (s[0], v, *s[2:]), at[1][:3])
-    turns = ~still & _unseen(partial(kinked, y), y[1], h * acceleration)
+    turns = ~still & _unseen(partial(kinked, y), y[1], h * acceleration) if told_apart else None
 
     def moved(s: tuple[Array, ...], u: tuple[Any, ...]) -> tuple[Array, ...]:
         pace = jnp.where(still, v, s[1])
         _, acceleration, *rates = slope((s[0], pace, *s[2:]), u)
-        nothing = kinked(s, lax.stop_gradient(pace)) - kinked(s, pace)  # but for its derivatives
-        acceleration = acceleration + jnp.where(turns, nothing, 0.0)
+        if turns is not None:
+            nothing = kinked(s, lax.stop_gradient(pace)) - kinked(s, pace)  # but for its derivatives
+            acceleration = acceleration + jnp.where(turns, nothing, 0.0)
         return pace, jnp.where(still, 0.0, acceleration), *rates
 
     z, after, *rest = runge_kutta(moved, (y[0], v, *y[2:]), at, h)
-    return z, _across(y[1], after, turns, slope(y, at[1])[1], kinked(y, after) - kinked(y, y[1])), *rest
+    if turns is None:
+        return z, after, *rest
+    return z, _across(y[1], after, turns, acceleration, kinked(y, after) - kinked(y, y[1])), *rest
 
 
 def _unseen(kinked: Callable[[Array], Array], v: Array, change: Array) -> Array:

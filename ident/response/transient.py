@@ -189,15 +189,17 @@ def march(
             return after, shown, states
 
         def in_parts(y: tuple, dy: tuple, at: tuple, remembered: tuple, changes: Any, limits: tuple) -> tuple:
-            def stepped(numbers: Any, y: tuple, inputs: list, h: Any) -> tuple:
-                return advanced(system_of(numbers).at(block), parts, y, inputs, h, equation.can_stick)
+            def stepped(numbers: Any, y: tuple, inputs: list, h: Any, told_apart: bool = False) -> tuple:
+                return advanced(system_of(numbers).at(block), parts, y, inputs, h, equation.can_stick, told_apart)
 
             def part(state: tuple) -> tuple:
                 first, length, y, dy = state
                 length = halved(partial(stepped, numbers), y, (*at, *remembered), block.step, first, length, limits)
 
                 def one(numbers: Any, y: tuple, remembered: tuple) -> tuple:
-                    return stepped(numbers, y, between((*at, *remembered), first, length), block.step * length)
+                    return stepped(
+                        numbers, y, between((*at, *remembered), first, length), block.step * length, dy is not None
+                    )
 
                 y, dy = tangents(one, (numbers, y, remembered), (along, dy, changes))
                 first = first + length
