@@ -144,6 +144,7 @@ class System(NamedTuple):
     moving: Any = 0.0
     order: Any = 0.0
     beside: Any = 0.0  # s² or s, as of `lane.Lane`
+    step: Any = 0.0  # s, of the solver
     share: Any = 1.0  # of what the actuator gives, that acts on the stage; of the drive, that the sensor sees past it
     base: Any = None  # travel of the base that carries spring and damper, per unit of the drive; None if that pushes
     riding: bool = False  # whether the drive is the acceleration of the base, and an accelerometer rides on the body
@@ -192,7 +193,8 @@ class System(NamedTuple):
         """The same in a block of a record."""
         spring, damper = self.stiffness * (1 + block.stiffer), self.damping * (1 + block.damped)
         there = self._replace(mass=self.mass + block.load, damping=damper, stiffness=spring)
-        there = there._replace(omega=block.omega, moving=block.moving, order=block.order, beside=block.beside)
+        there = there._replace(omega=block.omega, moving=block.moving, order=block.order)
+        there = there._replace(beside=block.beside, step=block.step)
         return there.undispersed(block.sine * block.step)
 
     def undispersed(self, step: Any) -> System:

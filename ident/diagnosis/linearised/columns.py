@@ -30,6 +30,7 @@ from ...response.memory import Seen, memory_along, shaping
 from ...response.system import Block, System, assemble, behind_the_sensor
 from ...response.tape import BLOCK, BLOCKS, Chunk
 
+_STANDS = 1e-7  # of a velocity: a change of less is rounding
 _OWN = 4  # directions of a model's own parameters are taken in multiples of this: how many are free differs
 
 
@@ -264,6 +265,21 @@ def _total(system: System, z: Any, v: Any, hidden: tuple, u: Any, r: Any, t: Any
     return force
 
 
+def _turning(system: System, z: Any, v: Any, a: Any, hidden: tuple, u: Any, r: Any, t: Any) -> Any:
+    """What slopes by velocity lack of the forces with kinks, N s/m: a friction that turns between two points turns by
+    none of its slopes at them. Over the velocities of a step about each point it is Δk/Δv, and so in all, as a step
+    weighs its ends by a third of its middle: two motions that differ before it differ by exp(h Δk/Δv) after, which is
+    a₊/a₋ but for the third power of Δk/a (`response.kinks`)."""
+    own = [(e, h) for e, h in zip(system.effects, hidden, strict=True) if e.has_kink]
+    alone = system._replace(effects=tuple(e for e, _ in own), damping=0.0, stiffness=0.0)
+    by_velocity = lambda v: _force(alone, z, v, a, tuple(h for _, h in own), u, r, t)
+    aside = 0.5 * a * system.step
+    told = jnp.abs(aside) > _STANDS * jnp.abs(v)
+    change = by_velocity(v + aside) - by_velocity(v - aside)
+    slope = jax.jvp(by_velocity, (v,), (jnp.ones_like(v),))[1]
+    return jnp.where(told, change / jnp.where(told, 2 * aside, 1.0) - slope, 0.0)
+
+
 def _shown(system: System, z: Any, v: Any, a: Any, hidden: tuple, u: Any, r: Any, t: Any) -> Any:
     """What the sensor adds to what it reads of the motion, `z`, with its rate `v`."""
     drive, shown = system.drive(u, r), system.felt(0.0 * z, u)
@@ -326,6 +342,8 @@ def slopes(
         return one
 
     force = _at_points(by_state(_force), system, moved, paths, chunk, 1)
+    if equation.can_stick:
+        force = force[0], force[1] + _at_points(_turning, system, moved, paths, chunk, 1)
     shown = _at_points(by_state(_shown), system, seen, paths, chunk, 2)
     mass = system.mass + chunk.load
     stiffness, damping = (-slope / mass[:, None] for slope in force)
