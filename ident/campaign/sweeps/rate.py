@@ -18,6 +18,9 @@ from ..record import MEASURES, Channel, Measures, Record, Sweep
 from ..spec import RecordSpec, signal_units
 
 
+_NAMED = 3  # sweeps that a note names
+
+
 def measured_by(spec: RecordSpec, device: Device) -> Measures:
     """What the unit of a sweep's amplitude is one of: a sensor's volts are volts, whatever it reads."""
     return "displacement" if signal_units(device)[1][1] == VOLTAGE else spec.measures
@@ -28,16 +31,16 @@ def displaced(records: Sequence[Record], specs: Sequence[RecordSpec], device: De
 
     **Raises:** UserError where only half the peak-to-peak value of such a reading is known.
     """
-    found = list[Record]()
+    found, names = list[Record](), dict[Measures, list[str]]()
     for record, spec in zip(records, specs, strict=True):
         if isinstance(record, Sweep) and spec.measures != "displacement":
-            notes.append(
-                f"{record.name}: its amplitudes are those of {'an' if spec.measures == 'acceleration' else 'a'} "
-                f"{spec.measures}; divided by {'(2πf)²' if spec.measures == 'acceleration' else '2πf'} they are those "
-                "of the displacement."
-            )
+            names.setdefault(spec.measures, []).append(record.name)
             record = _displaced(record, spec, signal_units(device)[1][0])
         found.append(record)
+    for measures, own in names.items():
+        by = "2πf" if measures == "velocity" else "(2πf)²"
+        some = ", ".join(own[:_NAMED]) + (f" and {len(own) - _NAMED} more" if len(own) > _NAMED else "")
+        notes.append(f"{some}: amplitudes of {measures}; divided by {by} they are those of the displacement.")
     return found
 
 
