@@ -157,6 +157,7 @@ def _normal(text: str) -> str:
     text = plain_micro(text.strip()).replace("**", "^").replace("⁻", "-")
     for raised, digit in zip("¹²³⁴⁵⁶", "123456", strict=True):
         text = text.replace(raised, digit)
+    text = re.sub(r"(?<=[^\W\d_])\.(?=[^\W\d_])|(?<=N)-(?=c?m\b)", "*", text)  # "N.m", "kg.m^2", "N-m"
     text = re.sub(r"\s*([*/·⋅×])\s*", r"\1", text)
     return re.sub(r"[·⋅×\s]+", "*", text)
 

@@ -39,6 +39,11 @@ _pint = pint.UnitRegistry()
         ("50 %", 0.5),
         ("180 deg", 3.141592653589793),
         ("1 inch", 0.0254),
+        ("2 N.m", 2.0),
+        ("2 mN-m", 2e-3),
+        ("3 kg.m^2", 3.0),
+        ("3 rad.s-1", 3.0),
+        ("9.8 m.s-2", 9.8),
     ],
 )
 def test_quantities(text, value):

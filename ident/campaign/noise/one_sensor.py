@@ -89,13 +89,14 @@ class _Shown(NamedTuple):
 def _in_the_best_colour(trace: Trace, seen: Sequence[Trace], shown: _Shown | None) -> NoiseFloor:
     """The floor of a record in the colour of the first of those that are `seen` of its sensor, where that, beside a
     tail, describes the frequencies that it was read off as well as its own coefficients do, which were fitted as if
-    all of them showed noise alone, by the criterion that chose these."""
+    all of them showed noise alone, by the criterion that chose these: a colour unlike that of the sensor's other
+    records is a number at least, if it is white too."""
     own = trace.noise
     surest = next((other.noise for other in seen if alike(trace, other)), own)
     if surest is own or shown is None:
         return own
     beside, further = shown.beside(surest), extrapolated(surest)
-    if beside.deviance > shown.deviance(own) + shown.price * min(len(own.ar), NUMBERS):
+    if beside.deviance > shown.deviance(own) + shown.price * min(max(len(own.ar), 1), NUMBERS):
         return own
     wider = 1.0 if further else WIDER  # which says it already
     error = min(1.0, wider * float(np.hypot(surest.relative_error, 0.5 * beside.error)))

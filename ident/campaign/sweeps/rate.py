@@ -17,7 +17,6 @@ from ..device import Device
 from ..record import MEASURES, Channel, Measures, Record, Sweep
 from ..spec import RecordSpec, signal_units
 
-
 _NAMED = 3  # sweeps that a note names
 
 
