@@ -344,17 +344,21 @@ def _after_the_walk(asked: _Asked, seen: _Seen) -> Diagnosis:
     if found.start is not seen.fitted:  # the walk has begun again, from a better first model
         regression = prepare(working(found.start))
         seen = replace(seen, regression=regression, where=locate(regression, found.start))
-    if found.verdict != "adequate" and not adequate(found.regression) and seen.apart is None:
-        said = _records_differ(asked, seen, apart_after(seen.look, found.final, asked.report))
-        if said is not None:
-            return said
     suspects = judged_again(seen.suspects, found.final, asked.report)
     if not adequate(found.regression):
         as_it_is = replace(asked, keep=lambda _: asked.keep(ended.walked))  # until the other walk is believed
-        doubtful = any(one.first and not one.settles for one in suspects)
-        sound = beside_law(suspects, find_unknown(seen.regression)) if doubtful else suspects
-        if (said := _without_those_seen_now(as_it_is, seen, sound)) is not None:
+        settled = any(one.first and one.settles for one in suspects)
+        # The fault of one record is one number; where that settles everything, none of all records' own is asked.
+        if settled and (said := _without_those_seen_now(as_it_is, seen, suspects)) is not None:
             return said
+        if found.verdict != "adequate" and seen.apart is None:
+            said = _records_differ(asked, seen, apart_after(seen.look, found.final, asked.report))
+            if said is not None:
+                return said
+        if not settled and any(one.first for one in suspects):
+            sound = beside_law(suspects, find_unknown(seen.regression))
+            if (said := _without_those_seen_now(as_it_is, seen, sound)) is not None:
+                return said
     found = in_doubt(found, suspects)
     hidden = unseen(seen.regression, found.ranking, asked.library)
     said = Diagnosis(found, seen.where, unseen=hidden, suspects=suspects)
