@@ -155,6 +155,7 @@ def typical_value(parameter: Parameter) -> float:
         "nearness": 1e6,
         "squared_nearness": 1e12,
         "slowness": 5e-5,
+        "per_squared_velocity": 1e3,
         "one": 1.0,
     }
     return parameter.default * size[parameter.scale] or 0.7

@@ -20,6 +20,7 @@ Scale = Literal[
     "nearness",
     "squared_nearness",
     "slowness",
+    "per_squared_velocity",
     "one",
 ]
 
@@ -103,7 +104,8 @@ def shape(
 
     **Arguments:** `grid`, values worth trying in multiples of the data's `scale` ("displacement": its largest value in
     the records, likewise "velocity" and "voltage", "induction" the one over the other, "nearness" one over the
-    displacement, "squared_nearness" its square, "slowness" one over the rms rate of the voltage; "period": 1/f0;
+    displacement, "squared_nearness" its square, "slowness" one over the rms rate of the voltage, "per_squared_velocity"
+    one over the square of the velocity; "period": 1/f0;
     "duration" of a record; "one": SI as written); `limits`, where it keeps its meaning, so that a fit cannot turn one
     effect into another (default: a third of the smallest to three times the largest of the grid). A fit stays inside;
     one of a shape that may be negative does not, but where it ends outside the effect is impossible, and there is no

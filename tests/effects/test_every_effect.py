@@ -33,7 +33,8 @@ GENERAL = [name for name in NAMES if not built_in()[name].platform_only]
 
 # Shapes sized for the records of the harness: z some µm, v some cm/s, V some volts, 2 ms periods, 16 ms long.
 SCALES = {"displacement": 5e-6, "velocity": 2e-2, "voltage": 7.0, "period": 2e-3, "duration": 0.016,
-          "induction": 350.0, "nearness": 2e5, "squared_nearness": 4e10, "slowness": 7e-5, "one": 1.0}  # fmt: skip
+          "induction": 350.0, "nearness": 2e5, "squared_nearness": 4e10, "slowness": 7e-5,
+          "per_squared_velocity": 2.5e3, "one": 1.0}  # fmt: skip
 
 
 def sized(effect: type[AbstractEffect], share: int = 0) -> dict[str, float]:

@@ -249,6 +249,20 @@ def test_what_the_drive_and_the_motion_warm_changes_stiffness_or_damping(name):
     assert_agrees(make(name, by_drive=of * drive, by_motion=of * motion, time=tau), physics, SMOOTH)
 
 
+def test_oil_that_thins_as_it_is_sheared():
+    """Written with its temperature: viscosity falls exponentially with it, and it is warmed by what that dissipates."""
+    tau, cold, kelvin = 3e-3, 5 * C, 30.0
+    warmed = 25.0 / (cold * 4e-4)  # K/W: by some 25 K at 2 cm/s
+    viscosity = lambda h: cold * np.exp(-h[0] / kelvin)
+    physics = Physics(  # the linear part has the damping of cold oil already
+        lambda t, z, v, h: (cold - viscosity(h)) * v,
+        lambda t, z, v, h: ((warmed * viscosity(h) * v**2 - h[0]) / tau,),
+        start=(0.0,),
+    )
+    effect = make("damping-heating", by_motion=-warmed * cold**2 / kelvin, time=tau, fading=warmed * cold / kelvin)
+    assert_agrees(effect, physics, SMOOTH)
+
+
 def test_a_warm_coil_takes_less_current():
     """Written with the resistance r = 1 + θ, the current in units of a cold coil's, and what warms it."""
     tau, rise, induced = 3e-3, 0.02, 0.6 * C / GAIN

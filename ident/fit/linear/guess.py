@@ -67,6 +67,11 @@ class DataScales(NamedTuple):
         return self.nearness**2
 
     @property
+    def per_squared_velocity(self) -> float:
+        """One over the square of the velocity, as of a power whose warmth changes what it comes from."""
+        return self.velocity**-2
+
+    @property
     def slowness(self) -> float:
         """One over the rms rate of the voltage, as of an amplifier that can just follow it."""
         return 1.0 / self.slew
