@@ -11,7 +11,7 @@ from .limit import Limit, OutOfTime
 from .output import progress, say, say_fit, say_folder, say_json, say_sheet
 
 if TYPE_CHECKING:
-    from ..diagnosis.diagnose import Diagnosis
+    from ..diagnosis.answer import Diagnosis
     from ..diagnosis.search.steps import Walked
     from ..fit import Fit
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from html import escape
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..campaign.campaign import Campaign
 from ..campaign.held_drive import jumps
@@ -19,6 +18,7 @@ from ..fit import Fit, fit, fit_data
 from ..fit.fit_data import Effects
 from ..pulse import Report
 from ..threads import one_thread
+from .answer import Diagnosis
 from .apart import Apart, apart_after, apart_before
 from .doubts import beside_law, in_doubt
 from .evidence.enough import adequate
@@ -37,70 +37,13 @@ from .search.conclude import concluded, concluded_or_sharper
 from .search.discover import Keep, walk_on
 from .search.one_law import in_their_place, one_law
 from .search.own_zeros import has_own_zeros
-from .search.steps import Discovery, Verdict, Walked
-from .search.ties import Unseen, unseen
+from .search.steps import Discovery, Walked
+from .search.ties import unseen
 from .search.together import two_names_do
 from .search.written import AS_WELL, beyond_library
 from .search.zero import zero_of_the_sensor
-from .unknown.find import Unknown, find_unknown
+from .unknown.find import find_unknown
 from .where.locate import Where, locate
-from .where.words import summary
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
-
-
-@dataclass(frozen=True, eq=False)
-class Diagnosis:
-    """Answers about a fit.
-
-    **Arguments:** `where`: where the first fit of the walk fails; `unknown`: what the library lacks, if it lacks
-    something, and `effect_file`, where that was written; `next_experiments`: records that would separate what ties;
-    `unseen`: effects of which these records cannot say anything; `suspects`: records that something is wrong with. A
-    faulty record that explains more than any effect does is left out of the walk. This has no steps, but for that of a
-    sensor's zero, if the others are too few for that, or if one law that the library lacks says everything and nobody
-    said where to write it.
-    """
-
-    discovery: Discovery
-    where: Where
-    unknown: Unknown | None = None
-    effect_file: Path | None = None
-    next_experiments: tuple[NextExperiment, ...] = ()
-    unseen: tuple[Unseen, ...] = ()
-    suspects: tuple[Suspect, ...] = ()
-
-    @property
-    def summary(self) -> str:
-        """Where the first fit of the walk fails, in one paragraph."""
-        return summary(self.where)
-
-    @property
-    def verdict(self) -> Verdict:
-        """Whether something is missing, and how sure its name is."""
-        return self.discovery.verdict
-
-    @property
-    def final(self) -> Fit:
-        """The fit with everything that was found."""
-        return self.discovery.final
-
-    def to_dataframe(self) -> DataFrame:
-        """The candidates, best first: share of the error beyond noise that each removes, as scored and as refitted."""
-        from pandas import DataFrame
-
-        ranking, confirmed = self.discovery.ranking, self.discovery.confirmed
-        rows = [(c.predicted_gain, confirmed.get(c.name), c.p_value) for c in ranking]
-        return DataFrame(rows, columns=["predicted", "confirmed", "by chance"], index=[c.name for c in ranking])
-
-    def __repr__(self) -> str:
-        added = " + ".join(step.added for step in self.discovery.steps) or "nothing added"
-        before, after = (f.fitted.error_over_noise for f in (self.discovery.start, self.final))
-        suspect = f"; suspect: {', '.join(s.file for s in self.suspects)}" if self.suspects else ""
-        return f"<Diagnosis: {self.verdict}; {added}; error over noise {before:#.3g} → {after:#.3g}{suspect}>"
-
-    def _repr_html_(self) -> str:
-        return f"<p>{escape(repr(self))}</p><p>{escape(self.summary)}</p>{self.to_dataframe().to_html()}"
 
 
 @one_thread
@@ -283,6 +226,13 @@ def _without_faulty(asked: _Asked, seen: _Seen) -> Diagnosis | None:
     return replace(_answered(asked, Walked(rest)), where=seen.where)
 
 
+def _without_faults(asked: _Asked, seen: _Seen, suspects: tuple[Suspect, ...]) -> Diagnosis | None:
+    """The same where faults settle everything: that of one record is one number, and then none of all records' own is
+    asked."""
+    settled = any(one.first and one.settles for one in suspects)
+    return _without_those_seen_now(asked, seen, suspects) if settled else None
+
+
 def _without_those_seen_now(asked: _Asked, seen: _Seen, suspects: tuple[Suspect, ...]) -> Diagnosis | None:
     """The answer without records whose fault only shows beside what a walk has named, if all others then stand at their
     noise; None if there are none, or these do not. What is wrong in one record and a missing effect hide one another.
@@ -338,24 +288,28 @@ def _after_the_walk(asked: _Asked, seen: _Seen) -> Diagnosis:
     """The answer of the walk; or of one that begins again, where it shows that records differ, or are to be read
     otherwise."""
     ended = walk_on(seen.walked, asked.library, asked.report, keep=asked.keep, look=seen.look)
+    last, as_it_is = ended.walked.final, replace(asked, keep=lambda _: asked.keep(ended.walked))  # till one is believed
+    suspects: tuple[Suspect, ...] | None = None
+    if ended.anew is None and last is not seen.fitted and not adequate(ended.look.regression):
+        suspects = judged_again(seen.suspects, last, asked.report)
+        if (said := _without_faults(as_it_is, seen, suspects)) is not None:  # a walk that need not be questioned first
+            return said
     found = concluded_or_sharper(ended)
     if isinstance(found, Campaign):
         return _once_more(asked, seen, found)
     if found.start is not seen.fitted:  # the walk has begun again, from a better first model
         regression = prepare(working(found.start))
         seen = replace(seen, regression=regression, where=locate(regression, found.start))
-    suspects = judged_again(seen.suspects, found.final, asked.report)
-    if not adequate(found.regression):
-        as_it_is = replace(asked, keep=lambda _: asked.keep(ended.walked))  # until the other walk is believed
-        settled = any(one.first and one.settles for one in suspects)
-        # The fault of one record is one number; where that settles everything, none of all records' own is asked.
-        if settled and (said := _without_those_seen_now(as_it_is, seen, suspects)) is not None:
+    if suspects is None or found.final is not last:
+        suspects = judged_again(seen.suspects, found.final, asked.report)
+        if not adequate(found.regression) and (said := _without_faults(as_it_is, seen, suspects)) is not None:
             return said
+    if not adequate(found.regression):
         if found.verdict != "adequate" and seen.apart is None:
             said = _records_differ(asked, seen, apart_after(seen.look, found.final, asked.report))
             if said is not None:
                 return said
-        if not settled and any(one.first for one in suspects):
+        if any(one.first for one in suspects) and not any(one.first and one.settles for one in suspects):
             sound = beside_law(suspects, find_unknown(seen.regression))
             if (said := _without_those_seen_now(as_it_is, seen, sound)) is not None:
                 return said

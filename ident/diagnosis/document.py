@@ -7,7 +7,7 @@ from typing import Any
 
 from ..fit import Fit
 from ..fit.judge import Score
-from .diagnose import Diagnosis
+from .answer import Diagnosis
 from .search.steps import Discovery, Step, Walked
 
 FORMAT = 1

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..campaign.device import Device
-from ..diagnosis.diagnose import Diagnosis
+from ..diagnosis.answer import Diagnosis
 from ..diagnosis.ranking.score import NAMED_BY_CHANCE
 from ..diagnosis.ranking.weigh import Candidate
 from ..fit import Fit

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..campaign.quality.suspect import ALL, Suspect
-from ..diagnosis.diagnose import Diagnosis
+from ..diagnosis.answer import Diagnosis
 from ..diagnosis.evidence.enough import ANOTHER_LAW, adequate, noise_of_force
 from ..diagnosis.evidence.held_out import contradicted
 from ..diagnosis.faulty.suspects import BY_OTHERS
