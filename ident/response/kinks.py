@@ -32,7 +32,8 @@ SHORTEST = 1 / 256
 
 
 STIFF = 2.5  # of velocity, in a step: the method is stable to 2.78
-SHARP = 0.1  # of a change of force, by which its slopes before and after may miss it: else stages are too far apart
+SHARP = 0.03  # of a change of force, by which slopes may miss it: else the stages are too far apart
+_BEYOND = 1.2  # of a step: it ends where Euler's only nearly does
 _HALVINGS = 20  # of what a step changes the velocity: the turn of a friction is no steeper than a millionth of that
 
 
@@ -110,46 +111,70 @@ def advanced(
     v = lax.cond(held, balanced, lambda: y[1])
     still = held & steep(lax.stop_gradient(v))  # else it is passing by
     v = jnp.where(still, v, y[1])
-    alone, places = _alone(system, slots, y[0])
-    kinked = lambda s, v: accelerated(alone, places, (s[0], v, *s[2:]), at[1][:3])
-    turns = ~still & _unseen(partial(kinked, y), y[1], h * acceleration) if told_apart else None
+    turn = _Turn(system, slots, y, at, h, slope(y, at[0])[1])
+    turns = ~still & turn.unseen if told_apart else None
 
     def moved(s: tuple[Array, ...], u: tuple[Any, ...]) -> tuple[Array, ...]:
         pace = jnp.where(still, v, s[1])
         _, acceleration, *rates = slope((s[0], pace, *s[2:]), u)
         if turns is not None:
-            nothing = kinked(s, lax.stop_gradient(pace)) - kinked(s, pace)  # but for its derivatives
-            acceleration = acceleration + jnp.where(turns, nothing, 0.0)
+            acceleration = acceleration + jnp.where(turns, turn.nothing((s[0], pace, *s[2:]), u), 0.0)
         return pace, jnp.where(still, 0.0, acceleration), *rates
 
     z, after, *rest = runge_kutta(moved, (y[0], v, *y[2:]), at, h)
-    if turns is None:
-        return z, after, *rest
-    return z, _across(y[1], after, turns, acceleration, kinked(y, after) - kinked(y, y[1])), *rest
+    return z, after if turns is None else turn.told(after, turns), *rest
 
 
-def _unseen(kinked: Callable[[Array], Array], v: Array, change: Array) -> Array:
-    """Whether a force turns within a change of velocity more sharply than its slopes at both ends tell, or may turn it
-    within twice that."""
-    (first, rise), (last, fall) = _with_slope(kinked, v), _with_slope(kinked, v + change)
-    sharp = jnp.abs(last - first - 0.5 * (rise + fall) * change) > SHARP * jnp.abs(last - first)
-    return sharp | (v * (v + 2 * change) < 0)
-
-
-def _across(before: Array, after: Array, turns: Array, pushed: Array, jump: Array) -> Array:
-    """The velocity `after` a step in which it turns, its derivatives those of the turn: a friction that turns over less
-    than a step is seen by no state of the method, or by one, many times too steep.
+class _Turn:
+    """What a friction that turns within a step does to derivatives: no state of the method sees it, or one does, many
+    times too steep.
 
     What two motions differ by before, v₀, they differ by after as the accelerations are, a₊/a₋ = 1 + Δk/a₋, for the
     one that comes later turns later: the factor of saltation (R. I. Leine, H. Nijmeijer, Dynamics and Bifurcations of
     Non-Smooth Mechanical Systems, 2004, §7.3), which holds for a turn of any steepness, as dv₁/dv₀ = a(v₁)/a(v₀) along
-    any v̇ = a(v).
+    any v̇ = a(v). All velocities are those against what carries the stage.
     """
-    share = jnp.clip(before / jnp.where(turns, before - after, 1.0), 0.0, 1.0)
-    factor = jnp.clip(jump / jnp.where(turns, pushed, 1.0), -1.0, 0.0)  # friction turns no motion round
-    fixed = lax.stop_gradient
-    at_turn = before + fixed(share) * (after - before)
-    return after + fixed(jnp.where(turns, factor, 0.0)) * (at_turn - fixed(at_turn))
+
+    def __init__(
+        self, system: System, slots: tuple[slice | None, ...], y: tuple[Array, ...], at: Any, h: Any, acceleration: Any
+    ):
+        self.alone, self.places = _alone(system, slots, y[0])
+        self.standing = self.alone._replace(base=lax.stop_gradient(self.alone.base))
+        self.h, self.y = h, y
+        first, self.middle, last = (one[:3] for one in at)
+        self.base = 0.0 if system.base is None else system.base
+        self.before, self.end = y[1] - self.base * first[1], last[1]
+        self.pushed = acceleration - self.base * (last[1] - first[1]) / h
+
+    def _at(self, pace: Array) -> Array:
+        """Acceleration by the forces with kinks at a velocity in the middle of the step."""
+        v = pace + lax.stop_gradient(self.base) * self.middle[1]
+        return accelerated(self.standing, self.places, (self.y[0], v, *self.y[2:]), self.middle)
+
+    @property
+    def unseen(self) -> Array:
+        """Whether a force turns on the way to the end of the step, or a little beyond, more sharply than its slopes at
+        both ends and between them tell, by Simpson's rule: as the stages weigh them."""
+        change = _BEYOND * jnp.asarray(self.pushed * self.h, float)
+        (first, rise), (last, fall) = (_with_slope(self._at, self.before + far * change) for far in (0.0, 1.0))
+        between = _with_slope(self._at, self.before + 0.5 * change)[1]
+        missed = last - first - (rise + 4 * between + fall) / 6 * change
+        return jnp.abs(missed) > SHARP * jnp.abs(last - first)
+
+    def nothing(self, s: tuple[Array, ...], u: tuple[Any, ...]) -> Array:
+        """Zero, whose derivatives take those of the turn away."""
+        z, v, *hidden = s
+        without = accelerated(self.standing, self.places, (z, lax.stop_gradient(v), *hidden), u[:3])
+        return without - accelerated(self.alone, self.places, s, u[:3])
+
+    def told(self, after: Array, turns: Array) -> Array:
+        """The velocity `after` the step, its derivatives those of the turn."""
+        fixed, end = lax.stop_gradient, after - self.base * self.end
+        jump = self._at(end) - self._at(self.before)
+        factor = jnp.clip(jump / jnp.where(turns, self.pushed, 1.0), -1.0, 1.0)  # friction turns no motion round
+        share = jnp.clip(self.before / jnp.where(self.before == end, 1.0, self.before - end), 0.0, 1.0)
+        at_turn = self.before + fixed(share) * (end - self.before)
+        return after + fixed(jnp.where(turns, factor, 0.0)) * (at_turn - fixed(at_turn))
 
 
 def bend(system: System, slots: tuple[slice | None, ...], states: Any, inputs: Any, h: Numbers) -> Array:
@@ -166,7 +191,7 @@ def turned(system: System, slots: tuple[slice | None, ...], states: Any, inputs:
     goes to and fro over a turn, the bends cancel."""
     alone, places = _alone(system, slots, states[0][0])
     first, last = (accelerated(alone, places, states[i], inputs[i][:3]) for i in (0, 3))
-    before, after = states[0][1], states[3][1]
+    before, after = (system.apart(*states[i][:2], *inputs[i][:2])[1] for i in (0, 3))
     jump = h * jnp.abs(last - first)
     return (jump > jnp.abs(after - before)) | ((before * after < 0) & (jump > least))
 

@@ -223,18 +223,19 @@ def _memories(
     return lax.fori_loop(0, chunk.count, one_block, (hidden, begin))
 
 
-def _at_points(function: Any, system: System, motion: Motion, paths: tuple, chunk: Chunk, stride: int) -> Any:
+def _at_points(
+    function: Any, system: System, motion: Motion, paths: tuple, chunk: Chunk, stride: int, base: Any = 0.0
+) -> Any:
     """A function of state and drive at points of a chunk, (BLOCKS, …): of the half-step grid, or at the beginning of
-    each step if `stride` is 2."""
+    each step if `stride` is 2; its acceleration is against a base that travels by so much per unit of the drive."""
     thin = lambda x: x[..., : 2 * BLOCK : 2] if stride == 2 else x
 
     def one_block(block: Block, z: Any, v: Any, hidden: tuple, voltage: Any, rate: Any) -> Any:
         here, time = system.at(block), block.times(2 * BLOCK + 1, 0.5)
         one = lambda z, v, a, h, u, r, t: function(here, z, v, a, h, u, r, t)
         axes = (0, 0, 0, tuple(1 for _ in hidden), 0, 0, 0)
-        a = jnp.asarray(jnp.gradient(v)) / jnp.where(
-            block.step > 0, 0.5 * block.step, 1.0
-        )  # behind the last record there is none
+        spacing = jnp.where(block.step > 0, 0.5 * block.step, 1.0)  # behind the last record there is none
+        a = jnp.asarray(jnp.gradient(v - base * rate)) / spacing
         return jax.vmap(one, in_axes=axes)(*jax.tree.map(thin, (z, v, a, hidden, voltage, rate, time)))
 
     return jax.vmap(one_block)(Block.of(chunk), motion.z, motion.v, paths, chunk.voltage, chunk.rate)
@@ -274,7 +275,7 @@ def _turning(system: System, z: Any, v: Any, a: Any, hidden: tuple, u: Any, r: A
     alone = system._replace(effects=tuple(e for e, _ in own), damping=0.0, stiffness=0.0)
     by_velocity = lambda v: _force(alone, z, v, a, tuple(h for _, h in own), u, r, t)
     aside = 0.5 * a * system.step
-    told = jnp.abs(aside) > _STANDS * jnp.abs(v)
+    told = jnp.abs(aside) > _STANDS * jnp.abs(system.apart(z, v, u, r)[1])
     change = by_velocity(v + aside) - by_velocity(v - aside)
     slope = jax.jvp(by_velocity, (v,), (jnp.ones_like(v),))[1]
     return jnp.where(told, change / jnp.where(told, 2 * aside, 1.0) - slope, 0.0)
@@ -343,7 +344,8 @@ def slopes(
 
     force = _at_points(by_state(_force), system, moved, paths, chunk, 1)
     if equation.can_stick:
-        force = force[0], force[1] + _at_points(_turning, system, moved, paths, chunk, 1)
+        base = 0.0 if system.base is None else system.base  # against which friction turns
+        force = force[0], force[1] + _at_points(_turning, system, moved, paths, chunk, 1, base)
     shown = _at_points(by_state(_shown), system, seen, paths, chunk, 2)
     mass = system.mass + chunk.load
     stiffness, damping = (-slope / mass[:, None] for slope in force)
