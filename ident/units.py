@@ -39,8 +39,6 @@ TORQUE = _dimension(2, 1, -2)
 ANGLES = {NUMBER: "rad", FREQUENCY: "rad/s", _dimension(s=-2): "rad/s^2"}
 """In which unit an angle, its rate and that of its rate are kept, by their dimensions; a rate has a frequency's."""
 
-_RATES = tuple(ANGLES)[1:]
-
 _PREFIXES = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "k": 1e3, "M": 1e6, "G": 1e9}
 _PREFIX_WORDS = {"pico": "p", "nano": "n", "micro": "u", "milli": "m", "kilo": "k", "mega": "M", "giga": "G"}
 # symbol: (factor, dimension, word)
@@ -80,7 +78,7 @@ _PLAIN: dict[str, tuple[float, Dimension]] = {
 }
 
 
-_TURNS = {name: (2 * math.pi, NUMBER) for name in ("rev", "turn", "cycle")}
+_TURNS = {name: (2 * math.pi, NUMBER) for name in ("rev", "revs", "turn", "cycle")}
 """Words that are units in brackets ("z [rev]") and in compounds ("rev/s") only: "z, rev" is a direction."""
 _OF_ANGLE = frozenset({"deg", "degree", "°", "rpm", "RPM", "rps", "dps", *_TURNS})
 
@@ -157,7 +155,9 @@ def _normal(text: str) -> str:
     text = plain_micro(text.strip()).replace("**", "^").replace("⁻", "-")
     for raised, digit in zip("¹²³⁴⁵⁶", "123456", strict=True):
         text = text.replace(raised, digit)
-    text = re.sub(r"(?<=[^\W\d_])\.(?=[^\W\d_])|(?<=N)-(?=c?m\b)", "*", text)  # "N.m", "kg.m^2", "N-m"
+    text = re.sub(r"(?<=N)-(?=[cm]?m\b)", "*", text)  # "N-m"
+    if all(re.match(r"[^\W\d]+", part) and part.rstrip("^-0123456789") in _simple_units() for part in text.split(".")):
+        text = text.replace(".", "*")  # "N.m", "rad.s-1", not "a.u"
     text = re.sub(r"\s*([*/·⋅×])\s*", r"\1", text)
     return re.sub(r"[·⋅×\s]+", "*", text)
 
@@ -171,12 +171,7 @@ def factor_of(name: str | None) -> float:
 def hertz_of(name: str | None) -> float:
     """Hz per unit of a column of frequencies; a rate of turning (rad/s, rpm) is 2π times as large."""
     found = find_unit(name) if name else None
-    return 1.0 if found is None else found.factor / _turn(found)
-
-
-def _turn(unit: Unit) -> float:
-    """By how much a rate of turning is larger than the frequency that it means; 1 of other units."""
-    return 2 * math.pi if unit.angle == 1 and unit.dimension in _RATES else 1.0
+    return 1.0 if found is None else found.factor / (2 * math.pi if found.angle == 1 else 1.0)
 
 
 @cache
@@ -250,8 +245,7 @@ def base_unit(dimension: Dimension) -> str:
 
 
 def to_si(value: float, name: str, dimension: Dimension | None = None, *, where: str = "") -> float:
-    """A value in the unit `name`, as a plain SI float; a `UserError` if the unit has another dimension. Where a
-    frequency is asked, "3000 rpm" are 50 Hz."""
+    """A value in the unit `name`, as a plain SI float; a `UserError` if the unit has another dimension."""
     found = unit(name, where=where)
     if dimension is not None and found.dimension != dimension:
         raise UserError(
@@ -259,7 +253,7 @@ def to_si(value: float, name: str, dimension: Dimension | None = None, *, where:
             where=where,
             do=f"give it in {base_unit(dimension)} or a multiple of it",
         )
-    converted = float(value) * found.factor / (_turn(found) if dimension is not None else 1.0)
+    converted = float(value) * found.factor
     if not math.isfinite(converted):
         raise UserError(f"{value} {name} is not a finite number", where=where, do="correct the number")
     return converted
@@ -283,6 +277,12 @@ def parse_quantity(text: str, dimension: Dimension | None = None, *, where: str 
         usual = {MASS: "mg", LENGTH: "um", TIME: "ms", PRESSURE: "MPa"}.get(dimension, base_unit(dimension))
         raise UserError(f'"{text}" has no unit', where=where, do=f'write for example "{number} {usual}"')
     return to_si(float(number), name or "1", dimension, where=where)
+
+
+def parse_frequency(text: str, *, where: str = "") -> float:
+    """A frequency of what oscillates or is sampled, Hz: "317 Hz", "3000 rpm", which are 50 Hz."""
+    value, match = parse_quantity(text, FREQUENCY, where=where), _QUANTITY.fullmatch(text)
+    return value * hertz_of(match[2]) / factor_of(match[2]) if match else value
 
 
 _SHOWN = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p"))

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import UserError
-from ..units import FREQUENCY, Dimension, factor_of, parse_quantity
+from ..units import Dimension, factor_of, parse_frequency, parse_quantity
 from .guess import time_column
 from .spec import RecordSpec
 from .tables.amplitude_unit import TO_PEAK, split_convention
@@ -39,7 +39,7 @@ def parse_sine(text: str, kind: Dimension | None, where: str) -> tuple[float, fl
         raise UserError(f'"{text}" is no drive', where=where, do=do)
     level, convention = split_convention(match[1])
     amplitude = TO_PEAK[convention] * parse_quantity(level, kind, where=where)
-    frequency = parse_quantity(match[2], FREQUENCY, where=where)
+    frequency = parse_frequency(match[2], where=where)
     if not (amplitude > 0 and frequency > 0):
         raise UserError(f'"{text}" has no positive amplitude and frequency', where=where, do="correct the numbers")
     return amplitude, frequency
@@ -76,9 +76,11 @@ def drive_column(drive: Table, named: str | int | None) -> Column:
 
 
 def beside(table: Table, drive: Column, units: Mapping[str, str]) -> Table:
-    """The table of a response with the column of another file as its drive, in the unit that is told of it."""
-    header = next((name for name in units if drive.is_called(name)), drive.header)
-    unit = units.get("drive", units.get(header, drive.unit))
+    """The table of a response with the column of another file as its drive, in the unit that is told of it; a name that
+    a column of the response's has too is that column's."""
+    told = [name for name in units if drive.is_called(name) and not any(c.is_called(name) for c in table.columns)]
+    header = next(iter(told), drive.header)
+    unit = units.get("drive", units[header] if told else drive.unit)
     header = "drive" if any(c.is_called(header) for c in table.columns) else header
     drive = replace(drive, header=header, stem="drive", unit=unit, position=len(table.columns) + 1)
     return replace(table, columns=(*(c for c in table.columns if c.stem.lower() != "drive"), drive))

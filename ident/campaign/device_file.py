@@ -18,6 +18,7 @@ from ..units import (
     base_unit,
     find_unit,
     kept_unit,
+    parse_frequency,
     parse_quantity,
 )
 from .device import Device, Oscillator, Platform
@@ -25,6 +26,7 @@ from .document import Section, read_document, shown
 from .record import Measures
 from .tables.columns import rate_of
 from .tables.opening import exists
+from .tables.table import signal_unit
 
 _DIMENSIONS = {
     "silicon_modulus": PRESSURE,
@@ -93,6 +95,8 @@ def parse_device(section: Section) -> Device:
 
 
 def _number(section: Section, key: str, value: Any, dimension: tuple[int, ...], example: str) -> float:
+    if isinstance(value, str) and dimension == FREQUENCY:
+        return parse_frequency(value, where=section.where(key))
     if isinstance(value, str):
         return parse_quantity(value, dimension, where=section.where(key))  # type: ignore[arg-type]
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
@@ -127,7 +131,7 @@ def _beam_end(section: Section) -> tuple[float, float]:
 def _oscillator(section: Section) -> Oscillator:
     """An oscillator; a unit that the table does not give is "" until the columns of its records tell it."""
     limits: dict[str, float | None] = {}
-    told = {key: section.text(key) for key in ("output", "input")}
+    told = {key: signal_unit(section.text(key), "") or "" for key in ("output", "input")}  # g, of the Earth
     units = {key: own_base_unit(section, key, name) if key in section.values else "" for key, name in told.items()}
     for key in ("max_voltage", "max_frequency"):
         value = section.get(key, (str, int, float), 'a number with its unit ("10 V")')

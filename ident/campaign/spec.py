@@ -258,7 +258,9 @@ def _columns(section: Section, kind: str) -> dict[str, str | int]:
         if value is not None:
             found[SWEEP_NAMES.get(role, role) if kind == "sweep" else role] = value
     table.check_keys()
-    own = [value for role, value in found.items() if not (role == "drive" and "drive_file" in section.values)]
+    own = [
+        value for role, value in found.items() if not (role in ("drive", "level") and "drive_file" in section.values)
+    ]
     if len(set(own)) < len(own):
         do = "each role needs a column of its own"
         raise section.error("columns", f"{shown(dict(found))} names one column twice", do)

@@ -10,7 +10,7 @@ import numpy as np
 from ..campaign.tables.table import is_number
 from ..errors import UserError
 from ..model import FREQUENCY, QUALITY, Model
-from ..units import parse_quantity, unit
+from ..units import parse_frequency, parse_quantity, unit
 from .access import position
 
 
@@ -25,7 +25,10 @@ def changed_values(model: Model, values: np.ndarray, changes: Mapping[str, float
         index = position([p.name for p in model.parameters], name)
         parameter = model.parameters[index]
         if isinstance(told, str) and not is_number(told):
-            value = parse_quantity(told, unit(units[index]).dimension, where=name)
+            if units[index] == "Hz":
+                value = parse_frequency(told, where=name)
+            else:
+                value = parse_quantity(told, unit(units[index]).dimension, where=name)
         elif isinstance(told, (str, int, float, np.number)):
             value = float(told)
         else:

@@ -79,3 +79,22 @@ def test_half_a_peak_to_peak_value_of_a_rate_is_none_of_the_displacement(tmp_pat
     _write(tmp_path / "a.csv", "amplitude (mm/s)", 1, 1e3)
     with pytest.raises(UserError, match="does not tell that of the displacement"):
         read_campaign(tmp_path / "a.csv", quantity="half-peak-to-peak")
+
+
+def test_an_output_in_g_is_an_acceleration(tmp_path):
+    """Of the Earth: nobody reads grams."""
+    _write(tmp_path / "a.csv", "amplitude (g)", 2, 1 / 9.80665)
+    (tmp_path / "campaign.toml").write_text(
+        'device = { kind = "oscillator", output = "g", input = "N" }\n\n[[record]]\nfile = "a.csv"\n'
+    )
+    campaign = read_campaign(tmp_path)
+    assert campaign.device.output == "m"  # type: ignore[union-attr]
+    np.testing.assert_allclose(campaign.sweeps[0].amplitude[40], np.abs(DISPLACEMENT[40]), rtol=10 * NOISE)
+
+
+def test_a_platform_moves_no_metres(tmp_path):
+    _write(tmp_path / "a.csv", "amplitude (m/s)", 1)
+    (tmp_path / "campaign.toml").write_text('[[record]]\nfile = "a.csv"\nmeasures = "velocity"\n'
+                                            'columns = { level = "drive" }\nunits = { level = "V" }\n')  # fmt: skip
+    with pytest.raises(UserError, match="cannot be right for a platform"):
+        read_campaign(tmp_path)

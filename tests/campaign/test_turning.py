@@ -7,7 +7,7 @@ import pytest
 
 from ident.campaign import Oscillator, Platform, read_campaign
 from ident.errors import UserError
-from ident.units import FREQUENCY, find_unit, hertz_of, kept_unit, parse_quantity
+from ident.units import find_unit, hertz_of, kept_unit, parse_frequency
 from tests.campaign.strangers import DRIVE, RESPONSE, TIME, rows
 
 
@@ -53,7 +53,7 @@ def test_a_rate_of_turning_of_an_angle_is_told_what_to_write(tmp_path):
 def test_turns_are_counted_wherever_a_frequency_is_asked(unit, hertz):
     """A unit of turns is one by its radian, however it is written: that decides whether 2π is in it."""
     assert hertz_of(unit) == pytest.approx(hertz, rel=1e-12)
-    assert parse_quantity(f"30 {unit}", FREQUENCY) == pytest.approx(30 * hertz, rel=1e-12)
+    assert parse_frequency(f"30 {unit}") == pytest.approx(30 * hertz, rel=1e-12)
     assert kept_unit(unit) == ("Hz" if unit in ("Hz", "1/min") else "rad/s")
 
 
@@ -82,3 +82,27 @@ def test_a_drive_file_of_another_recorder(tmp_path):
     assert read.device.input == "A"  # type: ignore[union-attr]
     np.testing.assert_allclose(read.traces[0].drive, 1e3 * DRIVE, atol=2e-5)
     np.testing.assert_allclose(read.traces[0].response, 1e-3 * RESPONSE, atol=2e-8)
+    (tmp_path / "u.csv").write_text("time_s,CH1 (mA)\n" + rows(TIME, 1e3 * DRIVE))
+    campaign.write_text(
+        'device = { kind = "oscillator", output = "m", input = "A" }\n\n[[record]]\nfile = "z.csv"\n'
+        'drive_file = "u.csv"\ncolumns = { drive = "CH1", response = "CH1" }\nunits = { CH1 = "mm" }\n'
+    )
+    read = read_campaign(tmp_path)  # the name is that of the response's column
+    np.testing.assert_allclose(read.traces[0].drive, DRIVE, atol=2e-5)
+    np.testing.assert_allclose(read.traces[0].response, 1e-3 * RESPONSE, atol=2e-8)
+
+
+def test_a_noise_or_a_level_of_turning_is_one_of_the_column(tmp_path):
+    """They had been taken for frequencies, 6.28 times too small, and the column had not."""
+    (tmp_path / "a.csv").write_text("t_s,i_A,speed (rad/s)\n" + rows(TIME, DRIVE, RESPONSE))
+    (tmp_path / "campaign.toml").write_text(
+        'device = { kind = "oscillator", output = "rad", input = "A" }\n\n'
+        '[[record]]\nfile = "a.csv"\nmeasures = "velocity"\nnoise = "0.01 rad/s"\n'
+    )
+    assert read_campaign(tmp_path).traces[0].noise.sigma == pytest.approx(0.01, rel=1e-12)
+    (tmp_path / "campaign.toml").write_text(
+        'device = { kind = "oscillator", output = "rad", input = "rad/s" }\n\n'
+        '[[record]]\nfile = "b.csv"\nmeasures = "velocity"\ndrive = "sine 3 rad/s 600 rpm"\n'
+    )
+    (tmp_path / "b.csv").write_text("t_s,speed (rad/s)\n" + rows(TIME, RESPONSE))
+    assert np.max(read_campaign(tmp_path).traces[0].drive) == pytest.approx(3.0, rel=0.1)

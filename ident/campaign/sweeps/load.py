@@ -12,7 +12,6 @@ from ...errors import UserError
 from ...units import NUMBER, find_unit, hertz_of, parse_quantity
 from ..channel import channel_of, own_units, plausible_noise
 from ..device import Device, Oscillator
-from ..quality.checks import PLATFORM_TRAVEL
 from ..record import SAME_LEVEL, Channel, NoiseFloor, Sweep, same_level
 from ..spec import HARMONICS, SWEEP_NAMES, RecordSpec, signal_units
 from ..tables.amplitude_unit import TO_PEAK, AmplitudeUnit, split_convention
@@ -22,7 +21,7 @@ from .direction import directions, turned_by_jumps
 from .form import curve_form, level_in
 from .noise import sweep_noise
 from .overtones import overtones_of, split_harmonics, with_overtone_noise
-from .rate import measured_by
+from .rate import measured_by, on_a_platform
 
 
 def load_sweep(spec: RecordSpec, table: Table, device: Device) -> tuple[Sweep, list[str]]:
@@ -57,7 +56,7 @@ def load_sweep(spec: RecordSpec, table: Table, device: Device) -> tuple[Sweep, l
     drive_channel, level = _level(spec, columns.get("level"), roles, drive_unit, len(frequency), form, notes)
     response_channel, amplitude = _amplitude(columns["amplitude"], roles, response_unit, level, device, notes)
     if not isinstance(device, Oscillator) and measures == "displacement":
-        _on_a_platform(columns["amplitude"], amplitude)
+        on_a_platform(f'{spec.file}, column "{columns["amplitude"].header}"', amplitude)
     if np.ptp(frequency) == 0:
         raise UserError("all points have one frequency", where=spec.file, do="is the frequency column the right one?")
     up = directions(spec, columns.get("direction"), frequency, level, notes)
@@ -190,15 +189,6 @@ def _amplitude(
         do = "is the amplitude column the right one?"
         raise UserError("all amplitudes are zero", where=f'{column.file}, column "{column.header}"', do=do)
     return channel, amplitude
-
-
-def _on_a_platform(column: Column, amplitude: np.ndarray) -> None:
-    if np.max(amplitude) > PLATFORM_TRAVEL:
-        raise UserError(
-            f"an amplitude of {np.max(amplitude):.3g} m cannot be right for a platform",
-            where=f'{column.file}, column "{column.header}"',
-            do='state its unit, in the header or with units = { amplitude = "um" }',
-        )
 
 
 def _not_negative(column: Column, numbers: np.ndarray) -> None:

@@ -13,7 +13,8 @@ import numpy as np
 
 from ...errors import UserError
 from ...units import VOLTAGE, find_unit, format_quantity
-from ..device import Device
+from ..device import Device, Oscillator
+from ..quality.checks import PLATFORM_TRAVEL
 from ..record import MEASURES, Channel, Measures, Record, Sweep
 from ..spec import RecordSpec, signal_units
 
@@ -35,12 +36,24 @@ def displaced(records: Sequence[Record], specs: Sequence[RecordSpec], device: De
         if isinstance(record, Sweep) and spec.measures != "displacement":
             names.setdefault(spec.measures, []).append(record.name)
             record = _displaced(record, spec, signal_units(device)[1][0])
+            if not isinstance(device, Oscillator):
+                on_a_platform(record.name, record.amplitude)
         found.append(record)
     for measures, own in names.items():
         by = "2πf" if measures == "velocity" else "(2πf)²"
         some = ", ".join(own[:_NAMED]) + (f" and {len(own) - _NAMED} more" if len(own) > _NAMED else "")
         notes.append(f"{some}: amplitudes of {measures}; divided by {by} they are those of the displacement.")
     return found
+
+
+def on_a_platform(where: str, amplitude: np.ndarray) -> None:
+    """A `UserError` for amplitudes, m, that no platform has."""
+    if np.max(amplitude) > PLATFORM_TRAVEL:
+        raise UserError(
+            f"an amplitude of {np.max(amplitude):.3g} m cannot be right for a platform",
+            where=where,
+            do='state its unit, in the header or with units = { amplitude = "um" }',
+        )
 
 
 def _displaced(sweep: Sweep, spec: RecordSpec, unit: str) -> Sweep:

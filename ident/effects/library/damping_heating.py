@@ -16,8 +16,9 @@ class DampingHeating(Heated):
 
     τ q̇_V = V² − q_V is the warmth by what the drive brings in, τ q̇_v = e^(−s q_v) ż² − q_v that by what damping turns
     to heat, with one time of cooling τ. Oil thins by 2-5 %/K and rubber loses less as it warms (w < 0); gas grows more
-    viscous (w > 0). s refines the law: with Reynolds's law of viscosity the damping falls exponentially, and as it
-    falls it turns less to heat. Where τ is as long as a record, q at one level is a drift; where it is far shorter,
+    viscous (w > 0). s refines the law: by Reynolds's law of viscosity oil thins exponentially (w_v = −s c of a damper
+    that has c when cold), and as it thins it turns less to heat. With s < 0 it turns more to heat as it warms, and runs
+    away beyond s q_v = −1/e. Where τ is as long as a record, q at one level is a drift; where it is far shorter,
     damping that follows the squared amplitude.
     """
 
@@ -33,7 +34,7 @@ class DampingHeating(Heated):
 
     by_drive = amplitude("N*s/m/V^2", "damping per mean square of the drive, w_V")
     by_motion = amplitude("N*s^3/m^3", "damping per mean square of the velocity, w_v")
-    fading = shape("s^2/m^2", "how soon that levels off, s", grid=(-1.0, 0.0, 2.0), limits=(-4.0, 60.0),
+    fading = shape("s^2/m^2", "how soon that levels off, s", grid=(-0.4, 0.0, 2.0), limits=(-0.7, 60.0),
                    scale="per_squared_velocity", positive=False, refines=True)  # fmt: skip
 
     def force(self, state: State, drive: Drive, t: Scalar) -> Scalar:
