@@ -147,7 +147,7 @@ def _told_by_another(found: Differing, look: Look) -> bool:
         one = fit(found.fit.model, look.regression.fit.campaign, initial=found.fit.values)
         for name in set(look.regression.fit.model.names) - set(one.model.names):  # the common zero
             one = add(one, name, others=0)
-        tried = Look(prepare(one), look.first, look.library, look.report).tried
+        tried = Look(prepare(one), look.first, look.library, look.report, answered=True).tried
     except Diverged:
         return False
     told = [Left(one.left, one.numbers + histories(one.candidate.name, look)) for one in tried if one.possible]
