@@ -60,13 +60,6 @@ _PREFIXED: dict[str, tuple[float, Dimension, str]] = {
 _PLAIN: dict[str, tuple[float, Dimension]] = {
     "1": (1.0, NUMBER),
     "%": (1e-2, NUMBER),
-    "deg": (math.pi / 180, NUMBER),
-    "degree": (math.pi / 180, NUMBER),
-    "°": (math.pi / 180, NUMBER),
-    "rpm": (math.pi / 30, FREQUENCY),
-    "RPM": (math.pi / 30, FREQUENCY),
-    "rps": (2 * math.pi, FREQUENCY),
-    "dps": (math.pi / 180, FREQUENCY),
     "K": (1.0, _dimension(kelvin=1)),
     "F": (1.0, _dimension(-2, -1, 4, 2)),
     "min": (60.0, TIME),
@@ -78,9 +71,15 @@ _PLAIN: dict[str, tuple[float, Dimension]] = {
 }
 
 
-_TURNS = {name: (2 * math.pi, NUMBER) for name in ("rev", "revs", "turn", "cycle")}
+_DEGREE, _TURN = math.pi / 180, 2 * math.pi
+_TURNING: dict[str, tuple[float, Dimension]] = {  # of which each is one of the radian
+    **dict.fromkeys(("deg", "degree", "°"), (_DEGREE, NUMBER)),
+    **dict.fromkeys(("rpm", "RPM"), (_TURN / 60, FREQUENCY)),
+    "rps": (_TURN, FREQUENCY),
+    "dps": (_DEGREE, FREQUENCY),
+}
+_TURNS = ("rev", "revs", "turn", "cycle")
 """Words that are units in brackets ("z [rev]") and in compounds ("rev/s") only: "z, rev" is a direction."""
-_OF_ANGLE = frozenset({"deg", "degree", "°", "rpm", "RPM", "rps", "dps", *_TURNS})
 
 
 @dataclass(frozen=True)
@@ -96,7 +95,7 @@ class Unit:
 
 @cache
 def _simple_units() -> dict[str, tuple[float, Dimension, int]]:
-    units = {name: (*told, int(name in _OF_ANGLE)) for name, told in _PLAIN.items()}
+    units = {name: (*told, angle) for angle, table in enumerate((_PLAIN, _TURNING)) for name, told in table.items()}
     for symbol, (factor, dimension, word) in _PREFIXED.items():
         angle = int(symbol == "rad")
         units[symbol] = units[word] = (factor, dimension, angle)
@@ -123,7 +122,7 @@ def _one(name: str, rare: bool, compound: bool) -> tuple[float, Dimension, int] 
         if form in units:
             return units[form]
         if (rare or compound) and form in _TURNS:
-            return (*_TURNS[form], 1)
+            return _TURN, NUMBER, 1
     if not rare or not re.fullmatch(r"[A-Za-zΩÅ_]{1,30}", name):
         return None
     import pint

@@ -258,9 +258,8 @@ def _columns(section: Section, kind: str) -> dict[str, str | int]:
         if value is not None:
             found[SWEEP_NAMES.get(role, role) if kind == "sweep" else role] = value
     table.check_keys()
-    own = [
-        value for role, value in found.items() if not (role in ("drive", "level") and "drive_file" in section.values)
-    ]
+    elsewhere = ("drive", "level") if "drive_file" in section.values else ()
+    own = [value for role, value in found.items() if role not in elsewhere]
     if len(set(own)) < len(own):
         do = "each role needs a column of its own"
         raise section.error("columns", f"{shown(dict(found))} names one column twice", do)
